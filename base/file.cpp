@@ -55,7 +55,7 @@ std::string files_in_words(const std::filesystem::path& folder) {
   const std::string first = (folder / names.front()).string();
   const std::size_t more = names.size() - std::min(names.size(), kShown);
   names.resize(names.size() - more);
-  return fmt::format("; it holds {}{}: give a file, as in {}", fmt::join(names, ", "),
+  return fmt::format("; it contains {}{}: give a file, as in {}", fmt::join(names, ", "),
                      more > 0 ? fmt::format(" and {} more", more) : "", first);
 }
 
@@ -242,7 +242,7 @@ Result<void> unless_there(const std::vector<std::string>& files, const std::vect
                           std::string_view instead) {
   for (const std::string& file : files)
     if (would_overwrite(file, own))
-      return problem(ProblemKind::usage, fmt::format("{} exists already: {}", file, instead));
+      return problem(ProblemKind::usage, fmt::format("{} already exists: {}", file, instead));
   return {};
 }
 

@@ -31,7 +31,7 @@ constexpr std::array<KindWords, 22> kWords{{
     {"model", "an error model", "ecs model diagnose {} DATA"},
     {"error map", "an error map", "ecs map show {}"},
     {"parameters", "a parameter file", "ecs params show {}"},
-    {"machine", "a machine file", "where a verb takes one it is given as --machine {}"},
+    {"machine", "a machine file", "verbs that use one accept it as --machine {}"},
     {"memory of a unit", "the memory of a unit", "ecs memory show {}"},
     {"datum sequence", "a datum sequence", "ecs utility datum show {}"},
     {"state of a unit", "the saved state of a unit", "ecs utility status --from {}"},

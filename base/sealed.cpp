@@ -53,11 +53,11 @@ Result<std::string> unsealed(std::string_view sealed_text, const std::string& fi
   std::size_t length = packed.size();
   if (base64_decode_update(&context, &length, packed.data(), coded.size(), coded.data()) != 1 ||
       base64_decode_final(&context) != 1)
-    return refused(3, "found what is no base64");
+    return refused(3, "found text that is not base64");
   std::string text(size, '\0');
   uLongf got = size;
   if (uncompress(reinterpret_cast<Bytef*>(text.data()), &got, packed.data(), length) != Z_OK || got != size)
-    return refused(3, "found it changed or cut short");
+    return refused(3, "found it changed or truncated");
   return text;
 }
 

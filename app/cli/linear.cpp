@@ -21,7 +21,7 @@ class LineDialogue {
       : program_(program), run_(run), in_(in), out_(out) {}
 
   int run() {
-    say("Each menu is a list of numbers. A number chooses, an empty line goes back, q leaves.");
+    say("Each menu is a numbered list. Type a number to choose, an empty line to go back, q to quit.");
     choose("");
     return code_;
   }
@@ -84,7 +84,7 @@ class LineDialogue {
     const auto given = answer(question_for(argument));
     if (!given) return false;
     if (given->empty()) {
-      if (argument.required) say("needed: back to the menu");
+      if (argument.required) say("a value is required: back to the menu");
       return !argument.required;
     }
     if (argument.flag) {
@@ -106,7 +106,7 @@ class LineDialogue {
     const auto asked_always = [](const ShownArgument& argument) { return argument.required || argument.by_place; };
     for (const ShownArgument& argument : verb.arguments)
       if (asked_always(argument) && !take(argument, words)) return;
-    const auto more = answer("options too? y asks for each of them; empty: run");
+    const auto more = answer("set options too? y: ask for each of them; empty: run");
     if (!more) return;
     if (lower(*more) == "y" || lower(*more) == "yes")
       for (const ShownArgument& argument : verb.arguments)

@@ -25,8 +25,8 @@ namespace {
 
 /// What every menu and verb takes.
 cli::Shared shared_by_all(VerbContext& context) {
-  return {{{"--json", &context.console.json, "the answer as one JSON object on stdout"},
-           {"--quiet", &context.console.quiet, "no notes and no progress bar"}},
+  return {{{"--json", &context.console.json, "write the answer as one JSON object to stdout"},
+           {"--quiet", &context.console.quiet, "suppress notes and the progress bar"}},
           &context.link_option,
           &context.arm_code};
 }
@@ -174,10 +174,9 @@ std::string whole_help(const Registry& registry, const std::string& help) {
   const std::size_t usage = std::min(help.find("Usage:"), help.size());
   const std::size_t menus = std::min(help.find("\nSubcommands:"), help.size());
   return fmt::format(
-      "{}\n\n{}\n`ecs` alone opens the screens; `ecs FILE...` opens the files there: a model with its measurements, "
-      "an\n"
-      "error map, parameters, a dump; `ecs --linear` asks line by line, for screen readers and teletypes. `ecs VERB\n"
-      "--help` explains a verb.\n{}",
+      "{}\n\n{}\n`ecs` without arguments opens the screens. `ecs FILE...` opens files in the screens: a model with "
+      "its\nmeasurements, an error map, parameters, a dump. `ecs --linear` asks line by line, for screen readers "
+      "and\nteletypes. `ecs VERB --help` explains a verb.\n{}",
       kProgramHelp, help.substr(usage, menus - usage), verbs_overview(registry));
 }
 

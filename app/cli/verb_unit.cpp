@@ -28,7 +28,7 @@ Result<UnitLink> open_unit(VerbContext& context) {
 }
 
 void ask_to_reference(VerbContext& context, const UnitLink& unit, std::string_view axes) {
-  context.console.note(fmt::format("reference {} of the machine now: the unit watches", axes));
+  context.console.note(fmt::format("reference {} at the control now; the unit is waiting", axes));
   if (unit.workshop().empty()) return;
   const auto emulator = emulator_program();
   context.console.note("from another terminal: " + shell_command({emulator ? emulator->string() : "ecs-emulator",
@@ -45,7 +45,7 @@ protocol::ProgressCallback progress_bar(VerbContext& context, std::string label)
 
 Result<void> confirmed(bool yes, std::string_view what_happens) {
   if (yes) return {};
-  return problem(ProblemKind::usage, fmt::format("{}: give --yes if that is meant", what_happens));
+  return problem(ProblemKind::usage, fmt::format("{}: give --yes to confirm", what_happens));
 }
 
 Result<Axis> axis_named(std::string_view text) {

@@ -204,7 +204,7 @@ constexpr double kDrawingLimit_s = 60.0;
 
 Result<std::string> drawn(const std::string& script) {
   return output_of({"gnuplot", "-d"}, script,
-                   {"gnuplot", "plots need it: install the package gnuplot-nox", kDrawingLimit_s});
+                   {"gnuplot", "it is required for plots: install the package gnuplot-nox", kDrawingLimit_s});
 }
 
 }  // namespace

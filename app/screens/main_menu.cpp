@@ -118,7 +118,7 @@ Choices parameters_choices(const Connection& connection) {
            [connection] { return std::make_unique<ParametersScreen>(connection); }}};
 }
 Choices laser_choices(const Connection& connection) {
-  return {{"FROM FILES TO THE MAP", "files, what is left out, slope, ISO 230, map, header, send, verify",
+  return {{"FROM FILES TO THE MAP", "files, exclusions, slope, ISO 230-2, map, header, send, verify",
            [connection] { return std::make_unique<LaserScreen>(connection); }}};
 }
 Choices memory_choices(const Connection& connection) {
@@ -126,18 +126,18 @@ Choices memory_choices(const Connection& connection) {
            [connection] { return std::make_unique<MemoryScreen>(connection); }}};
 }
 Choices model_choices(const Connection& connection) {
-  return {{"MODEL SCREEN", "curves, what is missing, add it, watch the error fall, the map to the unit",
+  return {{"MODEL SCREEN", "curves, missing effects, adding them, the map to the unit",
            [connection] { return model_form(connection); }}};
 }
 
 /// In the order of figure 5.4; ON LINE MONITOR, LINK and LOG are screens without a menu.
 const std::vector<TopMenu>& top_menus() {
   static const std::vector<TopMenu> menus{
-      {"E.C.S. PARAMETERS", "what the unit must know of its machine", parameters_choices},
+      {"E.C.S. PARAMETERS", "data of the machine that the unit needs", parameters_choices},
       {"PROCESS LASER DATA", "from laser files to the error map in the unit", laser_choices},
       {"ECS UTILITY", "positions, outputs, datum sequences, status, faults", utility_choices},
-      {"MEMORY ACCESS", "the unit's memory, byte by byte and by its meaning", memory_choices},
-      {"MODEL", "the error model beside measurements: what is missing", model_choices},
+      {"MEMORY ACCESS", "the unit's memory as bytes and as named fields", memory_choices},
+      {"MODEL", "the error model and measurements: missing effects", model_choices},
       {"MORE", "report, tables for other controls, many units, doctor", [](const Connection&) { return Choices{}; }},
   };
   return menus;
@@ -165,7 +165,7 @@ std::unique_ptr<Screen> menu_of(const TopMenu& menu, const Connection& connectio
       menu.name,
       std::string(menu.name) + ": " + menu.help +
           ". Entries in capitals are screens; the others are verbs of `ecs` with their options as fields. A verb that "
-          "a screen does is listed only when / finds it.",
+          "a screen also performs is listed only in the results of /.",
       with_synonyms(std::move(choices)));
 }
 
@@ -184,34 +184,34 @@ Choices all_choices(const Connection& connection) {
   Choices choices;
   for (const TopMenu& menu : top_menus())
     choices.push_back({menu.name, menu.help, [menu, connection] { return menu_of(menu, connection); }});
-  choices.insert(choices.begin() + 1, {"ON LINE MONITOR", "what the unit sees of its axes, as it happens",
+  choices.insert(choices.begin() + 1, {"ON LINE MONITOR", "live positions and signals of the axes",
                                        [connection] { return monitor_screen(connection); }});
   for (MenuChoice& form : form_choices(connection)) choices.insert(choices.end() - 1, std::move(form));
   for (const Module* module : modules())
     for (const ScreenEntry& screen : module->screens)
       choices.insert(choices.end() - 1,
                      {screen.name, screen.help, [open = screen.open, connection] { return open(connection); }});
-  choices.insert(choices.end() - 1, {"LINK", "port, speed, unit number; a doctor; statistics",
+  choices.insert(choices.end() - 1, {"LINK", "port, speed, unit number; link test; statistics",
                                      [connection] { return link_screen(connection); }});
   choices.insert(choices.end() - 1,
-                 {"LOG", "messages of the screens, errors whole, to copy", [] { return log_screen(); }});
-  choices.push_back({"COMMANDS", "what was done here as commands of ecs, to copy, to save as a script (F6)",
+                 {"LOG", "messages of the screens, errors in full, to copy", [] { return log_screen(); }});
+  choices.push_back({"COMMANDS", "the actions so far as commands of ecs, to copy or save as a script (F6)",
                      [] { return commands_screen(); }, true});
   add_sought(choices, connection);
   return with_synonyms(std::move(choices));
 }
 
 constexpr const char* kFindHelp =
-    "Type a part of the name of a screen or command, or a word of the trade (jog, relay, integration): names come "
-    "first, then such words, then descriptions.";
+    "Type a part of the name of a screen or command, or a technical term (jog, relay, integration). Names are listed "
+    "first, then terms, then descriptions.";
 
 }  // namespace
 
 std::unique_ptr<Screen> main_menu(const Connection& connection) {
   return std::make_unique<MenuScreen>(
       "ECS",
-      "The menus of the integration software (thesis figure 5.4), then every action by its name: type / and a part of "
-      "it; F3 does the same on every screen. The same actions exist as verbs for scripts: `ecs --help`.",
+      "The menus of the integration software (thesis figure 5.4). To find an action by name, type / and a part of the "
+      "name; F3 does the same on every screen. The same actions exist as verbs for scripts: `ecs --help`.",
       all_choices(connection));
 }
 

@@ -81,7 +81,8 @@ std::unique_ptr<Screen> screen_for_files(const std::vector<std::string>& paths,
   if (has(FileKind::datum_record)) return datum_view_screen(std::nullopt, first_of(files, FileKind::datum_record));
   if (has(FileKind::status)) return status_screen(connection, first_of(files, FileKind::status));
   log_event(Tone::bad,
-            fmt::format("{}: no screen works with it; laser import --help says what can be read", paths.front()));
+            fmt::format("{}: no screen uses this file; `ecs laser import --help` lists the formats that can be read",
+                        paths.front()));
   return nullptr;
 }
 

@@ -283,7 +283,7 @@ void draw_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const 
   Scale scale;
   scale.x = seen_x(panel, view);
   if (scale.x.empty()) {
-    canvas.text(area, 2, 2, "nothing measured yet", Tone::faint);
+    canvas.text(area, 2, 2, "no measurement yet", Tone::faint);
     return;
   }
   scale.y = seen_y(panel, view, scale.x);

@@ -103,7 +103,7 @@ void MenuScreen::draw(Canvas& canvas, const Area& area) const {
     const int room = inside.columns - 4 - std::max(names, width_of(choices_[k].name));
     rows.push_back({fmt::format("{:<{}}  {}", choices_[k].name, names, shortened(choices_[k].help, room))});
   }
-  if (rows.empty()) canvas.text(inside, row, 2, "nothing has that in its name or description", Tone::warning);
+  if (rows.empty()) canvas.text(inside, row, 2, "no name or description contains this", Tone::warning);
   constexpr int kHelpRows = 3;  // the whole help of the entry under the cursor
   draw_list(canvas, {inside.row + row, inside.column, inside.rows - row - kHelpRows, inside.columns}, rows, place_);
   if (list.empty()) return;

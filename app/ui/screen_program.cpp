@@ -24,36 +24,35 @@ struct GlossaryRow {
 };
 
 constexpr GlossaryRow kGlossary[] = {
-    {"alias", "another period that the same targets cannot tell from the one found"},
+    {"alias", "another period that the same targets cannot distinguish from the one found"},
     {"approach", "the direction in which the axis last moved: forward (up) or reverse (down)"},
-    {"armed|arm code", "the unit takes writes and commands of this host; its code, which it shows, is needed for that"},
-    {"commit", "the step that makes a map sent completely the active one; before it the old map stays"},
+    {"armed|arm code", "the unit accepts writes and commands from this host, after its code has been entered"},
+    {"commit", "the step that makes a completely sent map active; until then the old map stays active"},
     {"compensation mode|compensating|compensation",
-     "the unit adds the map's values to the feedback, in every period of its loop; it takes no writes"},
+     "the unit adds the map's values to the feedback in every period of its loop; it refuses writes"},
     {"datum|datuming", "finding the machine's zero: switch, then marker, while the control references the axis"},
     {"deadband", "travel in the new direction after which the approach counts as changed"},
-    {"dead path", "laser path that is there before the reading is set to zero; its air is not corrected"},
-    {"diagnosis|diagnose", "the search for what the model lacks, with proof"},
-    {"held out|held-out",
-     "checked on readings that were kept out of the fit: an effect that is not real does not help there"},
+    {"dead path", "laser path that exists before the reading is set to zero; its air is not corrected"},
+    {"diagnosis|diagnose", "the search for effects that the model lacks, with evidence"},
+    {"held out|held-out", "readings that were not used for the fit and therefore test it"},
     {"integration mode|integration|integrating",
-     "the unit is set up: it takes parameters, maps and commands, and compensates nothing; relays are open"},
-    {"lack of fit", "whether the model misses more than the scatter of repeated readings explains"},
+     "the unit accepts parameters, maps and commands; relays are open and nothing is compensated"},
+    {"lack of fit", "residual of the means that is larger than the scatter of repeated readings explains (F test)"},
     {"marker", "the index pulse of the transducer, once a revolution or at one place; with the switch it is the datum"},
-    {"parked", "where the other axes stood while one was measured: angles act by the distance to that place"},
-    {"pitch", "travel per turn of a screw, or distance of the lines of a scale: errors repeat with it"},
+    {"parked", "position of the other axes while one was measured: angles act by the distance to it"},
+    {"pitch", "travel per turn of a screw, or distance between the lines of a scale: errors repeat with it"},
     {"referenced", "the axis has found its datum since power-up: its positions are true machine coordinates"},
     {"relay", "connects the unit's output with the control's feedback; open: the unit cannot act on the machine"},
-    {"residual", "what the model leaves of a reading"},
+    {"residual", "reading minus model: the part that the model does not explain"},
     {"reversal error|reversal", "difference of the two approaches at the same target; backlash is one cause"},
-    {"rms", "root of the mean square: the usual size of what is left"},
-    {"rival|rivals", "an effect that these data cannot tell from the one named"},
-    {"scope", "what the unit compensates with: linear (each axis alone), planar or volumetric"},
+    {"rms", "root mean square: the usual size of the residual"},
+    {"rival|rivals", "an effect that these data cannot distinguish from the one named"},
+    {"scope", "the errors that the unit compensates: linear (each axis alone), planar or volumetric"},
     {"sigma", "standard deviation; 1 sigma is the usual scatter of one reading"},
     {"slope", "the part of a curve that is proportional to the position, in um/m"},
-    {"squareness", "how far two axes are from 90 degrees, one number for a pair of axes, in um/m"},
-    {"staging", "the place in the unit where a new map is written beside the active one"},
-    {"tie|tied", "effects that do the same on these data; a further measurement decides"},
+    {"squareness", "deviation of two axes from 90 degrees, one number per pair of axes, in um/m"},
+    {"staging", "the memory in the unit where a new map is written while the old one stays active"},
+    {"tie|tied", "effects with the same contribution on these data; a further measurement decides"},
 };
 
 bool is_letter_of_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
@@ -91,10 +90,10 @@ void Overlay::show_help(const Screen& screen, const std::string& seen) {
   for (const KeyHelp& key : keys) parts_.push_back({key.keys, key.does});
   if (std::none_of(keys.begin(), keys.end(), [](const KeyHelp& key) { return key.keys == "Esc"; }))
     parts_.push_back({"Esc", "back; on the first screen: leave"});
-  parts_.push_back({"F2", "shows whole what ends in ... F2"});
-  parts_.push_back({"F3", "finds any screen or command by its name, here too"});
+  parts_.push_back({"F2", "shows texts that end in ... F2 in full"});
+  parts_.push_back({"F3", "finds any screen or command by its name, also from here"});
   parts_.push_back({"F4", "copies the selected row, or the screen, to your clipboard (OSC 52)"});
-  parts_.push_back({"F6", "COMMANDS: what was done here, as commands of ecs; a script of them"});
+  parts_.push_back({"F6", "COMMANDS: the actions so far as commands of ecs; saves them as a script"});
   parts_.push_back({"Ctrl-L, Ctrl-C", "redraw everything; leave the program"});
   const std::vector<ExplainedWord> words = words_explained_in(seen + " " + screen.help());
   if (!words.empty()) parts_.push_back({"", ""});
@@ -104,7 +103,7 @@ void Overlay::show_help(const Screen& screen, const std::string& seen) {
 void Overlay::show_whole(const std::vector<std::string>& texts) {
   if (texts.empty()) return;
   *this = {};
-  title_ = "whole text (LOG keeps it)";
+  title_ = "full text (also in LOG)";
   const auto known = logged();
   for (const std::string& text : texts) {
     if (!parts_.empty()) parts_.push_back({});
@@ -134,7 +133,7 @@ void Overlay::draw(Canvas& canvas) const {
   page_ = std::max(1, std::min(count, canvas.rows() - 4));
   const Area box{(canvas.rows() - page_ - 2) / 2, 2, page_ + 2, canvas.columns() - 4};
   canvas.fill(box);
-  const std::string ways = count > page_ ? "up, down; Esc goes on" : "any key goes on";
+  const std::string ways = count > page_ ? "up, down; Esc continues" : "any key continues";
   const std::string whole = title_ + "; " + ways;
   canvas.frame(box, width_of(whole) + 5 > box.columns ? ways : whole, Tone::plain);
   const Area inside = box.inside();
@@ -189,8 +188,8 @@ std::string idle_key_words(const Screen& screen, char32_t letter) {
   const std::string key = utf8_of(std::u32string(1, letter));
   for (const KeyHelp& help : screen.keys())
     for (const std::string_view name : split(help.keys, ' '))
-      if (name == key) return fmt::format("{} ({}): there is nothing for it to do now", key, help.does);
-  return fmt::format("{} does nothing here; {} lists the keys", key, screen.typing() ? "F1" : "?");
+      if (name == key) return fmt::format("{} ({}): not possible now", key, help.does);
+  return fmt::format("{} has no function here; {} lists the keys", key, screen.typing() ? "F1" : "?");
 }
 
 namespace {
@@ -246,7 +245,7 @@ void draw_leaving(Canvas& canvas, const std::string& unsaved) {
   draw_question(
       canvas, canvas.whole(),
       {"Leave the program?",
-       unsaved + (drafts_fail() && !unsaved.empty() ? " IT WOULD BE LOST: no draft can be written, see LOG." : ""),
+       unsaved + (drafts_fail() && !unsaved.empty() ? " IT WILL BE LOST: no draft can be written, see LOG." : ""),
        unsaved.empty() ? "or Enter: leave" : "leave", unsaved.empty() ? "stay" : "or Enter: stay"});
   draw_key_line(canvas, key_area(canvas), {kLeavingKeys, {}});
 }
@@ -377,7 +376,7 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Program
       const Canvas canvas = picture_of(screen, "", {}, terminal.canvas(), false);
       std::string text = screen.copied();
       if (text.empty()) text = text_to_copy(canvas, screen_area(canvas));
-      said = terminal.copy(text) ? copied_words(text) : "this terminal takes no copies, or not as much";
+      said = terminal.copy(text) ? copied_words(text) : "this terminal accepts no copies, or not as much";
     } else {
       const bool command = key.name == Key::Name::letter && !screen.typing();
       const std::string before = command ? seen_of(screen, terminal) : std::string();

@@ -13,7 +13,7 @@ struct DoctorRequest {
   bool save = false;
   static Fields<DoctorRequest> fields() {
     using R = DoctorRequest;
-    return {{"--save", &R::save, "store the link, if it works, as the one to use without --link"}};
+    return {{"--save", &R::save, "store the link if it works; it is then used without --link"}};
   }
 };
 
@@ -35,7 +35,7 @@ Result<Outcome> examine(VerbContext& context, const DoctorRequest& request) {
   ECS_TRY(choice, chosen_link(context.link_option));
   context.link_name = to_text(choice);
   if (request.save && context.link_option.empty())
-    return problem(ProblemKind::usage, "doctor --save: give the --link that is to be stored");
+    return problem(ProblemKind::usage, "doctor --save: give the --link to store");
   Diagnosis diagnosis = diagnosis_of(choice, [&context](const std::string& note) { context.console.note(note); });
   if (request.save && diagnosis.works) {
     ECS_DO(store_link(context.link_name));
@@ -59,7 +59,7 @@ Result<Outcome> examine(VerbContext& context, const DoctorRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kDoctor{
-    action("doctor", "why a link does not work, and what to do; reads only",
+    action("doctor", "find out why a link does not work, and how to correct it; reads only",
            "ecs doctor --link rtu:/dev/ttyUSB0:115200\n  ecs doctor --link rtu:/dev/ttyUSB0:115200 --save", examine,
            {.link = Link::reads})};
 

@@ -16,7 +16,8 @@ struct CompletionRequest {
   std::string shell;
   static Fields<CompletionRequest> fields() {
     using R = CompletionRequest;
-    return {{"SHELL", &R::shell, "whose completion", Words{"bash", "zsh", "fish"}, Need::required}};
+    return {
+        {"SHELL", &R::shell, "shell to write the completion script for", Words{"bash", "zsh", "fish"}, Need::required}};
   }
 };
 
@@ -33,8 +34,8 @@ struct ManualRequest {
   bool force = false;
   static Fields<ManualRequest> fields() {
     using R = ManualRequest;
-    return {{"-o,--output", &R::folder, "folder for the pages; made if it is not there", Need::required},
-            {"--force", &R::force, "overwrites pages that are there"}};
+    return {{"-o,--output", &R::folder, "folder for the pages; created if missing", Need::required},
+            {"--force", &R::force, "overwrite existing pages"}};
   }
 };
 
@@ -48,7 +49,7 @@ Result<Outcome> manual(VerbContext& context, const ManualRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kDocuments{
-    action("completion", "completion of verbs and options in a shell, as its script",
+    action("completion", "shell script that completes verbs and options",
            "ecs completion bash > ~/.local/share/bash-completion/completions/ecs", completion),
     action("manual", "a manual page for each verb", "ecs manual -o ~/.local/share/man/man1", manual)};
 

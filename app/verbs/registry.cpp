@@ -48,7 +48,7 @@ Registry core_verbs() {
                     {"map", "PROCESS LASER DATA: error maps"},
                     {"utility", "ECS UTILITY"},
                     {"utility datum", "datum sequences: record, show, test"},
-                    {"unit", "ECS UTILITY: who may write to the unit, and what was done to it"},
+                    {"unit", "ECS UTILITY: write access to the unit, and its event list"},
                     {"memory", "MEMORY ACCESS"},
                     {"model", "MODEL: the error model against measurements"}};
 #define FAMILY(name) \

@@ -27,11 +27,11 @@ Result<Outcome> volume_verb(VerbContext& context, const VolumeArguments& request
 
 }  // namespace
 
-extern const std::vector<Action> kVolume{
-    action("volume", "the error anywhere in the working volume, before and after compensation, and how certain it is",
-           "ecs volume map.csv --params parameters.toml -o volume.svg\n"
-           "  ecs volume map.csv --params parameters.toml --at -1000,-200,-350 --tool-length 250\n"
-           "  ecs volume map.csv --params parameters.toml --machine five_axes.toml --rotary rotary.csv",
-           volume_verb)};
+extern const std::vector<Action> kVolume{action(
+    "volume", "compute the error anywhere in the working volume, before and after compensation, with its uncertainty",
+    "ecs volume map.csv --params parameters.toml -o volume.svg\n"
+    "  ecs volume map.csv --params parameters.toml --at -1000,-200,-350 --tool-length 250\n"
+    "  ecs volume map.csv --params parameters.toml --machine five_axes.toml --rotary rotary.csv",
+    volume_verb)};
 
 }  // namespace ecs::app

@@ -22,9 +22,10 @@ Arguments with_shared(Arguments own, const Shared& shared, Link link) {
   Arguments all = shared.always;
   all.insert(all.end(), std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
   if (link != Link::none)
-    all.push_back({"--link", shared.link, "rtu:/dev/ttyUSB0:115200, tcp:host:port, emulator[:machine.toml]"});
+    all.push_back(
+        {"--link", shared.link, "link to the unit: rtu:/dev/ttyUSB0:115200, tcp:host:port, emulator[:machine.toml]"});
   if (link == Link::may_write || link == Link::writes) {
-    all.push_back({"--arm-code", shared.arm_code, "the code that the unit shows; without it $ECS_ARM_CODE"});
+    all.push_back({"--arm-code", shared.arm_code, "arming code shown by the unit; default: $ECS_ARM_CODE"});
     all.back().is_secret = true;
   }
   return all;
@@ -38,7 +39,7 @@ OutputGuard::OutputGuard(Arguments& arguments) {
   if (force_ == nullptr) {
     own_force_ = std::make_shared<bool>(false);
     force_ = own_force_.get();
-    arguments.push_back({"--force", own_force_.get(), "overwrites an output file that is there"});
+    arguments.push_back({"--force", own_force_.get(), "overwrite an existing output file"});
   }
   arguments_ = arguments;
 }

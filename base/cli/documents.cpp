@@ -292,9 +292,9 @@ std::string synopsis(const ShownProgram& program, const ShownVerb& verb) {
 }
 
 constexpr const char* kExitStatus =
-    ".SH EXIT STATUS\n.TP\n.B 0\ndone\n.TP\n.B 1\nthe thing asked for does not hold\n.TP\n.B 2\nusage\n"
-    ".TP\n.B 3\na file that is unfit\n.TP\n.B 4\nlink or unit\n.TP\n.B 5\nnot written, or an internal failure\n"
-    ".TP\n.B 128+n\nended by signal n\n";
+    ".SH EXIT STATUS\n.TP\n.B 0\ndone\n.TP\n.B 1\nthe check failed or the result does not hold\n.TP\n.B "
+    "2\nusage\n.TP\n.B 3\nan unusable input file\n.TP\n.B 4\nlink or unit fault\n.TP\n.B 5\ncannot write, or internal "
+    "failure\n.TP\n.B 128+n\nended by signal n\n";
 
 }  // namespace
 

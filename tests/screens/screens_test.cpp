@@ -158,7 +158,7 @@ TEST_CASE("forms fill themselves from the folder of the model, and typing replac
     Screen& form = *form_made;
     enter(form, one.files.model);
     const std::string seen = picture(form, 24, 200);
-    check_holds(seen, {"data.csv", "machine.toml", "Filled in from the folder of the model. Enter runs it."});
+    check_holds(seen, {"data.csv", "machine.toml", "Filled in from the folder of the model. Press Enter to run it."});
     (void)press(form, Key::Name::enter);
     finish(form);
     CHECK(contains(picture(form), "done"));

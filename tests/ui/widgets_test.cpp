@@ -113,7 +113,7 @@ TEST_CASE("help that is longer than the screen is scrolled, its keys are never c
   help.show_help(teller);
   Canvas canvas(24, 80);
   help.draw(canvas);
-  check_holds(canvas.plain_text(), {"any key goes on", "up/down        choose"});
+  check_holds(canvas.plain_text(), {"any key continues", "up/down        choose"});
   Canvas small(8, 30);
   help.draw(small);
   CHECK(contains(small.plain_text(), "It tells one thing."));

@@ -53,7 +53,7 @@ class KeyedScreen : public Screen {
   [[nodiscard]] std::vector<KeyHelp> keys() const final {
     if (const auto& asked = asking_.question()) return {{"y", asked->yes}, {"n", asked->no}};
     if (prompt_.active()) return prompt_.keys();
-    if (edits()) return {{"Enter", "take it"}, {"Esc", "leave it"}};
+    if (edits()) return {{"Enter", "accept"}, {"Esc", "cancel"}};
     return helps_of(keys_);
   }
 

@@ -232,9 +232,9 @@ void FileChooser::draw(Canvas& canvas, const Area& area) const {
   if (hint.empty() && selected < all.size() && all[selected].kind == RowKind::recent)
     hint = recent_[all[selected].at].first;
   if (hint.empty() && marked_.empty())
-    hint = wish_.many ? "Space marks files, Enter takes them or opens a folder; or type a path, Tab completes it."
-                      : "Enter takes the file or opens the folder; or type a path, Tab completes it.";
-  if (hint.empty()) hint = fmt::format("{} marked: Enter takes them", marked_.size());
+    hint = wish_.many ? "Space marks files, Enter selects them or opens a folder. Or type a path: Tab completes it."
+                      : "Enter selects the file or opens the folder. Or type a path: Tab completes it.";
+  if (hint.empty()) hint = fmt::format("{} marked: Enter selects them", marked_.size());
   const Area text{list.row + list.rows, area.column, below, area.columns};
   canvas.paragraph(text, 0, hint, refused_ ? Tone::bad : Tone::faint);
 }
@@ -369,9 +369,9 @@ FileChooser::Answer FileChooser::on_key(const Key& key) {
 
 std::vector<std::pair<std::string, std::string>> FileChooser::keys() const {
   if (!wish_.many)
-    return {{"Enter", "take or open"}, {"Backspace", "folder above"}, {"Tab", "complete"}, {"Esc", "back"}};
+    return {{"Enter", "select or open"}, {"Backspace", "folder above"}, {"Tab", "complete"}, {"Esc", "back"}};
   return {{"Space", "mark"},
-          {"Enter", "take or open"},
+          {"Enter", "select or open"},
           {"Backspace", "folder above"},
           {"Tab", "complete"},
           {"Esc", "back"}};
@@ -463,7 +463,7 @@ void Prompt::draw(Canvas& canvas, const Area& area, int row) const {
   canvas.fill({area.row + row, area.column, 1, area.columns});
   const int begin = canvas.text(area, row, 0, label_ + " ", Tone::strong);
   line_.draw(canvas, area, row, begin, columns(area), true);
-  const std::string ways = "Enter takes it, Esc leaves it";
+  const std::string ways = "Enter accepts, Esc cancels";
   const Tone tone = refused_ ? Tone::bad : Tone::faint;
   const int beside = begin + columns(area) + 2;
   if (kind_ == Kind::number && !refused_) {
@@ -487,7 +487,7 @@ CellPosition Prompt::cursor(const Area& area, int row) const {
 
 std::vector<KeyHelp> Prompt::keys() const {
   if (!chooser_) {
-    std::vector<KeyHelp> keys{{"Enter", "take it"}, {"Esc", "leave it"}};
+    std::vector<KeyHelp> keys{{"Enter", "accept"}, {"Esc", "cancel"}};
     if (kind_ == Kind::path) keys.insert(keys.begin() + 1, {"Tab", "complete"});
     return keys;
   }

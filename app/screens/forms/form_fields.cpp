@@ -157,12 +157,12 @@ std::string FormFields::help_here() const {
   std::string help = option().help;
   if (!option().choices.empty()) help += fmt::format(" ({})", fmt::join(option().choices, ", "));
   if (option().flag) help += " (Space: yes or no)";
-  if (offers_.contains(option().name)) help += " (Tab: those that are usual)";
+  if (offers_.contains(option().name)) help += " (Tab: usual values)";
   return help;
 }
 
 void FormFields::draw(Canvas& canvas, const Area& area) const {
-  if (values_.empty()) return static_cast<void>(canvas.text(area, 0, 0, "Enter runs it.", Tone::faint));
+  if (values_.empty()) return static_cast<void>(canvas.text(area, 0, 0, "Press Enter to run it.", Tone::faint));
   const int names = name_columns();
   const int count = static_cast<int>(size());
   place_.first = std::clamp(place_.first, std::max(0, place_.selected - area.rows + 1), std::max(0, place_.selected));

@@ -87,12 +87,13 @@ struct Wire {
 
 /// How a verb ended, before its answer. @param answered  it has answered on stdout
 std::string ending_of(int exit_code, bool answered) {
-  static constexpr const char* kEndings[] = {"done", "done; something does not hold, see below",
-                                             "not run: see below what to change", "a file cannot be used: see below",
-                                             "no success on the link: see below"};
+  static constexpr const char* kEndings[] = {"done", "finished: a check failed, see below",
+                                             "not run: see below for the correction",
+                                             "a file cannot be used: see below", "link or unit failed: see below"};
   if (exit_code > 128) return "stopped";
   const auto code = static_cast<std::size_t>(exit_code);
-  return code >= std::size(kEndings) || (code == 1 && !answered) ? "not done: see below why" : kEndings[code];
+  return code >= std::size(kEndings) || (code == 1 && !answered) ? "not done: the reason is shown below"
+                                                                 : kEndings[code];
 }
 
 /// What a verb answered.
@@ -168,12 +169,11 @@ class FormScreen final : public Screen {
            "headings (< and > at the edges mark where it goes on), Home is its beginning, s asks for the files that "
            "the "
            "verb writes and runs it again, Esc goes back to the fields." +
-           (verb().live
-                ? " While it runs the upper row says what comes next, the rows below what it said, the newest "
-                  "first. Type a value, or a command (u takes the last reading back, s skips a target, q leaves), "
-                  "and press Enter; an empty line is a trigger where readings come from a device. Esc leaves: "
-                  "what was read is kept in a .part file, and --resume goes on with it."
-                : "");
+           (verb().live ? " While it runs, the upper row shows the next step and the rows below show its messages, "
+                          "newest first. Type a value or a command (u undoes the last reading, s skips a target, q "
+                          "quits) and press Enter. Where readings come from a device, an empty line is a trigger. Esc "
+                          "quits: the readings so far are saved in a .part file, and --resume continues with it."
+                        : "");
   }
 
   [[nodiscard]] bool advance() override {
@@ -213,10 +213,10 @@ class FormScreen final : public Screen {
     const auto talking = [this] { return task_.running() && verb().live; };
     const auto reading = [this] { return !task_.running() && reading_; };
     const auto filling = [this] { return !task_.running() && !reading_; };
-    std::vector<KeyRow> rows{{"Enter", "take a reading, or send what is typed", {}, talking},
-                             {"u", "take the last one back", {}, talking},
+    std::vector<KeyRow> rows{{"Enter", "take a reading, or send the typed text", {}, talking},
+                             {"u", "undo the last reading", {}, talking},
                              {"s", "skip", {}, talking},
-                             {"Esc", "leave; what was read is kept", {}, talking},
+                             {"Esc", "quit; readings are saved", {}, talking},
                              {"Esc", "stop it", {}, [this] { return task_.running() && !verb().live; }},
                              {"Enter", "run", [this] { run(); }, filling},
                              {"PgDn", "read the answer", {}, [this, filling] { return filling() && answer_; }},
@@ -243,7 +243,7 @@ class FormScreen final : public Screen {
   [[nodiscard]] Step on_escape() {
     if (task_.running()) {
       stop();
-      hint_ = "asked to stop";
+      hint_ = "stopping";
       return stay();
     }
     if (!reading_) return back();
@@ -281,11 +281,11 @@ class FormScreen final : public Screen {
   void run() {
     if (task_.running()) return;
     if (!fields_.lacking().empty() && fields_.fill_from_folder() && fields_.lacking().empty()) {
-      hint_ = "Filled in from the folder of the model. Enter runs it.";
+      hint_ = "Filled in from the folder of the model. Press Enter to run it.";
       return;
     }
     if (const std::string name = fields_.lacking(); !name.empty()) {
-      hint_ = fmt::format("{} is needed", name);
+      hint_ = fmt::format("{} is required", name);
       refused_ = true;
       return;
     }
@@ -377,7 +377,7 @@ class FormScreen final : public Screen {
       for (const std::string& line : answer_->lines) log_event(Tone::bad, verb().name() + ": " + line);
       return;
     }
-    if (verb().live) note_remark("it asks for what is typed");
+    if (verb().live) note_remark("input requested: type the answer");
     if (fields_.takes("--link"))
       note_form(*connection_, words_, answer_->exit_code);
     else
@@ -465,7 +465,7 @@ class FormScreen final : public Screen {
       whole = where + (wide ? "up, down, left, right; Esc to the fields" : "up, down; Esc to the fields");
     } else if (wide || count > body.rows) {
       brief = "PgDn reads";
-      whole = wide ? "PgDn, then left and right: read all of it" : "PgDn: read all of it";
+      whole = wide ? "PgDn, then left and right: read all" : "PgDn: read all";
     }
     canvas.text_right(area, 0, width_of(whole) + width_of(ending) + 2 > area.columns ? brief : whole, Tone::strong);
   }
@@ -475,7 +475,7 @@ class FormScreen final : public Screen {
       canvas.text(area, 0, 1, "drawing ...", Tone::warning);
     else if (!*figure_ || *panel_ >= (*figure_)->panels.size())
       canvas.paragraph(area.between_margins(), 0,
-                       *figure_ ? "There is no such picture of it." : to_text(figure_->error()), Tone::warning);
+                       *figure_ ? "This answer has no such picture." : to_text(figure_->error()), Tone::warning);
     else
       draw_chart(canvas, area, (*figure_)->panels[*panel_], {});
   }

@@ -56,19 +56,19 @@ std::vector<ProgramRegion> program_regions() {
           {kEprom, "the firmware: read only"},
           {{kSystemRam.first, kUserRegisterBytes, false, kSystemRam.name}, "registers after a run"},
           {kMachineInputs, "periods, positions, axes: read only"},
-          {kCommitRecords, "which bank is active: read only"},
+          {kCommitRecords, "active bank: read only"},
           {kBankA, "error map and parameters"},
           {kBankB, "error map and parameters"}};
 }
 
 std::vector<std::string> region_rows() {
   std::vector<std::string> rows{
-      fmt::format("{:<10}{:<10}{:<20}{}", "from", "to", "memory", "what a program finds there")};
+      fmt::format("{:<10}{:<10}{:<20}{}", "from", "to", "memory", "memory seen by a program")};
   for (const auto& [region, what] : program_regions())
     rows.push_back(
         fmt::format("0x{:06X}  0x{:06X}  {:<20}{}", region.first, region.first + region.size - 1, region.name, what));
-  rows.insert(rows.end(), {"", "A program ends with RTS and returns D0. MEMORY ACCESS writes programs and",
-                           "their data into system RAM, which forgets without power."});
+  rows.insert(rows.end(), {"", "A program ends with RTS and returns D0. Use MEMORY ACCESS to write programs and",
+                           "their data into system RAM, which loses its contents without power."});
   return rows;
 }
 
@@ -92,19 +92,19 @@ Result<Question> sure_to_run(UnitConnection& connection, JobControl& control, co
   const bool empty = std::all_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte == 0; });
   return Question{
       fmt::format("Run the program at 0x{:06X}?", address),
-      (empty ? std::string("NO PROGRAM lies there, only zeros: MEMORY ACCESS writes one. ")
+      (empty ? std::string("NO PROGRAM at this address, only zeros: write one with MEMORY ACCESS. ")
              : fmt::format("It begins with{}. ", words)) +
-          fmt::format("D0 is given {} (0x{:08X}). It may write to all RAM of the unit, the error map included, and is "
-                      "stopped after {} s; leaving its memory is a fault that the unit keeps.",
+          fmt::format("D0 is set to {} (0x{:08X}). The program may write to all RAM of the unit, including the error "
+                      "map, and is stopped after {} s. An access outside the memory is a fault that the unit stores.",
                       argument, argument, values.at("--wait")),
-      "run it", "leave it"};
+      "run it", "cancel"};
 }
 
 /// What a program returned as a number with a sign; of one that failed the registers where it ended.
 std::string end_of_run(UnitConnection& connection, JobControl& control, int exit_code) {
   const auto registers = connection.with_link(control, [](UnitLink& link) { return kept_registers(link.client()); });
   if (!registers) return {};
-  if (exit_code != 0) return "it returned nothing; its registers where it ended:\n" + registers_text(*registers);
+  if (exit_code != 0) return "no result was returned; registers at the end:\n" + registers_text(*registers);
   const auto returned =
       std::find_if(registers->begin(), registers->end(), [](const auto& one) { return one.name == "D0"; });
   return returned == registers->end() ? "" : fmt::format("signed {}", static_cast<std::int32_t>(returned->value));
@@ -113,20 +113,19 @@ std::string end_of_run(UnitConnection& connection, JobControl& control, int exit
 // --- ARM THE UNIT
 constexpr const char* kArmTitle = "ARM THE UNIT";
 constexpr const char* kArmExplained =
-    "The unit is read-only for this host: it takes nothing that writes, moves an axis, closes a relay or runs code. "
-    "Type "
-    "the code that it shows, then do again what was refused. What stops and switches off needs no code.";
+    "The unit is read-only for this host: it refuses to write, move an axis, close a relay or run code. Type the code "
+    "that the unit shows, then repeat the refused command. Commands that stop or switch off need no code.";
 
 FormEntry volume_entry() {
-  return {"the error anywhere, before and after, and how certain it is",
+  return {"error anywhere, before and after, with its uncertainty",
           {.verb = "volume",
            .title = "VOLUME",
            .asks = "How large is the error in the working volume?",
            .about = "The length of the error vector over the whole working volume, before compensation and after it, "
-                    "with a 95 % bound from the uncertainty of the map. Page 1 has the sizes, pages 2 and 3 the error "
-                    "along the body diagonals. s writes the wire cube, the slice with arrows and the diagonals as SVG "
-                    "or PNG. With a machine file that has rotary axes the sizes are those at every angle, slice and "
-                    "pictures those at the angles of the largest error, which page 1 names.",
+                    "with a 95 % bound from the uncertainty of the map. Page 1 shows the sizes, pages 2 and 3 the "
+                    "error along the body diagonals. Press s to save the wire cube, the slice with arrows and the "
+                    "diagonals as SVG or PNG. If the machine file has rotary axes, the sizes cover every angle; slice "
+                    "and pictures are drawn at the angles of the largest error, given on page 1.",
            .fields = {"MAP", "--params", "--errors", "--machine", "--rotary"},
            .figure = figure_of_volume,
            .panels = {{"before", 4}, {"after", 5}}}};
@@ -137,10 +136,9 @@ FormEntry run_entry() {
           {.verb = "utility run",
            .title = "RUN USER SOFTWARE",
            .asks = "Which program of the unit's system RAM?",
-           .about = "Runs 68000 machine code that lies in the unit's system RAM. D0 holds the argument; RTS ends the "
-                    "program and D0 is its result; the registers it left are shown. An access where nothing is, an "
-                    "illegal instruction or the end of the time limit ends it, and the unit keeps the fault "
-                    "user_software.",
+           .about = "Runs 68000 machine code in the unit's system RAM. D0 contains the argument. RTS ends the program, "
+                    "D0 is its result, and its final registers are shown. An access to missing memory, an illegal "
+                    "instruction or the time limit ends the program, and the unit stores the fault user_software.",
            .fields = {"ADDRESS", "--argument", "--wait"},
            .confirmed = "--yes",
            .preset = {{"ADDRESS", fmt::format("0x{:06X}", kUserPrograms)}, {"--argument", "0"}},
@@ -154,19 +152,18 @@ FormEntry run_entry() {
 }
 
 FormEntry arm_entry() {
-  return {
-      {},
-      {.verb = "unit arm",
-       .title = kArmTitle,
-       .asks = kArmExplained,
-       .about = std::string(kArmExplained) +
-                " The emulator shows its code at its start, and by `ecs-emulator workshop SOCKET arm-code`. After a "
-                "wrong code the unit waits before it looks at another one.",
-       .fields = {"--code", "--minutes"},
-       .leaves_when_done = true,
-       .done = [](UnitConnection& connection, const FormValues& values, int exit_code) {
-         if (exit_code == 0) connection.know_code(std::string(trimmed(values.at("--code"))));
-       }}};
+  return {{},
+          {.verb = "unit arm",
+           .title = kArmTitle,
+           .asks = kArmExplained,
+           .about = std::string(kArmExplained) +
+                    " The emulator shows its code when it starts; `ecs-emulator workshop SOCKET arm-code` shows it "
+                    "again. After a wrong code the unit waits before it accepts another one.",
+           .fields = {"--code", "--minutes"},
+           .leaves_when_done = true,
+           .done = [](UnitConnection& connection, const FormValues& values, int exit_code) {
+             if (exit_code == 0) connection.know_code(std::string(trimmed(values.at("--code"))));
+           }}};
 }
 
 FormEntry table_entry() {

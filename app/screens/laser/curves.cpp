@@ -41,7 +41,7 @@ class LeaveOutPage final : public LaserPage {
 
   void draw(Canvas& canvas, const Area& area) const override {
     const LaserWork& work = controller().work();
-    if (work.lines.empty()) return draw_nothing_yet(canvas, area, "No measured lines yet: step 1 takes the files.");
+    if (work.lines.empty()) return draw_nothing_yet(canvas, area, "No measured lines yet: add files in step 1.");
     const LaserHalves halves = laser_halves(area);
     const LaserLine& line = this->line();
     const auto tree = tree_of(line);
@@ -92,18 +92,17 @@ class LeaveOutPage final : public LaserPage {
     std::string text = result.problem;
     const auto add = [&text](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
     if (out == 0)
-      add("nothing is left out");
+      add("no readings excluded");
     else if (out != result.left_out.size())
-      add(fmt::format("{} of {} readings left out, being computed", out, line.set->readings.size()));
+      add(fmt::format("{} of {} readings excluded, computing", out, line.set->readings.size()));
     else
-      add(fmt::format("{} of {} readings left out (x)", out, line.set->readings.size()));
+      add(fmt::format("{} of {} readings excluded (x)", out, line.set->readings.size()));
     const std::string beyond = beyond_text(result.panel, result.left_out, laser::unit_of(line.group.sense));
     if (!beyond.empty()) add(beyond);
     const LaserLineChoice choice = choice_of(line);
     const auto suspects = std::count_if(line.suspects.begin(), line.suspects.end(),
                                         [&](std::size_t i) { return !left_out(choice, *line.set, i); });
-    if (suspects > 0)
-      add(fmt::format("{} stand{} out from the repeats (?): o goes there", suspects, suspects == 1 ? "s" : ""));
+    if (suspects > 0) add(fmt::format("{} differ{} from the repeats (?): press o", suspects, suspects == 1 ? "s" : ""));
     return text;
   }
 
@@ -168,12 +167,12 @@ class LeaveOutPage final : public LaserPage {
   void toggle(const LaserLine& line, const TreeRow& row) {
     if (row.reading && choice_of(line).runs.contains(row.run))
       return controller().message().say(
-          fmt::format("run {} is left out as a whole: Space on the run takes it back", row.run), Tone::warning);
+          fmt::format("the whole run {} is excluded: press Space on the run to include it", row.run), Tone::warning);
     const bool is_out =
         row.reading ? choice_of(line).readings.contains(*row.reading) : choice_of(line).runs.contains(row.run);
     const std::string what = row.reading ? fmt::format("a reading of {}", name_of_line(line))
                                          : fmt::format("run {} of {}", row.run, name_of_line(line));
-    controller().change(what + (is_out ? " taken back" : " left out"), [&](LaserChoices& c) {
+    controller().change(what + (is_out ? " included again" : " excluded"), [&](LaserChoices& c) {
       LaserLineChoice& choice = c.lines[line.key];
       if (row.reading && is_out) choice.readings.erase(*row.reading);
       if (row.reading && !is_out) choice.readings.emplace(*row.reading, "");
@@ -185,9 +184,10 @@ class LeaveOutPage final : public LaserPage {
   void ask_reason(const LaserLine& line, const TreeRow& row) {
     const LaserLineChoice choice = choice_of(line);
     const bool is_out = row.reading ? choice.readings.contains(*row.reading) : choice.runs.contains(row.run);
-    if (!is_out) return controller().message().say("leave it out first (Space), then say why", Tone::warning);
+    if (!is_out) return controller().message().say("exclude it first (Space), then enter the reason", Tone::warning);
     const std::string now = row.reading ? choice.readings.at(*row.reading) : choice.runs.at(row.run);
-    host().fill(LaserForm("why it is left out", {{"reason", "kept with the map: cold machine, beam broken, ...", now}},
+    host().fill(LaserForm("reason for excluding it",
+                          {{"reason", "saved with the map: cold machine, beam broken, ...", now}},
                           [this, key = line.key, row](const std::vector<std::string>& v) {
                             controller().change("a reason", [&](LaserChoices& c) {
                               if (row.reading)
@@ -227,13 +227,13 @@ std::unique_ptr<LaserPage> laser_leave_out_page(LaserHost& host) { return std::m
 namespace {
 
 std::string words_for(laser::SlopeMethod method) {
-  if (method == laser::SlopeMethod::none) return "slope stays";
+  if (method == laser::SlopeMethod::none) return "slope kept";
   return method == laser::SlopeMethod::end_points ? "slope by end points" : "slope by least squares";
 }
 
 const char* words_for(laser::Taken taken) {
   if (taken == laser::Taken::noise) return "noise, by the repeats";
-  if (taken == laser::Taken::signal) return "form of the curve went too, use less";
+  if (taken == laser::Taken::signal) return "shape of the curve removed too, use less";
   return "no repeats to judge it by";
 }
 
@@ -267,10 +267,11 @@ class CurvesPage final : public LaserPage {
       return draw_nothing_yet(
           canvas, area,
           work.lines.empty()
-              ? "No measured lines yet: step 1 takes the files."
-              : "None of the measured lines serves a component of the chosen scope: step 6 says what it needs.");
+              ? "No measured lines yet: add files in step 1."
+              : "None of the measured lines is a component of the chosen scope. Step 6 lists the required components.");
     const LaserHalves halves = laser_halves(area);
-    const std::string hint = work.map.parameters ? "" : "p takes the parameters: then a row is a component of the map";
+    const std::string hint =
+        work.map.parameters ? "" : "press p to choose the parameters; rows then show components of the map";
     const int hint_rows = hint.empty() ? 0 : std::min(3, halves.list.rows / 4);
     const std::string heading = work.map.parameters
                                     ? fmt::format("{:<4} {:<4} {:>6} {:>6}", "", "slp.", "smooth", "band")
@@ -350,10 +351,10 @@ class CurvesPage final : public LaserPage {
     if (curve.slope != laser::SlopeMethod::none) text += fmt::format(" {:.2f} {}/m", curve.removed_per_m, unit);
     if (curve.slope != curve.recommended) text += fmt::format(" (recommended: {})", laser::name_of(curve.recommended));
     if (curve.smoothed)
-      text += fmt::format("; smoothing took {:.2f} {} rms: {}", curve.smoothed->removed_rms, unit,
+      text += fmt::format("; smoothing removed {:.2f} {} rms: {}", curve.smoothed->removed_rms, unit,
                           words_for(curve.smoothed->taken));
     if (curve.lines.size() > 1 && curve.left_out_of_lines > 0)
-      text += fmt::format("; {} readings left out", curve.left_out_of_lines);
+      text += fmt::format("; {} readings excluded", curve.left_out_of_lines);
     return text;
   }
 
@@ -406,7 +407,7 @@ class CurvesPage final : public LaserPage {
          fmt::format("empty: as recommended, {}", laser::name_of(curve.recommended)),
          now.slope ? std::string(laser::name_of(*now.slope)) : "",
          {"", "none", "end_points", "least_squares"}},
-        {"grid [mm]", "spacing of the points in the map; empty: that of the targets",
+        {"grid [mm]", "spacing of the points in the map; empty: spacing of the targets",
          number(now.increment_mm.value_or(0.0))}};
     return LaserForm(fmt::format("{}  {}", code, laser::description_of(curve.component)), std::move(fields),
                      [this, of = curve.component](const std::vector<std::string>& v) { return take_form(of, v); });

@@ -32,8 +32,8 @@ class FilesPage final : public LaserPage {
     const auto take_off = [this] { this->take_off(); };
     rows_ = {{"a", "add files", choose},
              {"e", "measure", [this] { ask_to_measure(); }, [this] { return emulated(); }, true},
-             {"Enter", "what a file does not say", answer},
-             {"x", "take off", take_off},
+             {"Enter", "missing data of a file", answer},
+             {"x", "remove", take_off},
              {"Del", "", take_off},
              {"p", "parameters"},
              {"r", "read again", [this] { controller().read_again(); }}};
@@ -48,18 +48,17 @@ class FilesPage final : public LaserPage {
     }
     const LaserWork& work = controller().work();
     if (const std::string& map = controller().choices().opened_map; !map.empty()) {
-      canvas.paragraph(
-          area.between_margins(), 0,
-          fmt::format("The map {} is taken as it is. Step 6 shows its components, step 8 sends it. a opens "
-                      "measured files in its place.",
-                      map));
+      canvas.paragraph(area.between_margins(), 0,
+                       fmt::format("The map {} is loaded unchanged. Step 6 shows its components, step 8 sends it. "
+                                   "Press a to open measured files instead.",
+                                   map));
       return;
     }
     if (controller().choices().files.empty()) {
       const std::string begin = fmt::format(
-          "No measured files yet: a opens a folder to choose from (an error map is taken as it is){}. Then, "
-          "step by step (digits go to a step, n to the next one, and back at any time):",
-          emulated() ? "; e measures the emulated machine by a plan" : "");
+          "No measured files yet. Press a to choose files from a folder (an error map is loaded unchanged){}. Then go "
+          "step by step (a digit goes to that step, n to the next one):",
+          emulated() ? "; press e to measure the emulated machine by a plan" : "");
       draw_nothing_yet(canvas, area, begin);
       int row = 2 + static_cast<int>(wrapped(begin, area.columns - 2).size());
       for (int k = 0; k < kLaserSteps; ++k)
@@ -68,7 +67,7 @@ class FilesPage final : public LaserPage {
       return;
     }
     const int below = std::min(4, area.rows / 3);
-    canvas.text(area, 0, 2, fmt::format("{:<28} {:<26} {}", "file", "taken for", "holds"), Tone::faint);
+    canvas.text(area, 0, 2, fmt::format("{:<28} {:<26} {}", "file", "read as", "holds"), Tone::faint);
     std::vector<ListRow> rows;
     for (const LaserFileChoice& choice : controller().choices().files) rows.push_back(row_of(work, choice));
     draw_list(canvas, {area.row + 1, area.column, std::max(0, area.rows - 1 - below), area.columns}, rows, place_);
@@ -104,14 +103,14 @@ class FilesPage final : public LaserPage {
     const auto& files = controller().choices().files;
     if (files.empty()) return;
     const auto at = static_cast<std::ptrdiff_t>(place_within(place_, files.size()));
-    controller().change("a file taken off", [&](LaserChoices& c) { c.files.erase(c.files.begin() + at); });
+    controller().change("file removed", [&](LaserChoices& c) { c.files.erase(c.files.begin() + at); });
     place_.selected = static_cast<int>(place_within(place_, files.size()));
   }
 
   /// The emulated laser measures what a plan asks for; the files are added.
   void ask_to_measure() {
     if (!emulated()) {
-      controller().message().say("This is a real machine: measure it with its laser, then a adds the files.",
+      controller().message().say("This is a real machine: measure it with its laser, then press a to add the files.",
                                  Tone::warning);
       return;
     }
@@ -129,13 +128,13 @@ class FilesPage final : public LaserPage {
           beside,
           {},
           true},
-         {"phase", "what the plan asks for before compensation, or after it", phase, {"before", "after"}},
-         {"folder", "where the files go; none that is there is overwritten", phase, {}, true}},
+         {"phase", "measurements planned before compensation, or after it", phase, {"before", "after"}},
+         {"folder", "folder for the files; existing files are not overwritten", phase, {}, true}},
         [this, machine](const std::vector<std::string>& v) {
           std::error_code fault;
           if (!v[0].empty() && !std::filesystem::is_regular_file(v[0], fault))
             return fmt::format("there is no plan {}", v[0]);
-          if (v[2].empty()) return std::string("a folder is needed");
+          if (v[2].empty()) return std::string("a folder is required");
           measure_by_plan(measuring_, controller().unit().snapshot().workshop, {v[0], machine.string(), v[1], v[2]},
                           [this, v](const Result<std::vector<std::string>>& files) { take_measured(files, v); });
           return std::string();
@@ -145,19 +144,22 @@ class FilesPage final : public LaserPage {
   /// What was measured with compensation is of no use for a map: it is compared with what was measured before.
   /// @param asked  plan, phase and folder
   void take_measured(const Result<std::vector<std::string>>& files, const std::vector<std::string>& asked) {
-    if (!files) return controller().message().say(fmt::format("{}. e asks again.", to_text(files.error())), Tone::bad);
+    if (!files)
+      return controller().message().say(fmt::format("{}. Press e to try again.", to_text(files.error())), Tone::bad);
     for (const std::string& path : *files) remember_file(path);
     if (asked[1] == "after") {
       remember_phases(*files, asked[0]);
       return controller().message().say(fmt::format(
-          "{} lines measured into {}. o on page After of MODEL puts them beside what was predicted{}.", files->size(),
-          asked[2], asked[0].empty() ? "" : "; F3, laser table beside those measured before"));
+          "{} lines measured into {}. Press o on page After of MODEL to compare them with the prediction{}.",
+          files->size(), asked[2],
+          asked[0].empty() ? "" : "; F3, laser table compares them with those measured before"));
     }
     controller().change(fmt::format("{} files measured", files->size()), [&](LaserChoices& c) {
       c.opened_map.clear();
       for (const std::string& path : *files) c.files.push_back({path, {}});
     });
-    controller().message().say(fmt::format("{} lines measured; p takes the parameters, then the steps", files->size()));
+    controller().message().say(
+        fmt::format("{} lines measured; press p to choose the parameters, then follow the steps", files->size()));
   }
 
   /// For `laser table`, which needs a plan: those measured before are the files of this work.
@@ -173,9 +175,8 @@ class FilesPage final : public LaserPage {
     const LaserFile* file = file_read(work.files, choice);
     if (file == nullptr) return {fmt::format("{:<28} reading ...", name), Tone::faint};
     if (!file->set)
-      return {
-          fmt::format("{:<28} {}", name, file->wants_answers ? "it does not say enough: Enter answers" : "not read"),
-          Tone::bad};
+      return {fmt::format("{:<28} {}", name, file->wants_answers ? "incomplete: press Enter to add data" : "not read"),
+              Tone::bad};
     return {fmt::format("{:<28} {:<26} {}", name, file->format, file->summary), Tone::plain};
   }
 
@@ -183,7 +184,7 @@ class FilesPage final : public LaserPage {
     const LaserChoices& choices = controller().choices();
     const std::string unit =
         choices.params_file.empty()
-            ? "Parameters: none yet, p chooses them"
+            ? "Parameters: none yet, press p to choose"
             : "Parameters: " + choices.params_file + (choices.scope.empty() ? "" : ", scope " + choices.scope);
     const std::string& wrong = controller().work().map.parameters_problem;
     canvas.text(area, area.rows - 1, 0, wrong.empty() ? unit : wrong, wrong.empty() ? Tone::plain : Tone::bad);
@@ -227,7 +228,7 @@ std::unique_ptr<LaserPage> laser_files_page(LaserHost& host) { return std::make_
 
 namespace {
 
-constexpr const char* kNoLines = "No measured lines yet: step 1 takes the files.";
+constexpr const char* kNoLines = "No measured lines yet: add files in step 1.";
 
 void add_wrapped(std::vector<std::string>& lines, const std::string& text, int columns, const std::string& indent) {
   for (const std::string& line : wrapped(text, std::max(10, columns - width_of(indent))))
@@ -305,8 +306,8 @@ class LinesPage final : public LaserPage {
       this->host().ask_answers(file_to_ask(controller().work(), line()), line().place_unknown.empty() ? "" : "parked");
     };
     rows_ = {{"up/down", "line"},
-             {"Enter", "what is missing", answer},
-             {"c", "correct the place", [this] { ask_place(line()); }},
+             {"Enter", "missing data", answer},
+             {"c", "correct position", [this] { ask_place(line()); }},
              {"PgUp/PgDn", "its details"}};
   }
 
@@ -349,16 +350,15 @@ class LinesPage final : public LaserPage {
       if (a != line.group.axis)
         now += fmt::format("{}{}={:.9g}", now.empty() ? "" : ",", static_cast<char>(letter_of(a) - 'A' + 'a'),
                            line.group.parked_mm[index_of(a)]);
-    host().fill(
-        LaserForm("where the other axes stood: " + name_of_line(line),
-                  {{"parked", "mm, as in y=-1400,z=0; empty: as the file says. The file itself stays as it is", now}},
-                  [this, line](const std::vector<std::string>& v) {
-                    LaserChoices tried = controller().choices();
-                    if (const auto done = correct_place(tried, line, v[0]); !done) return to_text(done.error());
-                    controller().change(fmt::format("place of {} corrected", name_of_line(line)),
-                                        [&](LaserChoices& c) { c = tried; });
-                    return std::string();
-                  }));
+    host().fill(LaserForm("position of the other axes: " + name_of_line(line),
+                          {{"parked", "mm, as in y=-1400,z=0; empty: as in the file. The file is not changed", now}},
+                          [this, line](const std::vector<std::string>& v) {
+                            LaserChoices tried = controller().choices();
+                            if (const auto done = correct_place(tried, line, v[0]); !done) return to_text(done.error());
+                            controller().change(fmt::format("position of {} corrected", name_of_line(line)),
+                                                [&](LaserChoices& c) { c = tried; });
+                            return std::string();
+                          }));
   }
 
   /// Of several files of a line the first that leaves its place open.
@@ -394,7 +394,7 @@ std::string fitting(std::string name, int room) {
 class IsoPage final : public LaserPage {
  public:
   explicit IsoPage(LaserHost& host) : LaserPage(host) {
-    rows_ = {{"up/down", "line"}, {"PgUp/PgDn", "the rest of the values and notes"}};
+    rows_ = {{"up/down", "line"}, {"PgUp/PgDn", "more values and notes"}};
   }
 
   void draw(Canvas& canvas, const Area& area) const override {
@@ -429,7 +429,7 @@ class IsoPage final : public LaserPage {
       const int room = columns - kNumbers;
       text.push_back(fmt::format("{:<7}{:>8} {:<4} {}", q.symbol, number, unit, fitting(q.name, room)));
     }
-    text.push_back(fmt::format("{:<7}{:>8.2f} {:<4} largest less smallest reading", "range", result.iso->range, unit));
+    text.push_back(fmt::format("{:<7}{:>8.2f} {:<4} largest minus smallest reading", "range", result.iso->range, unit));
     for (const std::string& note : result.iso->notes) add_wrapped(text, "note: " + note, columns, "");
     return text;
   }

@@ -55,8 +55,8 @@ class MapPage final : public LaserPage {
       draw_nothing_yet(canvas, area,
                        map.parameters_problem.empty()
                            ? (controller().choices().params_file.empty()
-                                  ? "Which components the map needs is in the parameters of the unit: p takes their "
-                                    "file, or receives what the unit holds."
+                                  ? "The parameters of the unit determine which components the map needs. Press p to "
+                                    "choose their file or to receive them from the unit."
                                   : "The parameters are being read ...")
                            : map.parameters_problem);
       return;
@@ -95,8 +95,8 @@ class MapPage final : public LaserPage {
 
   void declare_zero(const LaserComponent& one) {
     if (one.state != ComponentState::present) return host().fill(zero_form(one));
-    host().ask({fmt::format("{} is measured. Declare it zero all the same?", name_of(one.component)),
-                "Its measurement then stays out of the map.", "declare it zero", "keep the measurement"},
+    host().ask({fmt::format("{} is measured. Declare it zero nevertheless?", name_of(one.component)),
+                "Its measurement is then not used for the map.", "declare it zero", "keep the measurement"},
                [this, one] { host().fill(zero_form(one)); });
   }
 
@@ -116,7 +116,7 @@ class MapPage final : public LaserPage {
                     params::text_of(*params::field_named("compensation.scope"), p), map.components.size());
     if (map.missing() > 0) return text + fmt::format(", {} still missing", map.missing());
     if (!map.complete()) return text + ", see the findings";
-    text += ", nothing is missing";
+    text += ", complete";
     return map.findings().empty() ? text : text + ", " + remarks_counted(map.findings().size());
   }
 
@@ -140,10 +140,10 @@ class MapPage final : public LaserPage {
         area, 0, fmt::format("{}  {}", name_of(one.component), laser::description_of(one.component)), Tone::strong);
     std::string detail = one.detail;
     if (one.state == ComponentState::missing)
-      detail = one.detail.empty() ? "Not measured: add its file (step 1), or z declares it zero."
+      detail = one.detail.empty() ? "Not measured: add its file (step 1), or press z to declare it zero."
                                   : fmt::format(
-                                        "Measured, but not used: {}. c in step 2 corrects a wrong place; z "
-                                        "declares the component zero.",
+                                        "Measured, but not used: {}. Press c in step 2 to correct a wrong position, or "
+                                        "z to declare the component zero.",
                                         one.detail);
     if (one.state == ComponentState::zero) detail = "declared zero: " + one.detail;
     if (one.state == ComponentState::present) detail = "from " + one.detail;
@@ -187,7 +187,7 @@ class MapPage final : public LaserPage {
     const std::string now = one.state == ComponentState::zero ? one.detail : "";
     return LaserForm(
         fmt::format("declare {} zero: {}", code, laser::description_of(one.component)),
-        {{"reason", "why it may be taken as zero; the map's header keeps it. Empty: it is not declared zero", now}},
+        {{"reason", "reason for assuming zero; saved in the map's header. Empty: it is not declared zero", now}},
         [this, code, of = one.component](const std::vector<std::string>& v) {
           controller().change(code + (v[0].empty() ? " no longer declared zero" : " declared zero"),
                               [&](LaserChoices& c) { laser::declare_zero(c.recipe, of, std::string(trimmed(v[0]))); });
@@ -213,13 +213,13 @@ struct HeaderField {
   std::string laser::MapRecipe::*value;
 };
 constexpr std::array<HeaderField, 6> kFields{{
-    {"customer", "whose machine it is", &laser::MapRecipe::customer},
-    {"machine", "its type; empty: as the files or the parameters say", &laser::MapRecipe::machine},
-    {"serial number", "of the machine; a map goes only into the unit with this number",
+    {"customer", "owner of the machine", &laser::MapRecipe::customer},
+    {"machine", "machine type; empty: as in the files or the parameters", &laser::MapRecipe::machine},
+    {"serial number", "serial number of the machine; only the unit with this number accepts the map",
      &laser::MapRecipe::serial_number},
-    {"engineer", "who measured and commissioned", &laser::MapRecipe::engineer},
-    {"date", "year-month-day, as in 2026-03-12; preset: of the measurement", &laser::MapRecipe::date},
-    {"remarks", "anything worth knowing; a line of the header", &laser::MapRecipe::remark},
+    {"engineer", "engineer who measured and commissioned", &laser::MapRecipe::engineer},
+    {"date", "year-month-day, as in 2026-03-12; preset: date of the measurement", &laser::MapRecipe::date},
+    {"remarks", "any remark; a line of the header", &laser::MapRecipe::remark},
 }};
 
 class HeaderPage final : public LaserPage {
@@ -229,7 +229,7 @@ class HeaderPage final : public LaserPage {
   }
 
   void draw(Canvas& canvas, const Area& area) const override {
-    canvas.text(area, 0, 1, "The header travels with the map into the unit.", Tone::faint);
+    canvas.text(area, 0, 1, "The header is sent to the unit with the map.", Tone::faint);
     const laser::MapRecipe shown = in_effect();
     for (std::size_t k = 0; k < kFields.size(); ++k) {
       const int row = static_cast<int>(k) + 2;
@@ -264,7 +264,7 @@ class HeaderPage final : public LaserPage {
     return {area.row + 2 + static_cast<int>(at()), area.column + kValues + line_.cursor_column(columns)};
   }
   std::vector<KeyHelp> keys() const override {
-    if (editing_) return {{"Enter", "take it"}, {"Tab", "take it, edit the next"}, {"Esc", "leave it as it was"}};
+    if (editing_) return {{"Enter", "accept"}, {"Tab", "accept, edit the next"}, {"Esc", "cancel"}};
     return helps_of(rows_);
   }
 

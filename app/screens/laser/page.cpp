@@ -64,7 +64,7 @@ void LaserForm::draw(Canvas& canvas, const Area& area) const {
   const Area help{at.inside.row + at.fields, at.inside.column + 1, std::max(0, at.inside.rows - at.fields - 1),
                   at.inside.columns - 2};
   canvas.paragraph(help, 0, hint, refused_ ? Tone::bad : Tone::faint);
-  canvas.text(at.inside, at.inside.rows - 1, 1, "Enter takes it, Esc gives up", Tone::strong);
+  canvas.text(at.inside, at.inside.rows - 1, 1, "Enter accepts, Esc cancels", Tone::strong);
 }
 
 CellPosition LaserForm::cursor(const Area& area) const {
@@ -309,7 +309,7 @@ std::string beyond_text(const PlotPanel& panel, const std::vector<PlotPoint>& le
 
 std::string left_out_legend(const PlotPanel& panel, const std::vector<PlotPoint>& left_out, std::string_view unit) {
   const std::string beyond = beyond_text(panel, left_out, unit);
-  return fmt::format("x left out: {}{}{}", left_out.size(), beyond.empty() ? "" : "; ", beyond);
+  return fmt::format("x excluded: {}{}{}", left_out.size(), beyond.empty() ? "" : "; ", beyond);
 }
 
 void draw_laser_chart(Canvas& canvas, const Area& area, const PlotPanel& panel, const std::vector<PlotPoint>& left_out,
@@ -342,9 +342,9 @@ PlotPanel with_left_out(PlotPanel panel, const std::vector<PlotPoint>& left_out,
   const std::string beyond = beyond_text(panel, left_out, unit);
   const bool circles = std::any_of(panel.series.begin(), panel.series.end(),
                                    [](const PlotSeries& one) { return one.mark == Mark::reading; });
-  PlotSeries series{"left out", circles ? Mark::forward_reading : Mark::reading,
+  PlotSeries series{"excluded", circles ? Mark::forward_reading : Mark::reading,
                     left_out_seen(panel, left_out, {}).inside};
-  panel.title += fmt::format(" ({} left out{}{})", left_out.size(), beyond.empty() ? "" : ", ", beyond);
+  panel.title += fmt::format(" ({} excluded{}{})", left_out.size(), beyond.empty() ? "" : ", ", beyond);
   panel.series.insert(panel.series.begin(), std::move(series));
   return panel;
 }
@@ -404,13 +404,13 @@ void LaserHost::ask_answers(const std::string& path, const std::string& field) {
     for (std::size_t k = 0; k < v.size(); ++k)
       if (std::string wrong = set_answer(answers, fields[k].name, v[k]); !wrong.empty()) return wrong;
     if (const auto sound = import_options(answers); !sound) return to_text(sound.error());
-    controller.change("answers for a file", [&](LaserChoices& c) {
+    controller.change("missing data of a file", [&](LaserChoices& c) {
       for (LaserFileChoice& file : c.files)
         if (file.path == path) file.answers = answers;
     });
     return std::string();
   };
-  LaserForm form("what " + name + " does not say", fields, take);
+  LaserForm form("what " + name + " does not state", fields, take);
   if (!field.empty()) form.go_to(field);
   fill(std::move(form));
 }
@@ -433,13 +433,14 @@ void LaserHost::ask_parameters() {
       ((state ? *state : std::filesystem::temp_directory_path()) / "unit-parameters.toml").string();
   std::vector<std::string> scopes = params::field_named("compensation.scope")->choices;
   scopes.insert(scopes.begin(), "");
-  std::vector<LaserField> fields{{"parameters",
-                                  "the unit's parameter file; leave it empty to take what the unit holds",
-                                  now.params_file,
-                                  {},
-                                  true,
-                                  {{FileKind::parameters}}},
-                                 {"scope", "what the unit corrects; empty: as the parameters say", now.scope, scopes}};
+  std::vector<LaserField> fields{
+      {"parameters",
+       "the unit's parameter file; empty: receive them from the unit",
+       now.params_file,
+       {},
+       true,
+       {{FileKind::parameters}}},
+      {"scope", "errors that the unit corrects; empty: as in the parameters", now.scope, scopes}};
   fill(LaserForm("parameters of the unit", std::move(fields), [this, unit_file](const std::vector<std::string>& v) {
     if (v[0].empty()) {
       controller.change("the scope", [&](LaserChoices& c) { c.scope = v[1]; });

@@ -10,56 +10,54 @@
 namespace ecs::app {
 
 const LaserStepRow kLaserStepRows[kLaserSteps] = {
-    {"Files", "of any instrument, several or a whole folder",
-     "Step 1: the files of the instrument, of any format, several at once or a whole folder. Each is read and "
-     "named. An error map is taken as it is, with the parameters saved beside it. A file that does not say its "
-     "axis or sense, or a table of columns, is asked for with Enter. p "
-     "chooses the parameters of the unit: with them the screen knows which components the map needs.",
+    {"Files", "files of any instrument, several or a whole folder",
+     "Step 1: add the instrument's files, of any format, several at once or a whole folder. Each file is read and "
+     "identified. An error map is loaded unchanged, with the parameters saved in its folder. If a file does not state "
+     "its axis or sense, or is a plain table of columns, press Enter to supply these data. Press p to choose the "
+     "parameters of the unit, which determine the components that the map needs.",
      laser_files_page},
-    {"Lines", "what was measured, where, under which conditions",
-     "Step 2: every line that was measured: what along which axis, where the other axes stood, targets, runs, "
-     "approaches; below, the conditions that the file tells. A ? marks what neither the file nor an answer says "
-     "where an axis was parked: it is taken as 0, and Enter tells it. c corrects a place that a file states "
-     "wrongly. comp.: measured with compensation active, "
-     "of no use for a map.",
+    {"Lines", "measured lines, their positions and conditions",
+     "Step 2: every measured line: component and axis, position of the other axes, targets, runs, approaches. Below "
+     "are the conditions stated in the file. A ? marks an unknown position of a parked axis: 0 is assumed until you "
+     "enter it with Enter. Press c to correct a position that a file states wrongly. comp.: measured with compensation "
+     "active, cannot be used for a map.",
      laser_lines_page},
-    {"Leave out", "runs and readings, and back again",
-     "Step 3: leave out a run or a single reading; Space takes it out and back, nothing is removed from any "
-     "file, and every later step follows from it. What is left out stays in the curve as x; what lies far "
-     "outside stands at its edge with its value. ? marks readings that stand out from their repeats by more than "
-     "five times what is usual: they are only suggested. w notes why. Before a line, - says that something is "
-     "left out of it, ? that readings stand out, ! that no curve comes of it.",
+    {"Exclude", "exclude or include runs and readings",
+     "Step 3: exclude a run or a single reading. Press Space to exclude it or to include it again. Files are never "
+     "changed, and every later step is computed again. Excluded readings stay in the curve as x. Readings far outside "
+     "are drawn at the edge of the chart with their value. ? marks readings that differ from their repeats by more "
+     "than five times the usual scatter: a suggestion only. Press w to note the reason. Marks before a line: - "
+     "readings are excluded, ? readings differ from their repeats, ! no curve results.",
      laser_leave_out_page},
     {"Slope", "slope and smoothing, before and after",
-     "Step 4: what is done to each curve before it becomes the map. The slope of straightness is how the optics "
-     "were set up, so least squares takes it away; positioning and angles keep theirs. Smoothing puts a local "
-     "parabola over the window; the answer says from the scatter of the repeats whether noise or form went. The "
-     "band is the range of all readings (of the curve where it is smoothed or comes from two lines).",
+     "Step 4: processing of each curve before it becomes part of the map. The slope of a straightness curve comes from "
+     "the alignment of the optics, so least squares removes it; positioning and angles keep their slope. Smoothing "
+     "fits a local parabola over the window; the scatter of the repeats shows whether noise or shape was removed. The "
+     "band is the range of all readings (of the curve, if it is smoothed or comes from two lines).",
      laser_curves_page},
     {"ISO 230", "accuracy and repeatability by ISO 230-2",
-     "Step 5: accuracy and repeatability of every line by ISO 230-2:2014, under the symbols of the standard, "
-     "from the readings that are not left out, as measured (slope and smoothing are for the map). Notes name the "
+     "Step 5: accuracy and repeatability of every line by ISO 230-2:2014, under the symbols of the standard, from all "
+     "readings that are not excluded, as measured (slope removal and smoothing apply to the map only). Notes list the "
      "conditions of the standard that are not met.",
      laser_iso_page},
-    {"Map", "parameters of the unit; what is there, what is missing",
-     "Step 6: the components that the scope of the parameters needs. A missing one is measured, or declared zero "
-     "with a reason; a map that lacks one cannot be sent. Curves show compensation: minus the error. Squareness "
-     "lives in the parameters; what was measured is written into those saved beside the map.",
+    {"Map", "parameters of the unit; present and missing components",
+     "Step 6: the components required by the scope of the parameters. Measure a missing component, or declare it zero "
+     "with a reason; an incomplete map cannot be sent. Curves show compensation: minus the error. Squareness is stored "
+     "in the parameters; measured values are written into the parameter file saved with the map.",
      laser_map_page},
     {"Header", "customer, machine, engineer, date",
-     "Step 7: the header of the map. Enter edits the field under the cursor, Tab goes on to the next one. Faint "
-     "values come from the files. Which files were used and what was done to them is added automatically.",
+     "Step 7: the header of the map. Press Enter to edit the field under the cursor and Tab to go to the next one. "
+     "Faint values come from the files. The source files and their processing are added automatically.",
      laser_header_page},
-    {"Send", "saved to disc, checked, sent to the unit",
-     "Step 8: the map is saved to disc first, then judged as the unit will judge it, then sent whole or not at "
-     "all: a broken link, a cancel or a power cut leaves the old map active. The unit checks every byte in its "
-     "memory.",
+    {"Send", "save to disc, check, send to the unit",
+     "Step 8: the map is saved to disc, checked by the rules of the unit, and sent. It becomes active only as a whole: "
+     "after a broken link, a cancel or a power cut the old map stays active. The unit checks every byte in its memory.",
      laser_send_page},
-    {"Verify", "read back and compared",
-     "Step 9: the map is read back from the unit and compared with the file, table by table and value by value, "
-     "to the resolution of the unit's memory, and the parameters with it; then what comes next. As long as this "
-     "step is open the unit is asked every few seconds whether it still holds what was compared: if it was "
-     "restarted, or another map was made active in it, the comparison no longer counts.",
+    {"Verify", "read back and compare",
+     "Step 9: the map is read back from the unit and compared with the file, table by table and value by value, to the "
+     "resolution of the unit's memory. The parameters are compared too. Then the next actions are shown. While this "
+     "step is open, the unit is queried every few seconds. If it was restarted, or another map became active, the "
+     "comparison is no longer valid.",
      laser_verify_page}};
 
 namespace {
@@ -82,34 +80,35 @@ std::string next_to_do(const LaserController& controller) {
   const LaserMapWork& map = controller.work().map;
   if (is(LaserStep::files, LaserMark::open)) return {};
   if (is(LaserStep::files, LaserMark::doubtful))
-    return "Step 1: a file was not read: Enter answers for it, x takes it off.";
-  if (!controller.mismatch().empty()) return controller.mismatch() + " p chooses the parameters of this machine.";
-  if (is(LaserStep::map, LaserMark::open)) return "Next: the parameters of the unit, p in step 1, 4 or 6.";
+    return "Step 1: a file was not read: press Enter to add data, x to remove it.";
+  if (!controller.mismatch().empty())
+    return controller.mismatch() + " Press p to choose the parameters of this machine.";
+  if (is(LaserStep::map, LaserMark::open)) return "Next: choose the parameters of the unit: p in step 1, 4 or 6.";
   if (is(LaserStep::leave_out, LaserMark::doubtful)) return "Step 3: readings differ from their repeats (o).";
   if (is(LaserStep::curves, LaserMark::doubtful)) return "Step 4: a curve marked ! needs a look.";
   if (map.missing() > 0) {
     std::string missing = fmt::format("Step 6: {} of {} components are missing.", map.missing(), map.components.size());
     for (const LaserComponent& one : map.components)
       if (one.state == ComponentState::missing && !one.detail.empty()) {
-        missing += fmt::format(" {} is measured, but not used: step 6 says why.", name_of(one.component));
+        missing += fmt::format(" {} is measured, but not used: see step 6.", name_of(one.component));
         break;
       }
     const auto& lines = controller.work().lines;
     const auto placeless =
         std::count_if(lines.begin(), lines.end(), [](const LaserLine& line) { return !line.place_unknown.empty(); });
-    return placeless == 0 ? missing : fmt::format("{} Step 2: {} without parked place.", missing, placeless);
+    return placeless == 0 ? missing : fmt::format("{} Step 2: {} without parked position.", missing, placeless);
   }
-  if (is(LaserStep::map, LaserMark::doubtful)) return "Step 6: the findings say what is wrong with this map.";
+  if (is(LaserStep::map, LaserMark::doubtful)) return "Step 6: see the findings on this map.";
   if (is(LaserStep::header, LaserMark::doubtful))
     return fmt::format("Step 7: not stated in the header: {}.",
                        fmt::join(laser::missing_in(map.made->map.map.header), ", "));
   if (controller.verdict() && !controller.stale().empty())
-    return "Step 9: the unit has changed since it was compared: verify again.";
+    return "Step 9: the unit has changed since the comparison: verify again.";
   if (controller.verified()) return {};
   if (controller.sent_is_current() && controller.verdict() && !controller.verdict()->same())
-    return "Step 9: the unit does not hold this map: step 8 sends it again.";
-  if (!controller.sent_is_current()) return "Next: step 8 saves the map, checks it and sends it.";
-  return "Next: step 9 reads the map back from the unit and compares.";
+    return "Step 9: this map is not in the unit: send it again in step 8.";
+  if (!controller.sent_is_current()) return "Next: save, check and send the map in step 8.";
+  return "Next: read the map back and compare in step 9.";
 }
 
 }  // namespace
@@ -195,11 +194,11 @@ void LaserScreen::draw(Canvas& canvas, const Area& area) const {
     const std::size_t aside = host_->controller.drafts_aside();
     const std::string& of = host_->controller.offered_of();
     draw_question(canvas, area,
-                  {fmt::format("Work of {} found{}{}", draft->kept, of.empty() ? "" : ": ", of),
-                   "The files, what was left out, slopes, smoothing and header chosen then. b begins new work: this is "
-                   "kept and offered again later." +
-                       (aside == 0 ? "" : fmt::format(" o offers another one: {} more.", aside)),
-                   "take it up (or Enter)", "not now    b start again    d drop it"});
+                  {fmt::format("Unsaved work of {} found{}{}", draft->kept, of.empty() ? "" : ": ", of),
+                   "It contains the files, exclusions, slopes, smoothing and header. Press b to begin new work: this "
+                   "work is kept and offered again later." +
+                       (aside == 0 ? "" : fmt::format(" Press o for another one: {} more.", aside)),
+                   "continue it (or Enter)", "not now    b start again    d delete it"});
   }
   if (host_->form_) host_->form_->draw(canvas, area);
   draw_question(canvas, area, host_->asking_);
@@ -214,15 +213,15 @@ std::vector<KeyRow> LaserScreen::offered_table() {
   LaserController& controller = host_->controller;
   const auto take_up = [&controller] { controller.take_up_offered(); };
   const auto drop = [this, &controller] {
-    host_->ask({"Drop the work?", fmt::format("What was chosen at {} is lost.", controller.offered()->kept), "drop",
-                "keep it"},
+    host_->ask({"Delete the work?", fmt::format("The choices made at {} will be lost.", controller.offered()->kept),
+                "drop", "keep it"},
                [&controller] { controller.drop_offered(); });
   };
-  return {{"Enter", "take it up", take_up},
+  return {{"Enter", "continue", take_up},
           {"y Y", "", take_up},
           {"b", "start again, keep it", [&controller] { controller.set_offered_aside(); }},
           {"o", "another", [&controller] { controller.offer_another(); }},
-          {"d", "drop it", drop},
+          {"d", "delete", drop},
           {"Esc", "back"}};
 }
 
@@ -301,7 +300,7 @@ bool LaserScreen::advance() {
 std::vector<KeyHelp> LaserScreen::keys() const {
   if (host_->asking_.active()) return {{"y", "yes"}, {"n", "no"}};
   if (host_->controller.offered()) return helps_of(offered_keys_);
-  if (host_->form_) return {{"Enter", "take it"}, {"up/down", "field"}, {"Esc", "give up"}};
+  if (host_->form_) return {{"Enter", "accept"}, {"up/down", "field"}, {"Esc", "cancel"}};
   std::vector<KeyHelp> keys = page().keys();
   if (page().holds_keys()) return keys;
   keys.insert(keys.begin() + std::min<std::ptrdiff_t>(3, std::ssize(keys)), {"1-9", "step"});
@@ -311,8 +310,8 @@ std::vector<KeyHelp> LaserScreen::keys() const {
 
 std::string LaserScreen::help() const {
   return std::string(kLaserStepRows[static_cast<std::size_t>(step_)].help) +
-         " Steps are marked + done, ! look at it, . open; digits go to any of them at any time, and what changes in "
-         "one is carried through the later ones.";
+         " Steps are marked + done, ! needs attention, . open. Press a digit to go to that step at any time. A change "
+         "in one step updates all later steps.";
 }
 
 }  // namespace ecs::app

@@ -55,14 +55,14 @@ class SendPage final : public LaserPage {
     lines.say("map", map_text(map), map.complete() && map.findings().empty() ? Tone::good : Tone::warning);
     if (map.complete())
       for (const std::string& remark : remarks_shown(map)) lines.say("remark", remark, Tone::warning);
-    const char* not_saved = map.made ? "not as it is now: s saves it, Enter saves and sends" : "no";
-    lines.say("saved", d.saved() ? "yes, as it is now" : not_saved, d.saved() ? Tone::good : Tone::plain);
+    const char* not_saved = map.made ? "not in its present state: press s to save, Enter to save and send" : "no";
+    lines.say("saved", d.saved() ? "yes, in its present state" : not_saved, d.saved() ? Tone::good : Tone::plain);
     lines.say("sent", sent_text(), d.sent_is_current() ? Tone::good : Tone::plain);
     if (!d.after_failure().empty()) lines.say("after that", d.after_failure(), Tone::warning);
     if (d.ready()) lines.say("checked", checked_text(*d.ready()));
     lines.skip();
     if (!map.complete() && map.parameters) lines.say("lacking", lacking_of(map), Tone::warning);
-    if (d.sent_is_current() && !d.busy()) lines.say("next", "step 9 reads it back and compares.");
+    if (d.sent_is_current() && !d.busy()) lines.say("next", "step 9 reads it back and compares it.");
     if (map.parameters && (!map.complete() || d.sent_is_current())) lines.skip();
     lines.say("beside it",
               fmt::format("{} (with the squareness measured) and {} (`ecs map build` makes the same map)",
@@ -82,14 +82,14 @@ class SendPage final : public LaserPage {
 
  private:
   void ask_file() {
-    host().fill(LaserForm("where the map is saved",
+    host().fill(LaserForm("file for the map",
                           {{"file",
-                            "the map as CSV; parameters and recipe are written beside it",
+                            "the map as CSV; parameters and recipe are saved in the same folder",
                             controller().choices().map_file,
                             {},
                             true}},
                           [this](const std::vector<std::string>& v) {
-                            if (v[0].empty()) return std::string("the map needs the name of a file");
+                            if (v[0].empty()) return std::string("enter a file name for the map");
                             controller().change("the map's file", [&](LaserChoices& c) { c.map_file = v[0]; });
                             return std::string();
                           }));
@@ -98,13 +98,14 @@ class SendPage final : public LaserPage {
   void check_and_send() {
     if (!controller().work().map.complete())
       return controller().message().say(
-          "the map is not complete: a unit takes none that lacks a component; step 6 says what", Tone::bad);
+          "the map is incomplete, and the unit refuses incomplete maps: step 6 lists the missing components",
+          Tone::bad);
     host().unless_there([this] { controller().prepare(); });
   }
 
   static std::string map_text(const LaserMapWork& map) {
-    if (!map.parameters) return "none yet: step 6 takes the parameters";
-    if (!map.made) return "cannot be built: step 6 says why";
+    if (!map.parameters) return "none yet: choose the parameters in step 6";
+    if (!map.made) return "cannot be built: see step 6";
     return fmt::format("{} tables, {} declared zero, {}", map.made->map.map.tables.size(),
                        map.made->map.map.header.declared_zero.size(), completeness(map.findings()));
   }
@@ -126,13 +127,13 @@ class SendPage final : public LaserPage {
     return remarks;
   }
   static std::string checked_text(const ReadyMap& ready) {
-    std::string text = "the unit has enough memory and is the one of the map";
+    std::string text = "the unit has enough memory and matches the map";
     for (const std::string& note : ready.map->image.notes) text += "; " + note;
     return text;
   }
   std::string sent_text() const {
     const auto& sent = controller().sent();
-    if (!sent && !controller().after_failure().empty()) return "not confirmed: sending broke off";
+    if (!sent && !controller().after_failure().empty()) return "not confirmed: sending was interrupted";
     if (!sent) return "no";
     return fmt::format(
         "{}unit {}, {} bytes in {:.1f} s, {}, made active as no. {}",
@@ -149,9 +150,9 @@ class VerifyPage final : public LaserPage {
     const auto compensate = [this] {
       if (controller().may_compensate())
         this->host().ask({"Switch the unit to compensation?",
-                          "The unit is asked once more whether it holds the map that was compared or sent. It then "
-                          "tests its memory, closes the relays once every axis is referenced, and from then on moves "
-                          "the axes by the values of that map.",
+                          "The program first checks that the unit still contains the compared or sent map. The unit "
+                          "then tests its memory, closes the relays once every axis is referenced, and from then on "
+                          "moves the axes by the values of that map.",
                           "switch", "not now"},
                          [this] { controller().compensate(); });
     };
@@ -166,30 +167,31 @@ class VerifyPage final : public LaserPage {
     lines.say("unit", unit_text(d.unit().snapshot()), d.unit().snapshot().open ? Tone::plain : Tone::bad);
     if (!d.verdict()) {
       lines.skip();
-      lines.say("compare", d.sent() ? "Enter reads the unit's map back and compares it with the file."
-                                    : "Nothing was sent yet: step 8. Enter compares the unit with the map saved last.");
+      lines.say("compare",
+                d.sent() ? "Enter reads the unit's map back and compares it with the file."
+                         : "No map sent yet: see step 8. Press Enter to compare the unit with the last saved map.");
       return;
     }
     const MapVerdict& verdict = *d.verdict();
     const std::string& stale = d.stale();
     if (!stale.empty())
-      lines.say("compared", "the unit has changed since: verify again (Enter). Reason: " + stale, Tone::bad);
+      lines.say("compared", "the unit has changed since then: verify again (Enter). Reason: " + stale, Tone::bad);
     lines.say(stale.empty() ? "compared" : "then",
-              verdict.same() ? "the unit holds this map and its parameters, value by value"
+              verdict.same() ? "the unit contains this map and its parameters, value by value"
                              : fmt::format("{} differences in the map, {} in the parameters",
                                            verdict.differences.size(), verdict.parameters.size()),
               !stale.empty() ? Tone::faint : (verdict.same() ? Tone::good : Tone::bad));
     lines.say("its map",
               fmt::format("{}, made active as no. {}", check_text(d.compared().check), d.compared().activations));
     if (verdict.same() && stale.empty() && !d.verified())
-      lines.say("", "The choices were changed since: step 8 sends the map as it is now.", Tone::warning);
+      lines.say("", "The choices have changed since then: step 8 sends the present map.", Tone::warning);
     lines.skip();
     if (verdict.same() && stale.empty()) {
       lines.say("next",
                 "1. the first time: check polarity and scale of every axis (ECS UTILITY, OUTPUT COMPENSATION VALUE)");
       lines.say("", d.unit().snapshot().emulator
-                        ? "2. c switches the unit to compensation; g in DISPLAY ECS STATUS (F3) references the machine"
-                        : "2. c switches the unit to compensation; reference every axis at the control");
+                        ? "2. press c to switch to compensation; g in DISPLAY ECS STATUS (F3) references the machine"
+                        : "2. press c to switch to compensation; reference every axis at the control");
       const bool emulated = d.unit().snapshot().emulator;
       lines.say("", std::string("3. measure the same lines again, compensated, into another folder") +
                         (emulated ? ": e in step 1, phase after" : ""));

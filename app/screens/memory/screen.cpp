@@ -41,10 +41,10 @@ MemoryScreen::MemoryScreen(std::shared_ptr<UnitConnection> unit) : unit_(std::mo
 }
 
 std::string MemoryScreen::help() const {
-  return "The unit's memory, or a dump of one: bytes as hexadecimal digits and characters, what is under the cursor by "
-         "name with its value, and the same bytes as plain numbers. Pages are read when they come into view; .. is not "
-         "read yet. [45] is the cursor, 45* differs from the file compared. Protected regions can be read only. "
-         "Writing needs integration mode, asks first, is read back, and u writes the old bytes back.";
+  return "The unit's memory, or a dump of it: bytes as hexadecimal digits and characters, the name and value of the "
+         "field under the cursor, and the same bytes as plain numbers. Pages are read when they come into view; .. "
+         "marks unread bytes. [45] is the cursor, 45* differs from the compared file. Protected regions are read-only. "
+         "Writing needs integration mode, asks for confirmation and is read back. Press u to restore the old bytes.";
 }
 
 Step MemoryScreen::leave() {
@@ -131,7 +131,7 @@ void MemoryScreen::on_edit_key(const Key& key) {
   } else if (key.name == Key::Name::enter) {
     placing_ = false;
     if (!found.empty()) return go(found[static_cast<std::size_t>(std::clamp(target_.selected, 0, count - 1))].address);
-    message_.say(fmt::format("no memory and no name like \"{}\"", trimmed(text_.text())), Tone::bad);
+    message_.say(fmt::format("no such memory or name: \"{}\"", trimmed(text_.text())), Tone::bad);
   } else if (text_.on_key(key)) {
     target_ = {};
   }
@@ -151,7 +151,7 @@ void MemoryScreen::choose_dump() {
 }
 
 void MemoryScreen::choose_comparison() {
-  prompt_.choose("Compare with a dump of a unit's memory", {{FileKind::memory}, false, "compare no more"},
+  prompt_.choose("Compare with a dump of a unit's memory", {{FileKind::memory}, false, "end comparison"},
                  [this](const std::string& path) {
                    if (!path.empty()) return compare_with(path);
                    other_.reset();

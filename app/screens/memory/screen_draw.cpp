@@ -113,7 +113,7 @@ std::string text_of(const DifferenceRow& row) {
 
 std::string text_of(const ByteWrite& write) {
   return fmt::format("{}  {}  {} > {}{}  {}", write.when, hex_address(write.address), short_hex(write.before, 4),
-                     short_hex(write.after, 4), write.taken_back ? "  TAKEN BACK" : "", write.where);
+                     short_hex(write.after, 4), write.taken_back ? "  UNDONE" : "", write.where);
 }
 
 }  // namespace
@@ -186,8 +186,8 @@ void MemoryScreen::draw_bytes(Canvas& canvas, const Area& area) const {
   const MemoryRegion* region = memory_.region_of(cursor_);
   if (region == nullptr) {
     canvas.paragraph(area.below(1).between_margins(), 0,
-                     "The unit's memory is shown as soon as a unit answers (LINK says why it does not). o opens a dump "
-                     "that `ecs memory dump` or s wrote.");
+                     "The unit's memory is shown as soon as a unit answers (LINK shows why it does not). Press o to "
+                     "open a dump written by `ecs memory dump` or by s.");
     return;
   }
   rows_ = rows_for(*region, cursor_, area.rows, area.columns, rows_.first);
@@ -210,11 +210,11 @@ void MemoryScreen::draw_under_cursor(Canvas& canvas, const Area& area) const {
     const auto more = fmt::format("byte {} of {}", cursor_ - place->first + 1, place->bytes);
     if (area.rows > 1) canvas.text_right(area, 1, more, Tone::faint);
   } else {
-    canvas.text(area, row, c, "no name for this place", Tone::faint);
+    canvas.text(area, row, c, "no name for this address", Tone::faint);
   }
   if (area.rows > 1) canvas.text(area, ++row, 0, numbers_at(memory_, cursor_), Tone::faint);
   if (area.rows > 2 && other_) {
-    std::string text = differences_.empty() ? fmt::format("no difference to {} in what is read", compared_file())
+    std::string text = differences_.empty() ? fmt::format("no difference from {} in the bytes read", compared_file())
                                             : fmt::format("{} place{} differ{} from {}", differences_.size(),
                                                           differences_.size() == 1 ? "" : "s",
                                                           differences_.size() == 1 ? "s" : "", compared_file());
@@ -227,11 +227,10 @@ void MemoryScreen::draw_differences(Canvas& canvas, const Area& area) const {
   for (const DifferenceRow& row : differences_) rows.push_back({text_of(row)});
   draw_page(canvas, area, rows, difference_,
             fmt::format("{:<8}  {:<34} {:>5}  here | {}", "address", "name", "bytes", compared_file()),
-            other_
-                ? fmt::format("No difference to {} in what is read. a on the page of the bytes reads a whole region, "
-                              "s reads all memory.",
-                              compared_file())
-                : "Nothing is compared yet: c names a dump file to compare with what is shown.");
+            other_ ? fmt::format("No difference from {} in the bytes read. On the page of the bytes, press a to read a "
+                                 "whole region or s to read all memory.",
+                                 compared_file())
+                   : "No comparison yet: press c to choose a dump file to compare with.");
 }
 
 void MemoryScreen::draw_written(Canvas& canvas, const Area& area) const {
@@ -239,8 +238,8 @@ void MemoryScreen::draw_written(Canvas& canvas, const Area& area) const {
   for (const ByteWrite& write : written_)
     rows.push_back({text_of(write), write.taken_back ? Tone::faint : Tone::plain});
   draw_page(canvas, area, rows, write_, "time      address   before > after  where",
-            "Nothing was written this time. w on the page of the bytes writes at the cursor; it asks first, and u "
-            "writes the old bytes back.");
+            "No bytes written yet. On the page of the bytes, press w to write at the cursor, after a confirmation, and "
+            "u to restore the old bytes.");
 }
 
 /// The row under the cursor whole: in the list it may be cut.
@@ -262,7 +261,7 @@ void MemoryScreen::draw_targets(Canvas& canvas, const Area& area) const {
   std::vector<ListRow> rows;
   for (const Target& target : targets()) rows.push_back({target.text, Tone::plain});
   if (rows.empty()) {
-    canvas.paragraph(area.between_margins(), 0, "no memory and no name like this");
+    canvas.paragraph(area.between_margins(), 0, "no such memory or name");
     return;
   }
   draw_list(canvas, area, rows, target_);
@@ -273,7 +272,7 @@ void MemoryScreen::draw_bottom(Canvas& canvas, const Area& area) const {
   if (placing_) {
     canvas.text(area, 0, 0, "go to:", Tone::strong);
     text_.draw(canvas, area, 0, kPlaceColumn, std::max(1, area.columns - kPlaceColumn), true);
-    canvas.text(area, 1, 0, "an address in hexadecimal, or a part of a name; up and down choose, Enter goes",
+    canvas.text(area, 1, 0, "hexadecimal address, or part of a name; up and down choose, Enter goes there",
                 Tone::faint);
     return;
   }
@@ -283,7 +282,7 @@ void MemoryScreen::draw_bottom(Canvas& canvas, const Area& area) const {
     if (message_.is_problem() && !message_.text().empty())
       draw_message(canvas, area.below(1), message_);
     else
-      canvas.text(area, 1, 0, "Esc gives it up", Tone::faint);
+      canvas.text(area, 1, 0, "Esc cancels", Tone::faint);
     return;
   }
   if (!message_.text().empty())

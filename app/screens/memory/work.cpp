@@ -32,7 +32,7 @@ std::string MemoryScreen::compared_file() const { return name_of_file(other_file
 
 std::string MemoryScreen::source() const {
   if (is_file()) return fmt::format("file {}{}", name_of_file(file_), file_detail_);
-  if (serial_number_.empty()) return "unit: none has answered yet";
+  if (serial_number_.empty()) return "unit: no answer yet";
   return fmt::format("unit {}", serial_number_);
 }
 
@@ -60,7 +60,7 @@ bool MemoryScreen::follow_unit() {
   opened_at_ = now.opened_at;
   if (same) {
     memory_.forget();
-    message_.say("the link was opened again: memory is read again", Tone::warning);
+    message_.say("the link was reopened: reading memory again", Tone::warning);
     read_failed_ = false;
     return true;
   }
@@ -181,7 +181,7 @@ void MemoryScreen::read_region() {
   const MemoryRegion* region = memory_.region_of(cursor_);
   if (region == nullptr) return;
   if (memory_.part_known(*region) >= 1.0)
-    return message_.say(fmt::format("{} is read whole already", region->name), Tone::warning);
+    return message_.say(fmt::format("all of {} is already read", region->name), Tone::warning);
   filling_ = region->first;
   part_begun_ = memory_.part_known(*region);
   begun_ = Clock::now();
@@ -197,7 +197,7 @@ std::string MemoryScreen::seek(const std::string& typed) {
 }
 
 void MemoryScreen::seek_on() {
-  if (!sought_) return message_.say("nothing was sought yet: / begins", Tone::warning);
+  if (!sought_) return message_.say("no search yet: press / to search", Tone::warning);
   if (const MemoryRegion* region = memory_.region_of(cursor_)) begin_search(std::min(cursor_ + 1, region->last()));
 }
 
@@ -217,9 +217,9 @@ void MemoryScreen::step_search() {
   const MemoryRegion* region = memory_.region_of(search_->from);
   if (step.kind == SearchStep::Kind::found) {
     go(step.address);
-    message_.say(fmt::format("{} found at {}; m finds the next", search_->typed, hex_address(step.address)));
+    message_.say(fmt::format("{} found at {}; press m for the next", search_->typed, hex_address(step.address)));
   } else {
-    message_.say(fmt::format("{} is not in {} from {} to its end; g goes to another region", search_->typed,
+    message_.say(fmt::format("{} is not in {} from {} to its end; press g for another region", search_->typed,
                              region == nullptr ? std::string("memory") : region->name, hex_address(search_->from)),
                  Tone::warning);
   }
@@ -246,23 +246,23 @@ void MemoryScreen::compare_with(const std::string& path) {
     other_file_ = path;
     compare_again();
     message_.say(differences_.empty()
-                     ? fmt::format("no difference to {} in what is read", path)
-                     : fmt::format("compared with {}: d goes to the next difference, 2 lists them", path));
+                     ? fmt::format("no difference from {} in the bytes read", path)
+                     : fmt::format("compared with {}: press d for the next difference, 2 for the list", path));
     for (const std::string& damage : dump->damage) message_.say(damage, Tone::bad);
   });
 }
 
 void MemoryScreen::to_next_difference() {
-  if (!other_) return message_.say("nothing is compared yet: c names a file", Tone::warning);
+  if (!other_) return message_.say("no comparison yet: press c to choose a file", Tone::warning);
   const auto next = next_difference(memory_, *other_, cursor_);
-  if (!next) return message_.say(fmt::format("no difference to {} in what is read", other_file_));
+  if (!next) return message_.say(fmt::format("no difference from {} in the bytes read", other_file_));
   go(*next);
 }
 
 // --- long work
 bool MemoryScreen::gives_way() {
   if (task_.running())
-    message_.say(fmt::format("still {}: Esc gives it up", task_.label()), Tone::warning);
+    message_.say(fmt::format("still {}: press Esc to cancel", task_.label()), Tone::warning);
   else {
     filling_.reset();
     search_.reset();
@@ -296,7 +296,7 @@ double MemoryScreen::seconds_left() const {
 
 void MemoryScreen::cancel() {
   if (working_on().empty()) return;
-  message_.say(fmt::format("given up: {}", working_on()), Tone::warning);
+  message_.say(fmt::format("cancelled: {}", working_on()), Tone::warning);
   search_.reset();
   filling_.reset();
   pages_.cancel();
@@ -312,9 +312,10 @@ std::string time_now() { return fmt::format("{:%H:%M:%S}", fmt::localtime(std::t
 // --- writing
 bool MemoryScreen::lets_write() {
   Result<void> may = may_write(memory_, cursor_, 1);
-  if (is_file()) may = problem(ProblemKind::refused, "this is a file: o with an empty name goes back to the unit");
+  if (is_file())
+    may = problem(ProblemKind::refused, "this is a file: press o and enter an empty name to return to the unit");
   const auto sample = unit_->newest();
-  if (may && !sample) may = problem(ProblemKind::refused, "the unit does not answer: nothing can be written now");
+  if (may && !sample) may = problem(ProblemKind::refused, "the unit does not answer: writing is not possible now");
   if (may) may = may_write_in(sample->mode);
   if (!may) message_.say(may.error());
   return may.has_value();
@@ -325,8 +326,8 @@ std::string MemoryScreen::propose(const std::string& typed) {
   if (!bytes) return bytes.error().message;
   if (const auto may = may_write(memory_, cursor_, bytes->size()); !may) return may.error().message;
   const ByteView before = memory_.known(cursor_, static_cast<std::uint32_t>(bytes->size()));
-  if (before.size() < bytes->size()) return "What is there now is not read yet. Wait, then press Enter again.";
-  if (std::equal(before.begin(), before.end(), bytes->begin())) return "The memory holds these bytes already.";
+  if (before.size() < bytes->size()) return "The present bytes are not read yet. Wait, then press Enter again.";
+  if (std::equal(before.begin(), before.end(), bytes->begin())) return "The memory already contains these bytes.";
   const auto place = names_.at(memory_, cursor_);
   ask_to_write({cursor_,
                 {before.begin(), before.end()},
@@ -340,7 +341,7 @@ std::string MemoryScreen::propose(const std::string& typed) {
 
 void MemoryScreen::propose_undo() {
   const auto last = std::find_if(written_.rbegin(), written_.rend(), [](const auto& w) { return !w.taken_back; });
-  if (last == written_.rend()) return message_.say("nothing was written that could be taken back", Tone::warning);
+  if (last == written_.rend()) return message_.say("no write to undo", Tone::warning);
   ByteWrite back = *last;
   go(back.address);
   if (!lets_write()) return;
@@ -357,10 +358,10 @@ void MemoryScreen::ask_to_write(ByteWrite write, bool undo) {
   question.detail = fmt::format("at {}, {}\nnow {}\nnew {}", hex_address(write.address), write.where,
                                 short_hex(write.before), short_hex(write.after));
   question.yes = "write";
-  question.no = "leave as it is";
+  question.no = "do not write";
   asking_.ask(
       std::move(question), [this, write = std::move(write), undo] { this->write(write, undo); },
-      [this] { message_.say("left as it is", Tone::plain); });
+      [this] { message_.say("not written", Tone::plain); });
 }
 
 void MemoryScreen::write(const ByteWrite& write, bool undo) {
@@ -399,7 +400,7 @@ void MemoryScreen::landed_write(const ByteWrite& write, bool undo, const Result<
   decode_again();
   const std::string count = write.after.size() == 1 ? "1 byte" : fmt::format("{} bytes", write.after.size());
   message_.say(fmt::format("{} {} at {}, read back the same (before: {}){}", count, undo ? "written back" : "written",
-                           hex_address(at), short_hex(write.before), undo ? "" : "; u takes it back"));
+                           hex_address(at), short_hex(write.before), undo ? "" : "; press u to undo"));
 }
 
 // --- files
@@ -430,7 +431,7 @@ void MemoryScreen::show_dump(const std::string& path, const MemoryDump& dump) {
   memory_ = MemoryBytes::of_dump(dump);
   decode_again();
   go(cursor_);
-  message_.say(fmt::format("{} opened: writing and reading again need the unit, o with an empty name", path));
+  message_.say(fmt::format("{} opened: to read or write the unit, press o and enter an empty name", path));
   for (const std::string& damage : dump.damage) message_.say(damage, Tone::bad);
 }
 

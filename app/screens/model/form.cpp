@@ -24,12 +24,12 @@ namespace {
 
 constexpr std::array<const char*, 3> kNames{"model", "data", "machine"};
 constexpr std::array<const char*, 3> kHelp{
-    "Model file (.toml): the effects that are believed so far. A name that does not exist yet, or none: a new model is "
-    "created from the measurements.",
-    "Measured files, separated by blanks: any that PROCESS LASER DATA reads.",
-    "Machine file (.toml): datum, travels, lever arms, pitches. May be left empty."};
+    "Model file (.toml): the effects assumed so far. For a new file name, or none, a new model is created from the "
+    "measurements.",
+    "Measured files, separated by blanks: any format that PROCESS LASER DATA reads.",
+    "Machine file (.toml): datum, travels, lever arms, pitches. May be empty."};
 constexpr int kColumn = 12;
-constexpr const char* kHeading = "Which measurements are compared with which model?";
+constexpr const char* kHeading = "Choose the model and the measurements to compare.";
 
 /// Of the first field, below the heading.
 int first_row(int columns) { return static_cast<int>(wrapped(kHeading, columns).size()) + 1; }
@@ -77,11 +77,11 @@ class ModelForm final : public Screen {
   }
 
   [[nodiscard]] std::string help() const override {
-    return "The measurements are measurement sets (CSV) or files of a laser. The model file holds the effects that are "
-           "believed so far; who has none gives a new name, or none at all: a model of offset, slope and backlash is "
-           "created there, and the screen finds from the measurements what else belongs into it. The machine file "
-           "tells lever arms and pitches; without it fewer causes can be distinguished. Measurements and machine file "
-           "that lie in the folder of the model are filled in; typing replaces them.";
+    return "The measurements are measurement sets (CSV) or files of a laser. The model file contains the effects "
+           "assumed so far. If you have none, enter a new name or no name: a model of offset, slope and backlash is "
+           "created, and the screen finds the missing effects from the measurements. The machine file gives lever arms "
+           "and pitches; without it fewer causes can be distinguished. Measurements and machine file in the folder of "
+           "the model are filled in. Typing replaces them.";
   }
 
   [[nodiscard]] bool advance() override {
@@ -141,7 +141,7 @@ class ModelForm final : public Screen {
     hint_.clear();
     ModelArguments named = files();
     if (named.data.empty()) {
-      hint_ = "at least one file of measurements is needed";
+      hint_ = "at least one measurement file is required";
       problem_ = true;
       field_ = 1;
       return;
@@ -155,18 +155,17 @@ class ModelForm final : public Screen {
     std::error_code error;
     if (std::filesystem::exists(named.model, error)) {
       if (!proposed) return start(false);
-      hint_ = fmt::format("{} exists: Enter opens it, another name begins a new one", named.model);
+      hint_ = fmt::format("{} exists: Enter opens it; another name creates a new model", named.model);
       problem_ = false;
       field_ = 0;
       return;
     }
     asking_.ask(
         {"Begin a new model?",
-         fmt::format(
-             "{} does not exist yet. A new model begins with what every machine has: offset, slope and backlash of "
-             "each curve that was measured. Then d finds what is missing, a adds it and the error falls.",
-             named.model),
-         "begin it", "another file"},
+         fmt::format("{} does not exist yet. A new model begins with offset, slope and backlash of each measured "
+                     "curve. Then press d to find the missing effects and a to add one.",
+                     named.model),
+         "create it", "another file"},
         [this] { start(true); }, [this] { field_ = 0; });
   }
 

@@ -137,11 +137,11 @@ bool ModelScreen::on_causes_key(const Key& key) {
 void ModelScreen::ask_to_add_likely(const std::function<void()>& add) {
   const model::Diagnosis& d = *controller_->diagnosis();
   const model::Candidate& candidate = d.candidates[chosen_cause()];
-  const std::string expected = d.add
-                                   ? fmt::format(" With {} the rms of readings left out goes from {:.3g} to {:.3g} {}.",
-                                                 fmt::join(d.add->effects, " and "), d.add->held_out_rms_before_um,
-                                                 d.add->held_out_rms_um, d.noise.unit)
-                                   : "";
+  const std::string expected =
+      d.add ? fmt::format(" With {} the rms of held-out readings changes from {:.3g} to {:.3g} {}.",
+                          fmt::join(d.add->effects, " and "), d.add->held_out_rms_before_um, d.add->held_out_rms_um,
+                          d.noise.unit)
+            : "";
   asking_.ask({fmt::format("Add {}, which is likely but not proved?", place_text(candidate.effect)),
                fmt::format("Not proved, because {}.{} {} to be sure.", candidate.but, expected, candidate.decide),
                "add it", "not now"},
@@ -161,8 +161,8 @@ void ModelScreen::add_chosen() {
   const auto& candidates = controller_->diagnosis()->candidates;
   if (controller_->diagnosis()->verdict == model::Verdict::adequate && !candidates.empty())
     return asking_.ask({fmt::format("Add {} to an adequate model?", place_text(candidates[chosen].effect)),
-                        "What the model leaves is noise. This effect would be fitted to that noise and predicts no new "
-                        "readings better.",
+                        "The residual of the model is noise. This effect would be fitted to that noise and would not "
+                        "predict new readings better.",
                         "add it", "not now"},
                        add);
   if (controller_->diagnosis()->verdict == model::Verdict::cannot_tell && !candidates.empty())
@@ -174,8 +174,8 @@ void ModelScreen::add_chosen() {
   std::vector<std::string> rivals;
   for (const model::EffectInstance& rival : candidates[chosen].rivals) rivals.push_back(place_text(rival));
   asking_.ask({fmt::format("Add {}?", place_text(candidates[chosen].effect)),
-               fmt::format("These data cannot tell it from {}. It is added with \"(or {})\" in model, map and report, "
-                           "until a measurement decides. {}",
+               fmt::format("These data cannot distinguish it from {}. It is marked \"(or {})\" in model, map and "
+                           "report until a measurement decides. {}",
                            fmt::join(rivals, ", "), fmt::join(rivals, ", "), candidates[chosen].next_measurement),
                "add it", "not now"},
               add);
@@ -192,13 +192,13 @@ void ModelScreen::begin_map() {
           .ask(
               "parameters of the unit:", Prompt::Kind::path, controller_->params_proposed(),
               [this, map](const std::string& params) { controller_->plan_map(map, params); },
-              "empty: received from it, else those of the machine")
+              "empty: received from the unit, else those of the machine")
           .or_nothing();
     });
   };
   if (controller_->is_kept()) return ask();
   asking_.ask({"Save the model first?",
-               fmt::format("The map names the model that it was made from. {} is written with the fitted values.",
+               fmt::format("The map refers to its model file. {} will be saved with the fitted values.",
                            controller_->model_file()),
                "save it", "no map now"},
               [this, ask] {
@@ -213,7 +213,7 @@ void ModelScreen::write_map(const std::string& zero_reason) {
   if (exist.empty()) return controller_->write_map(zero_reason);
   asking_.ask(
       {fmt::format("Overwrite {}?", exist.front()),
-       fmt::format("{} exist{} already. The contents will be overwritten.", fmt::join(exist, " and "),
+       fmt::format("{} already exist{}. The contents will be overwritten.", fmt::join(exist, " and "),
                    exist.size() == 1 ? "s" : ""),
        "overwrite", "keep"},
       [this, zero_reason] { controller_->write_map(zero_reason); }, [this] { controller_->drop_plan(); });
@@ -230,7 +230,7 @@ bool ModelScreen::advance() {
       prompt_
           .ask(
               "declared zero because:", Prompt::Kind::text, "not measured, no effect in the model",
-              [this](const std::string& reason) { write_map(reason); }, "empty: leave them missing")
+              [this](const std::string& reason) { write_map(reason); }, "empty: do not declare them")
           .or_nothing();
     return true;
   }
@@ -252,8 +252,8 @@ bool ModelScreen::on_ladder_key(const Key& key) {
   const std::size_t chosen = chosen_effect();
   if (key.name != Key::Name::enter || effects[chosen].tied_with.empty())
     return effect_.on_key(key, static_cast<int>(effects.size()));
-  asking_.ask({fmt::format("Is it decided that it is {}?", place_text(effects[chosen])),
-               fmt::format("Until now it could be {} as well.", effects[chosen].tied_with), "decided", "still open"},
+  asking_.ask({fmt::format("Decide for {}?", place_text(effects[chosen])),
+               fmt::format("It could still be {}.", effects[chosen].tied_with), "decided", "leave open"},
               [this, chosen] { controller_->decide(chosen); });
   return true;
 }
@@ -282,12 +282,12 @@ std::vector<KeyRow> ModelScreen::key_table() {
   };
   const auto compensate = [this] {
     if (controller_->may_compensate())
-      asking_.ask(
-          {"Switch the unit to compensation?",
-           "The unit is asked once more whether it holds the map that was sent. It then tests its memory, closes "
-           "the relays once every axis is referenced, and from then on moves the axes by the values of that map.",
-           "switch", "not now"},
-          [this] { controller_->compensate(); });
+      asking_.ask({"Switch the unit to compensation?",
+                   "The program first checks that the unit still contains the map that was sent. The unit then tests "
+                   "its memory, closes the relays once every axis is referenced, and from then on moves the axes by "
+                   "the values of that map.",
+                   "switch", "not now"},
+                  [this] { controller_->compensate(); });
   };
   const auto measured_again = [this] {
     prompt_.choose("Files measured again with compensation", {{FileKind::measurements}, true},
@@ -378,19 +378,18 @@ std::string ModelScreen::said_by_parts(std::string NextPart::*what) const {
 }
 
 std::string ModelScreen::help() const {
-  return "Compare the model with the measurements, see where it fails, find which effect is missing, add it and watch "
-         "the error fall. Signs are readings, lines the model: forward solid, reverse broken. d tries every effect of "
-         "the library; the page What is missing ranks them with their evidence and the rivals that these data cannot "
-         "exclude; a adds the one under the cursor, f the formula of what is left, Enter explains it and gives the "
-         "evidence; the Ladder shows how far "
-         "the error fell towards the noise, and the "
-         "effects of the model, of which x removes one. n adds an effect by its name, as in cyclic:X:EX. u takes the "
-         "last change back, y does it again. After tells what compensation would leave (w), builds the map (m), sends "
-         "it to the unit after the same checks and question as PROCESS LASER DATA (t), switches the unit to "
-         "compensation (c) and shows what it left when measured again (o). r "
-         "shows the means of the targets, one run after the other, then all readings; v shows what is left over each "
-         "period of the model, by run and against the sensors. The scale of what is left stays when an effect is "
-         "added, 0 lets it go." +
+  return "Compare the model with the measurements, find which effect is missing, add it and see the error fall. "
+         "Symbols are readings, lines the model: forward solid, reverse broken. Press d to try every effect of the "
+         "library: the page Missing ranks them with their evidence and the rivals that these data cannot "
+         "exclude. Press a to add the effect under the cursor, f to add the formula for the residual, Enter to see "
+         "explanation and evidence. The page Ladder shows how far the error fell towards the noise and lists the "
+         "effects of the model; press x to remove one. Press n to add an effect by its name, as in cyclic:X:EX, u to "
+         "undo the last change, y to redo it. On page After, press w to predict the error after compensation, m to "
+         "build the map, t to send it to the unit with the same checks and questions as PROCESS LASER DATA, c to "
+         "switch the unit to compensation, and o to compare with files measured again. Press r to show the means of "
+         "the targets, then each run, then all readings. Press v to show the residual over each period of the model, "
+         "by run and against the sensors. The scale of the residual is kept when an effect is added; press 0 to reset "
+         "it." +
          said_by_parts(&NextPart::help);
 }
 

@@ -79,14 +79,14 @@ void ModelScreen::draw(Canvas& canvas, const Area& area) const {
   prompt_.draw(canvas, area, area.rows - 1);
   if (draft_)
     draw_question(canvas, area,
-                  {"Unsaved work on this model was found. Take it up?",
+                  {"Unsaved work on this model was found. Continue it?",
                    fmt::format("It was kept {}, when the program ended without saving {}.", draft_->kept,
                                controller_->model_file()),
-                   "take it up", "not now    d drop it"});
+                   "continue", "not now    d delete it"});
   else if (leaving_)
     draw_question(
         canvas, area,
-        {"Leave without saving the model?", controller_->model_file() + " stays as it was.", "leave", "stay"});
+        {"Leave without saving the model?", controller_->model_file() + " remains unchanged.", "leave", "stay"});
   else
     draw_question(canvas, area, asking_);
 }
@@ -125,8 +125,7 @@ void ModelScreen::draw_state(Canvas& canvas, const Area& area) const {
   const Area text = area.between_margins();
   if (controller_->busy()) {
     canvas.paragraph(
-        text, 0,
-        fmt::format("{} ... {:.0f} s, Esc gives up", controller_->working_on(), controller_->seconds_working()),
+        text, 0, fmt::format("{} ... {:.0f} s, Esc cancels", controller_->working_on(), controller_->seconds_working()),
         Tone::warning);
   } else if (!controller_->message().text().empty()) {
     draw_message(canvas, text, controller_->message());
@@ -181,9 +180,9 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   const Area text = area.between_margins();
   if (!controller_->diagnosis()) {
     canvas.paragraph(text, 1,
-                     controller_->busy() ? "The library is being tried on what the model leaves."
-                                         : "Press d: every effect of the library is tried on what the model leaves, "
-                                           "and weighed against noise made for this very data set.");
+                     controller_->busy() ? "The library is being tried on the residual."
+                                         : "Press d to try every effect of the library on the residual and compare it "
+                                           "with noise simulated for this data set.");
     return;
   }
   const model::Diagnosis& d = *controller_->diagnosis();
@@ -227,16 +226,16 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
                            fmt::format("Likely, but not proved: {}. {} to be sure.", candidate.but, candidate.decide),
                            Tone::warning);
   if (!rivals.empty())
-    at += canvas.paragraph(detail, at, fmt::format("These data cannot tell it from: {}.", fmt::join(rivals, ", ")),
-                           Tone::warning);
+    at += canvas.paragraph(
+        detail, at, fmt::format("These data cannot distinguish it from: {}.", fmt::join(rivals, ", ")), Tone::warning);
   at += canvas.paragraph(detail, at, "Next: " + candidate.next_measurement, Tone::faint);
   std::vector<std::string> left;
   for (const model::LeftProperty& one : d.left)
     if (!one.is.empty()) left.push_back(one.property + " " + one.is);
-  if (!left.empty()) at += canvas.paragraph(detail, at, fmt::format("What is left: {}.", fmt::join(left, ", ")));
+  if (!left.empty()) at += canvas.paragraph(detail, at, fmt::format("Residual: {}.", fmt::join(left, ", ")));
   if (d.formula)
     canvas.paragraph(detail, at,
-                     fmt::format("f adds it as a formula: {:.3g} > {:.3g} {} rms of readings left out.",
+                     fmt::format("Press f to add it as a formula: {:.3g} > {:.3g} {} rms of held-out readings.",
                                  d.formula->held_out_rms_before_um, d.formula->held_out_rms_um, d.noise.unit));
 }
 
@@ -244,7 +243,7 @@ void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
   const Area text = area.between_margins();
   const auto& history = controller_->model().history;
   std::vector<std::pair<std::string, double>> rungs;
-  if (history.empty()) rungs.emplace_back("the model as it is", controller_->fit().rms_um);
+  if (history.empty()) rungs.emplace_back("present model", controller_->fit().rms_um);
   if (!history.empty() && !history.front().effect.empty()) rungs.emplace_back("before", history.front().rms_before_um);
   for (const model::LadderStep& step : history) rungs.emplace_back(rung_text(controller_->model(), step), step.rms_um);
   double most = controller_->fit().rms_um;
@@ -275,7 +274,8 @@ void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
     effects.push_back({fmt::format("{}  {}", in_columns(name_with_alternatives(effect.effect), widest),
                                    parameters_text(effect.parameters)),
                        Tone::plain});
-  canvas.text(below.between_margins(), 0, 1, "effects of the model and their values; x removes one", Tone::faint);
+  canvas.text(below.between_margins(), 0, 1, "effects of the model and their values; press x to remove one",
+              Tone::faint);
   const auto chosen = static_cast<std::size_t>(std::clamp(effect_.selected, 0, static_cast<int>(effects.size()) - 1));
   const Area list = below.between_margins().below(1);
   const std::string whole = effects.empty() ? "" : parameters_text(controller_->fit().effects[chosen].parameters);
@@ -289,8 +289,8 @@ void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
 std::vector<std::string> ModelScreen::after_lines(int columns) const {
   if (const auto& planned = controller_->planned_map(); planned && !planned->missing.empty()) {
     std::vector<std::string> lines =
-        wrapped(fmt::format("The unit needs {} components that the model has no effect for. They can be declared zero, "
-                            "with a reason that the map keeps:",
+        wrapped(fmt::format("The unit needs {} components for which the model has no effect. They can be declared "
+                            "zero, with a reason that is saved in the map:",
                             planned->missing.size()),
                 columns);
     for (const Component c : planned->missing)
@@ -299,10 +299,10 @@ std::vector<std::string> ModelScreen::after_lines(int columns) const {
   }
   if (!controller_->after().empty()) return sentences_wrapped(controller_->after(), columns + 1);
   return wrapped(
-      "w computes what compensation by the unit would leave of these errors, effect by effect. m builds the map of the "
-      "model; what it lacks is shown and can be declared zero. t sends the map to the unit, c switches the unit to "
-      "compensation. o opens files measured again with the unit compensating and puts what was achieved beside what "
-      "was predicted.",
+      "Press w to compute the error after compensation by the unit, effect by effect. Press m to build the map of the "
+      "model; missing components are shown and can be declared zero. Press t to send the map to the unit and c to "
+      "switch the unit to compensation. Press o to open files measured again with the unit compensating and to compare "
+      "the achieved error with the predicted one.",
       columns);
 }
 
@@ -310,7 +310,7 @@ std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
   if (page_ == Page::fails) return sentences_wrapped(controller_->comparison(), columns + 1);
   if (page_ == Page::after) return after_lines(columns);
   if (!controller_->next())
-    return wrapped("Press d first: the next measurement depends on what is in doubt." + said_by_parts(&NextPart::hint),
+    return wrapped("Press d first: the next measurement depends on the diagnosis." + said_by_parts(&NextPart::hint),
                    columns);
   std::vector<std::string> lines;
   const auto add = [&](const std::string& text) {
@@ -319,13 +319,13 @@ std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
   };
   std::size_t number = 0;
   if (!controller_->next()->rivals.empty())
-    add(fmt::format("To tell apart: {}", fmt::join(controller_->next()->rivals, ", ")));
+    add(fmt::format("To distinguish: {}", fmt::join(controller_->next()->rivals, ", ")));
   for (const model::MeasurementProposal& proposal : controller_->next()->proposals) {
     add(fmt::format("{}. {}", ++number, proposal.tells));
     add(proposal.sentence);
   }
   for (const std::string& note : controller_->next()->notes) add(note);
-  if (lines.empty()) add("Nothing is in doubt that a measurement could settle.");
+  if (lines.empty()) add("No further measurement is needed: the cause is established.");
   return lines;
 }
 

@@ -67,7 +67,7 @@ void ParametersScreen::go_to(const std::string& key) {
     place().selected = static_cast<int>(found - list.begin());
     return;
   }
-  message_.say(fmt::format("{} belongs to an axis that configuration.axes does not name", key), Tone::warning);
+  message_.say(fmt::format("{} belongs to an axis that is not in configuration.axes", key), Tone::warning);
 }
 
 bool ParametersScreen::typing() const { return prompt_.active() || seeking_ || (edit_ && !edit_->choosing); }
@@ -122,7 +122,7 @@ Step ParametersScreen::on_start_key(const Key& key) {
   if (draft_) {
     if (is_letter(key, U'd') || (enter && start_.selected == 1)) {
       asking_.ask(
-          {"Drop the unsaved work?", fmt::format("What was edited at {} is lost.", draft_->kept), "drop", "keep"},
+          {"Delete the unsaved work?", fmt::format("The edits made at {} will be lost.", draft_->kept), "drop", "keep"},
           [this] {
             drop_draft(kParametersDraft);
             draft_ = controller_.draft();
@@ -137,7 +137,7 @@ Step ParametersScreen::on_start_key(const Key& key) {
       exchange_draft(kParametersDraft);
       draft_ = controller_.draft();
     } else if (enter) {
-      after(controller_.take_up_draft(), "the unsaved work is here again");
+      after(controller_.take_up_draft(), "the unsaved work is restored");
       if (controller_.loaded()) turn_page(0);
     } else {
       (void)start_.on_key(key, drafts_aside(kParametersDraft) == 0 ? 3 : 4);
@@ -176,7 +176,7 @@ Step ParametersScreen::on_page_key(const Key& key) {
              place().on_key(key, static_cast<int>(controller_.compared().size()), page_rows())) {
     return stay();
   } else if (transfer_.task().running()) {
-    message_.say("wait until the exchange with the unit is done, or Esc cancels it", Tone::warning);
+    message_.say("wait until the exchange with the unit is done, or press Esc to cancel it", Tone::warning);
   } else if (!act_on(keys_, key) && on_group()) {
     on_field_key(key);
   }
@@ -187,13 +187,13 @@ std::vector<KeyRow> ParametersScreen::key_table() {
   const auto fields = [this] { return on_group(); };
   const auto findings = [this] { return page_ == Page::findings; };
   const auto compare = [this] { return page_ == Page::compare; };
-  const auto undo = [this] { report_undo(controller_.undo(), "taken back"); };
-  const auto redo = [this] { report_undo(controller_.redo(), "done again"); };
+  const auto undo = [this] { report_undo(controller_.undo(), "undone"); };
+  const auto redo = [this] { report_undo(controller_.redo(), "redone"); };
   const auto default_here = [this] {
     const std::string here = key_here();
     if (here.empty()) return;
     controller_.set_default(here);
-    message_.say(fmt::format("{} has its default; u takes it back", full_label_of(here)));
+    message_.say(fmt::format("{} has its default; press u to undo", full_label_of(here)));
     settle_on_field(1);
   };
   const auto save = [this] { ask_where_to_save(controller_.file().empty() ? "parameters.toml" : controller_.file()); };
@@ -204,8 +204,8 @@ std::vector<KeyRow> ParametersScreen::key_table() {
           {"Space", "next", {}, fields},
           {"Enter", "go to field", [this] { go_to_finding(); }, findings},
           {"Enter", "go to field", to_compared, compare},
-          {"f", "take file's", [this] { take_compared(true); }, compare},
-          {"g", "take unit's", [this] { take_compared(false); }, compare},
+          {"f", "use file's", [this] { take_compared(true); }, compare},
+          {"g", "use unit's", [this] { take_compared(false); }, compare},
           {"u", "undo", undo},
           {"s", "save", save},
           {"t", "send", [this] { send(); }},
@@ -213,19 +213,19 @@ std::vector<KeyRow> ParametersScreen::key_table() {
           {"/", "find"},
           {"Tab 1-5", "page"},
           {"d", "default of the field", default_here},
-          {"y", "do again what u took back", redo},
+          {"y", "redo", redo},
           {"m", "check against a machine file", [this] { ask_for_check(); }},
           {"o", "open a file", [this] { unless_lost("Open another file?", [this] { ask_for_file(); }); }},
           {"n", "new from a machine file",
            [this] { unless_lost("Begin with new parameters?", [this] { ask_for_machine(); }); }},
-          {"l", "look into the unit again", [this] { look_again(); }},
+          {"l", "read the unit again", [this] { look_again(); }},
           {"Ctrl-Z", "", undo},
           {"Ctrl-Y", "", redo}};
 }
 
 void ParametersScreen::report_undo(const std::string& what, const char* word) {
   if (what.empty())
-    message_.say("there is nothing more of that", Tone::warning);
+    message_.say("no more changes to undo or redo", Tone::warning);
   else
     message_.say(fmt::format("{}: {}", word, what));
   if (on_group()) settle_on_field(1);
@@ -259,10 +259,9 @@ void ParametersScreen::take_compared(bool of_file) {
   const std::string here = compared_here();
   if (here.empty()) return;
   if (of_file ? controller_.take_from_file(here) : controller_.take_from_unit(here))
-    message_.say(fmt::format("{} taken from the {}; u takes it back", full_label_of(here), of_file ? "file" : "unit"));
+    message_.say(fmt::format("{} taken from the {}; press u to undo", full_label_of(here), of_file ? "file" : "unit"));
   else
-    message_.say(of_file ? "there is no file to take it from" : "no unit has given a value that could be taken",
-                 Tone::warning);
+    message_.say(of_file ? "no file to copy from" : "no value from a unit to copy", Tone::warning);
   place().selected = std::clamp(place().selected, 0, std::max(0, static_cast<int>(controller_.compared().size()) - 1));
 }
 
@@ -315,11 +314,11 @@ void ParametersScreen::unless_lost(const std::string& title, std::function<void(
   if (!controller_.unsaved()) return what();
   asking_.ask(
       {title,
-       fmt::format("{} change{} here neither saved nor sent. {} kept as a draft, which is offered again later; "
-                   "n, then s saves {} first.",
+       fmt::format("{} change{} here neither saved nor sent. {} kept as a draft, which is offered again later. Press "
+                   "n, then s, to save {} first.",
                    controller_.changes(), controller_.changes() == 1 ? " is" : "s are",
                    controller_.changes() == 1 ? "It is" : "They are", controller_.changes() == 1 ? "it" : "them"),
-       "go on, keep the draft", "stay"},
+       "continue, keep the draft", "stay"},
       std::move(what));
 }
 
@@ -345,7 +344,7 @@ Result<void> ParametersScreen::begun_from(const std::string& machine) {
   turn_page(0);
   message_.say(
       "new parameters: look through pages 1 to 3, above all datum type, output scale and polarity " +
-      std::string(controller_.findings().empty() ? "of the control" : "of the control; page 4 says what is missing"));
+      std::string(controller_.findings().empty() ? "of the control" : "of the control; page 4 shows missing values"));
   return {};
 }
 
@@ -395,7 +394,7 @@ void ParametersScreen::ask_where_to_save(const std::string& proposed) {
             again);
         return std::string();
       },
-      "the old file stays whole until the new one is on disc");
+      "the old file is kept until the new one is on disc");
 }
 
 Result<void> ParametersScreen::save_to(const std::string& path) {
@@ -405,7 +404,7 @@ Result<void> ParametersScreen::save_to(const std::string& path) {
   if (errors == 0)
     message_.say("saved to " + path);
   else
-    message_.say(fmt::format("saved to {}, though {} against it: page 4", path,
+    message_.say(fmt::format("saved to {}, but {}: see page 4", path,
                              errors == 1 ? "there is an error" : fmt::format("there are {} errors", errors)),
                  Tone::warning);
   return {};
@@ -415,7 +414,7 @@ void ParametersScreen::send() {
   if (controller_.errors() > 0) {
     turn_page(static_cast<int>(Page::findings));
     place().selected = 0;
-    message_.say(fmt::format("not sent: {} against these parameters; Enter goes to the field",
+    message_.say(fmt::format("not sent: {} in these parameters; press Enter to go to the field",
                              controller_.errors() == 1 ? "there is an error"
                                                        : fmt::format("there are {} errors", controller_.errors())),
                  Tone::warning);
@@ -431,9 +430,9 @@ void ParametersScreen::receive() {
 void ParametersScreen::look_again() {
   transfer_.look();
   if (transfer_.connection().snapshot().open)
-    message_.say("reading the unit again; page 5 shows what differs");
+    message_.say("reading the unit again; page 5 shows the differences");
   else
-    message_.say("no unit answers now; it is looked into as soon as one does", Tone::warning);
+    message_.say("no unit answers; it is read as soon as it does", Tone::warning);
 }
 
 void ParametersScreen::begin_seeking() {

@@ -25,7 +25,7 @@ int panel_rows(const Area& area) { return std::clamp(area.rows * 2 / 5, 3, 9); }
 std::string unit_words(const WatchedUnit& unit) {
   const std::string name = unit.emulator ? "EMULATOR" : unit.link;
   if (unit.open && unit.identity) return fmt::format("{}, unit {} answers", name, unit.identity->serial_number);
-  if (!unit.problem.empty()) return "no unit answers now: " + unit.problem;
+  if (!unit.problem.empty()) return "no unit answers: " + unit.problem;
   return "the link to the unit is being opened";
 }
 
@@ -83,11 +83,11 @@ void ParametersScreen::draw_start(Canvas& canvas, const Area& area) const {
     int row = canvas.paragraph(
         inside, 0, fmt::format("Unsaved work of {} was found{}{}.", draft_->kept, of.empty() ? "" : ": ", of),
         Tone::strong);
-    std::vector<ListRow> rows{{"Enter  takes it up where it was left"},
-                              {"d      drops it"},
-                              {"b      begins with other parameters; it is kept and offered again later"}};
+    std::vector<ListRow> rows{{"Enter  continue it"},
+                              {"d      delete it"},
+                              {"b      begin with other parameters; it is kept and offered again later"}};
     if (const std::size_t aside = drafts_aside(kParametersDraft); aside > 0)
-      rows.push_back({fmt::format("o      offers another one: {} more", aside)});
+      rows.push_back({fmt::format("o      another one: {} more", aside)});
     const int count = static_cast<int>(rows.size());
     draw_list(canvas, {inside.row + row + 1, inside.column, count, inside.columns}, rows, start_);
     row += count + 2;
@@ -95,14 +95,14 @@ void ParametersScreen::draw_start(Canvas& canvas, const Area& area) const {
     draw_message(canvas, inside.below(row + 1), message_);
     return;
   }
-  int row = canvas.paragraph(inside, 0, "No parameters yet. Where do they come from?", Tone::strong);
+  int row = canvas.paragraph(inside, 0, "No parameters yet. Choose their source.", Tone::strong);
   draw_list(canvas, {inside.row + row + 1, inside.column, 3, inside.columns},
             {{"r  receive from the unit"}, {"o  open a file"}, {"n  new from a machine file"}}, start_);
   row += 5;
-  const char* help[] = {"Takes the parameters that the unit holds now; nothing in it changes.",
-                        "A parameter file (.toml), as this screen or `ecs params receive` saves one.",
-                        "Chain, axes, transducers, scales and datum positions from a machine file (.toml); the rest "
-                        "takes its default and is to be set."};
+  const char* help[] = {"Reads the parameters from the unit. The unit is not changed.",
+                        "A parameter file (.toml) saved by this screen or by `ecs params receive`.",
+                        "Chain, axes, transducers, scales and datum positions from a machine file (.toml); the other "
+                        "parameters have their defaults and must be set."};
   canvas.paragraph(inside, row, help[static_cast<std::size_t>(std::clamp(start_.selected, 0, 2))], Tone::faint);
   row += 3;
   const WatchedUnit unit = transfer_.connection().snapshot();
@@ -170,7 +170,7 @@ void ParametersScreen::draw_bottom(Canvas& canvas, const Area& area) const {
     cursor_ = {area.row, area.column + 6 + seeking_->text.cursor_column(room)};
     const std::string found = seeking_->text.text().empty() ? "a part of a name or of its help"
                               : seeking_->found.empty()
-                                  ? "no parameter has that"
+                                  ? "no such parameter"
                                   : fmt::format("{} of {}; up, down: others", seeking_->at + 1, seeking_->found.size());
     canvas.text(area, 0, 6 + room + 2, found, seeking_->found.empty() ? Tone::warning : Tone::faint);
   } else if (!message_.is_problem() && width_of(message_.text()) <= area.columns) {
@@ -183,21 +183,21 @@ CellPosition ParametersScreen::cursor(const Area& /*area*/) const { return curso
 std::vector<KeyHelp> ParametersScreen::keys() const {
   if (const auto& asked = asking_.question()) return {{"y", asked->yes}, {"n", asked->no}};
   if (prompt_.active()) return prompt_.keys();
-  if (seeking_) return {{"Enter", "stay there"}, {"up/down", "other match"}, {"Esc", "back to where one was"}};
-  if (edit_ && edit_->choosing) return {{"Space left/right", "choose"}, {"Enter", "take it"}, {"Esc", "give it up"}};
-  if (edit_) return {{"Enter", "take it"}, {"Esc", "give it up"}, {"Ctrl-U", "clear"}};
+  if (seeking_) return {{"Enter", "stay there"}, {"up/down", "other match"}, {"Esc", "back to the previous field"}};
+  if (edit_ && edit_->choosing) return {{"Space left/right", "choose"}, {"Enter", "accept"}, {"Esc", "cancel"}};
+  if (edit_) return {{"Enter", "accept"}, {"Esc", "cancel"}, {"Ctrl-U", "clear"}};
   if (transfer_.task().running()) return {{"Esc", "cancel"}, {"up/down", "move"}, {"Tab", "page"}};
   if (!controller_.loaded() && draft_)
-    return {{"Enter", "take it up"}, {"d", "drop it"}, {"b", "begin others"}, {"Esc", "back"}};
+    return {{"Enter", "continue"}, {"d", "delete"}, {"b", "begin others"}, {"Esc", "back"}};
   if (!controller_.loaded())
     return {{"Enter", "do it"}, {"r", "receive"}, {"o", "open"}, {"n", "new"}, {"Esc", "back"}};
   return helps_of(keys_);
 }
 
 std::string ParametersScreen::help() const {
-  return "What makes a unit fit its machine, in the groups of thesis 5.3. Marks: ! a finding against the value, * "
-         "changed, u the unit holds another. Errors must be mended before sending. What is neither saved nor sent "
-         "survives a crash and is offered again.";
+  return "The parameters that adapt a unit to its machine, in the groups of thesis 5.3. Marks: ! finding on the value, "
+         "* changed, u the unit has another value. Errors must be corrected before sending. Unsaved changes survive a "
+         "crash and are offered again.";
 }
 
 }  // namespace ecs::app

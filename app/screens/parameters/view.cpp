@@ -104,9 +104,9 @@ std::string about(const ParametersController& controller, int columns) {
   std::vector<std::string> more;
   if (controller.has_unit_values()) {
     const std::size_t other = controller.differs_from_unit().size();
-    more.push_back(other == 0 ? "the unit holds the same" : differing(other) + " in the unit");
+    more.push_back(other == 0 ? "the unit has the same" : differing(other) + " in the unit");
   } else if (controller.unit()) {
-    more.push_back("the unit holds no parameters");
+    more.push_back("the unit has no parameters");
   }
   if (!controller.machine().empty()) more.push_back("checked for " + controller.machine());
   for (const std::string& part : more)
@@ -190,8 +190,8 @@ void draw_finding_panel(Canvas& canvas, const Area& area, const ParametersContro
   std::vector<PanelText> texts{{finding.message, Tone::plain}};
   for (const std::string& key : finding.keys)
     texts.push_back({fmt::format("{} = {}", key, value_with_unit(key, value_of(key, controller.set()))), Tone::strong});
-  texts.push_back({controller.errors() > 0 ? "Errors keep these parameters from being sent. Enter goes to the field."
-                                           : "Warnings may be meant. Enter goes to the field.",
+  texts.push_back({controller.errors() > 0 ? "Parameters with errors cannot be sent. Press Enter to go to the field."
+                                           : "Warnings may be intended. Press Enter to go to the field.",
                    Tone::faint});
   draw_panel(canvas, area,
              fmt::format("{} {} of {}", params::name_of(finding.severity), k + 1, controller.findings().size()), texts);
@@ -207,11 +207,11 @@ std::string side(bool known, const std::string& value, const std::string& screen
 }
 
 std::string nothing_differs(const ParametersController& controller) {
-  const std::string unit = controller.unit() ? "the unit holds no parameters" : "no unit has answered yet";
-  if (controller.has_file_values() && controller.has_unit_values()) return "Screen, file and unit hold the same.";
-  if (controller.has_file_values()) return "The file holds what the screen shows; " + unit + ".";
-  if (controller.has_unit_values()) return "The unit holds what the screen shows; they are in no file yet.";
-  return "There is nothing to compare with: these parameters are in no file yet, and " + unit + ".";
+  const std::string unit = controller.unit() ? "the unit has no parameters" : "no unit has answered yet";
+  if (controller.has_file_values() && controller.has_unit_values()) return "Screen, file and unit agree.";
+  if (controller.has_file_values()) return "The file agrees with the screen; " + unit + ".";
+  if (controller.has_unit_values()) return "The unit agrees with the screen; the parameters are in no file yet.";
+  return "No comparison is possible: these parameters are in no file yet, and " + unit + ".";
 }
 
 bool unit_known(const ParametersController& controller, const std::string& key) {
@@ -257,9 +257,9 @@ void draw_compared_panel(Canvas& canvas, const Area& area, const ParametersContr
   if (controller.has_file_values())
     sides += "; file " + (row.file.empty() ? "empty" : value_with_unit(row.key, row.file));
   if (unit_known(controller, row.key)) sides += "; unit " + value_with_unit(row.key, row.unit);
-  std::string takes = "Enter goes to the field.";
-  if (controller.has_file_values() && row.file != row.screen) takes += " f takes the value of the file.";
-  if (unit_known(controller, row.key) && row.unit != row.screen) takes += " g takes the value of the unit.";
+  std::string takes = "Press Enter to go to the field.";
+  if (controller.has_file_values() && row.file != row.screen) takes += " Press f to use the file's value.";
+  if (unit_known(controller, row.key) && row.unit != row.screen) takes += " Press g to use the unit's value.";
   draw_panel(canvas, area, fmt::format("{}, {} of {}", row.key, k + 1, compared.size()),
              {{sides + ".", Tone::strong}, {takes, Tone::plain}, {words_of(row.key).help, Tone::faint}});
 }

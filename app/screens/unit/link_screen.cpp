@@ -33,11 +33,11 @@ std::vector<StatisticsRow> statistics_rows(const WatchedUnit& unit) {
   const protocol::LinkStatistics& s = unit.statistics;
   return {{"requests", count(s.requests), "", Tone::plain},
           {"replies", count(s.replies), "", Tone::plain},
-          trouble("retries", s.retries, s.requests, "asked again: see the rows below for why"),
-          trouble("time-outs", s.timeouts, s.requests, "no answer came: plugs, cable, unit off or busy"),
+          trouble("retries", s.retries, s.requests, "repeated: see the rows below"),
+          trouble("time-outs", s.timeouts, s.requests, "no answer: plugs, cable, unit off or busy"),
           trouble("CRC errors", s.crc_errors, s.requests, "garbled: shield, ground, cable length, parity"),
           trouble("stale replies", s.stale_replies, s.requests, "too late: slow converter or network"),
-          trouble("exceptions", s.exceptions, s.requests, "the unit refused a request: LOG has its words"),
+          trouble("exceptions", s.exceptions, s.requests, "the unit refused a request: see LOG"),
           {"bytes sent", count(s.bytes_sent), "", Tone::plain},
           {"bytes received", count(s.bytes_received), "", Tone::plain},
           {"mean round trip", s.replies == 0 ? "-" : fmt::format("{:.1f} ms", s.mean_round_trip_ms()), "", Tone::plain},
@@ -46,15 +46,15 @@ std::vector<StatisticsRow> statistics_rows(const WatchedUnit& unit) {
                ? "far above the mean: retries or a busy computer"
                : "",
            Tone::plain},
-          {"samples a second", fmt::format("{:.1f}", unit.per_second), "while this page is open, as fast as it goes",
+          {"samples a second", fmt::format("{:.1f}", unit.per_second), "while this page is open, at the highest rate",
            Tone::plain},
-          trouble("times lost", unit.times_lost, 0, "was opened again: unit off or plug pulled?")};
+          trouble("times lost", unit.times_lost, 0, "the link was reopened: unit off or plug pulled?")};
 }
 
 StatisticsRow judgement(const WatchedUnit& unit) {
   const protocol::LinkStatistics& s = unit.statistics;
-  if (unit.lent) return {"", "", "the link is in use by the doctor or a verb", Tone::warning};
-  if (!unit.open) return {"", "", unit.problem.empty() ? "no link is open yet" : unit.problem, Tone::bad};
+  if (unit.lent) return {"", "", "the link test or a verb is using the link", Tone::warning};
+  if (!unit.open) return {"", "", unit.problem.empty() ? "no link open yet" : unit.problem, Tone::bad};
   if (s.requests < 20) return {"", "", "too few requests to judge the link yet", Tone::faint};
   for (const auto& [much, what] :
        {std::pair{s.crc_errors, "garbled answers: check shield, ground, length of the cable, and the parity"},
@@ -63,7 +63,7 @@ StatisticsRow judgement(const WatchedUnit& unit) {
         {s.timeouts, "requests without an answer: check plugs and cable"}})
     if (share(much, s.requests) > kMuch) return {"", "", fmt::format("many {}", what), Tone::bad};
   if (s.retries > 0) return {"", "", "a good link: a few requests had to be repeated, nothing was lost", Tone::good};
-  return {"", "", "a clean link: every request was answered at once", Tone::good};
+  return {"", "", "a good link: every request was answered at once", Tone::good};
 }
 
 namespace {
@@ -164,7 +164,7 @@ class LinkScreen final : public KeyedScreen {
     const Area bottom{area.row + area.rows - message_part, area.column + 1, message_part, area.columns - 2};
     if (area.rows > 4) {
       if (!task_.label().empty() && message_.text().empty())
-        canvas.text(bottom, 0, 0, fmt::format("{} ... {:.0f} s, Esc gives it up", task_.label(), task_.seconds()),
+        canvas.text(bottom, 0, 0, fmt::format("{} ... {:.0f} s, Esc cancels", task_.label(), task_.seconds()),
                     Tone::warning);
       else if (!message_.text().empty())
         draw_message(canvas, bottom, message_);
@@ -177,10 +177,10 @@ class LinkScreen final : public KeyedScreen {
   }
 
   [[nodiscard]] std::string help() const override {
-    return "How the unit is reached. Set the fields, t lets the doctor try them and says step by step what it finds "
-           "and what to do (it only reads), u uses the setting now in all screens, s stores it for the next start. If "
-           "another setting answers, it is offered. The statistics count what happened on the link since it was "
-           "opened.";
+    return "The connection to the unit. Set the fields, then press t to test them: each step is shown with its result "
+           "and remedy (the test only reads). Press u to use the setting in all screens now, s to store it for the "
+           "next start. If another setting answers, it is offered. The statistics count the events on the link since "
+           "it was opened.";
   }
 
   [[nodiscard]] CellPosition cursor(const Area& area) const override {
@@ -273,7 +273,7 @@ class LinkScreen final : public KeyedScreen {
   [[nodiscard]] std::string help_here() const {
     const auto rows = fields();
     const auto at = static_cast<std::size_t>(std::max(0, row_.selected));
-    return at < rows.size() ? rows[at].help : "Enter takes this port into the form";
+    return at < rows.size() ? rows[at].help : "Enter copies this port to the form";
   }
 
   void draw_setting(Canvas& canvas, const Area& area) const {
@@ -310,9 +310,9 @@ class LinkScreen final : public KeyedScreen {
   void draw_ports(Canvas& canvas, const Area& area) const {
     canvas.text(area, 0, 2, "serial ports of this computer", Tone::faint);
     if (ports_.empty()) {
-      canvas.text(
-          area, 1, 2,
-          ports_known_ ? "none: plug the adapter in, then r looks again; `dmesg` tells what it sees" : "looking ...");
+      canvas.text(area, 1, 2,
+                  ports_known_ ? "none: plug in the adapter, then press r; `dmesg` shows whether it is detected"
+                               : "looking ...");
       return;
     }
     std::vector<ListRow> rows;
@@ -348,8 +348,8 @@ class LinkScreen final : public KeyedScreen {
     std::vector<ListRow> lines;
     if (answer.link.empty()) {
       add_wrapped(lines,
-                  "t tries the setting of page 1: port, permission, answer, echo, other unit numbers, other speeds and "
-                  "parities. It only reads. What it finds appears here with what to do.",
+                  "Press t to test the setting of page 1: port, permission, answer, echo, other unit numbers, other "
+                  "speeds and parities. The test only reads. Its findings appear here with the remedies.",
                   columns, "", "", Tone::plain);
     } else {
       add_wrapped(lines, "tried: " + answer.link, columns, "", "  ", Tone::strong);
@@ -410,7 +410,7 @@ class LinkScreen final : public KeyedScreen {
 
   [[nodiscard]] bool idle() {
     if (!task_.running()) return true;
-    message_.say(fmt::format("still {}: Esc gives it up", task_.label()), Tone::warning);
+    message_.say(fmt::format("still {}: press Esc to cancel", task_.label()), Tone::warning);
     return false;
   }
 
@@ -458,17 +458,17 @@ class LinkScreen final : public KeyedScreen {
       answer.trying.clear();
       answer.diagnosis = diagnosis;
     });
-    if (cancelled) return message_.say("given up: the setting was not tried to its end", Tone::warning);
+    if (cancelled) return message_.say("cancelled: the test was not completed", Tone::warning);
     if (diagnosis.works) {
       works_ = link;
       return message_.say(link == unit_->link() || link == unit_->snapshot().link
                               ? fmt::format("{} works", link)
-                              : fmt::format("{} works: u uses it now, s stores it", link));
+                              : fmt::format("{} works: press u to use it now, s to store it", link));
     }
     if (diagnosis.working_link.empty()) return message_.say(fmt::format("{} does not work", link), Tone::bad);
     works_ = diagnosis.working_link;
     asking_.ask({"Use the setting that answers?",
-                 fmt::format("{} does not answer, {} does.", link, diagnosis.working_link), "use it", "leave it"},
+                 fmt::format("{} does not answer, {} does.", link, diagnosis.working_link), "use it", "cancel"},
                 [this, working = diagnosis.working_link] {
                   if (const auto choice = parsed_link(working, "LINK")) form_ = LinkForm(*choice);
                   take(working);
@@ -483,8 +483,8 @@ class LinkScreen final : public KeyedScreen {
       return link;
     };
     task_.start("changing the link", choose, [this](const std::string& chosen) {
-      note_remark(fmt::format("from here on over the link {}", chosen));
-      message_.say(fmt::format("{} is in use now; s stores it for the next start", chosen));
+      note_remark(fmt::format("now using the link {}", chosen));
+      message_.say(fmt::format("{} is in use now; press s to store it for the next start", chosen));
     });
   }
 
@@ -495,9 +495,10 @@ class LinkScreen final : public KeyedScreen {
     const std::string link = to_text(*choice);
     const WatchedUnit now = unit_->snapshot();
     if (link == works_ || (now.open && now.link == link)) return store_now(link);
-    asking_.ask({"Store a link that has not answered?",
-                 fmt::format("{} was not tried with success. t tries it first.", link), "store it", "not now"},
-                [this, link] { store_now(link); });
+    asking_.ask(
+        {"Store a link that has not answered?",
+         fmt::format("{} has not been tested successfully. Press t to test it first.", link), "store it", "not now"},
+        [this, link] { store_now(link); });
   }
 
   void store_now(const std::string& link) {
@@ -506,7 +507,7 @@ class LinkScreen final : public KeyedScreen {
     if (link == works_ || unit_->snapshot().link == link)
       note_command({"doctor", "--link", link, "--save"});
     else
-      note_remark(fmt::format("{} was stored as the link without an answer; `{}` stores it when it works", link,
+      note_remark(fmt::format("{} was stored without an answer; `{}` stores it once it works", link,
                               shell_command({"ecs", "doctor", "--link", link, "--save"})));
     message_.say(
         fmt::format("{} stored in {}: used from now on where no --link is given", link, configuration_file().string()));

@@ -109,7 +109,8 @@ class ListScreen : public Screen {
       };
       std::error_code error;
       if (!std::filesystem::exists(path, error)) return written();
-      asking_.ask({fmt::format("Replace {}?", path), "The file exists: what is in it is lost.", "replace", "keep it"},
+      asking_.ask({fmt::format("Replace {}?", path), "The file exists. Its contents will be overwritten.", "replace",
+                   "keep it"},
                   written);
     });
   }

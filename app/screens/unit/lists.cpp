@@ -59,10 +59,9 @@ class LogScreen final : public ListScreen {
 
   [[nodiscard]] std::string title() const override { return "LOG"; }
   [[nodiscard]] std::string help() const override {
-    return "The messages of the screens since the program began, newest last; the whole text of the marked message is "
-           "below the list. All of it is in the file named above, with date and time, for copying and sending; s "
-           "writes a copy where you say. To copy with the mouse hold Shift while selecting, as the screens use the "
-           "mouse themselves.";
+    return "The messages of the screens since the program started, newest last. The full text of the marked message is "
+           "below the list. The file named above contains all messages with date and time. Press s to save a copy. To "
+           "copy with the mouse, press Shift while selecting, because the screens use the mouse themselves.";
   }
   [[nodiscard]] bool advance() override {
     auto now = logged();
@@ -92,8 +91,8 @@ class LogScreen final : public ListScreen {
     return file_.empty() ? "no file: the state folder cannot be written" : "file " + file_.string();
   }
   [[nodiscard]] std::string while_empty() const override {
-    return only_errors_ ? "no error since the start; e shows all messages"
-                        : "No messages yet. Messages and errors of the screens are kept here.";
+    return only_errors_ ? "no error since the start; press e for all messages"
+                        : "No messages yet. Messages and errors of the screens are listed here.";
   }
   [[nodiscard]] std::string whole(std::size_t row) const override { return shown()[row]->text; }
 
@@ -119,7 +118,7 @@ class LogScreen final : public ListScreen {
   }
 
   void seek(int by) {
-    if (sought_.empty()) return say("nothing was sought yet: / begins", Tone::bad);
+    if (sought_.empty()) return say("no search yet: press / to search", Tone::bad);
     const auto entries = shown();
     const auto count = static_cast<int>(entries.size());
     const std::string part = lower(sought_);
@@ -163,8 +162,7 @@ class CommandsScreen final : public ListScreen {
              {"F4", "copy the command", {}, some},
              {"x", "start again",
               [this] {
-                asking_.ask({"Start again?", "The actions so far leave this list; nothing else changes.", "start again",
-                             "keep them"},
+                asking_.ask({"Start again?", "The list is cleared; nothing else changes.", "start again", "keep them"},
                             [this] {
                               forget_commands();
                               (void)advance();
@@ -176,12 +174,13 @@ class CommandsScreen final : public ListScreen {
 
   [[nodiscard]] std::string title() const override { return "COMMANDS"; }
   [[nodiscard]] std::string help() const override {
-    return "Every action of the screens that changed a file or the unit, as the command of ecs that does the same; the "
-           "marked one whole below the list. F4 copies it. w writes all of them as a shell script that ends with the "
-           "first command that fails: for training, for the next machine, and as proof of what was done. Run in a "
-           "folder with the same files it does the same again; LINK=... in front of it names another unit, "
-           "WORKSHOP=... another emulated machine, ECS_ARM_CODE=... the code that the unit shows. Arming codes are "
-           "never written. A line that begins with # is an action that no command does. x begins a new script.";
+    return "Every action of the screens that changed a file or the unit, as the equivalent command of ecs. The marked "
+           "command is shown in full below the list; press F4 to copy it. Press w to write all commands as a shell "
+           "script that stops at the first failing command: for training, for the next machine, and as a record. Run "
+           "in a folder with the same files, the script repeats the actions. Before the script name, LINK=... selects "
+           "another unit, WORKSHOP=... another emulated machine, and ECS_ARM_CODE=... gives the code that the unit "
+           "shows. Arming codes are never written. A line that begins with # is an action without an equivalent "
+           "command. Press x to begin a new script.";
   }
   [[nodiscard]] bool advance() override {
     auto now = noted_commands();
@@ -206,7 +205,7 @@ class CommandsScreen final : public ListScreen {
   }
   [[nodiscard]] std::string below_heading() const override { return {}; }
   [[nodiscard]] std::string while_empty() const override {
-    return "Nothing was done yet. Whatever changes a file or the unit stands here as the command that does the same.";
+    return "No commands yet. Every action that changes a file or the unit is listed here as the equivalent command.";
   }
   [[nodiscard]] std::string whole(std::size_t row) const override { return command_text(commands_[row]); }
 

@@ -150,23 +150,23 @@ class MonitorScreen final : public KeyedScreen {
     else if (driver_.running())
       canvas.text(last, 0, 0, "The emulated machine moves; Esc stops it.", Tone::warning);
     else if (recording_)
-      canvas.text(last, 0, 0,
-                  fmt::format("RECORDING, {} samples in {}.part; r ends it", recording_->samples(), recording_->name()),
-                  Tone::warning);
+      canvas.text(
+          last, 0, 0,
+          fmt::format("RECORDING, {} samples in {}.part; press r to stop", recording_->samples(), recording_->name()),
+          Tone::warning);
     else
       draw_message(canvas, last, message_);
   }
 
   [[nodiscard]] CellPosition cursor(const Area& area) const override { return prompt_.cursor(area, area.rows - 1); }
   [[nodiscard]] std::string help() const override {
-    return "What the unit sees of its axes, as it happens: position, speed, whether the axis is referenced, its switch "
-           "and marker, the sensed approach, the compensation added now and the relay. At the right the rate of "
-           "samples and the age of what is shown. A lost link reopens automatically. r records every sample to a "
-           "CSV file until r is pressed again, until then beside it as .part; f freezes the picture, not the "
-           "recording. t shows air and material temperature of a USB thermometer (TEMPer); a recording has them in its "
-           "last columns, empty while there is none. With the bundled emulator j drives its machine: to coordinates, "
-           "by a "
-           "block or by a part program.";
+    return "Live data of the axes: position, speed, reference state, switch and marker, sensed approach, present "
+           "compensation and relay. At the right are the sample rate and the age of the data. A lost link reopens "
+           "automatically. Press r to record every sample to a CSV file, and again to stop; until then the file is "
+           "named .part. Press f to freeze the picture; the recording continues. Press t to show air and material "
+           "temperature of a USB thermometer (TEMPer); a recording has them in its last columns, empty without a "
+           "thermometer. With the bundled emulator, press j to drive its machine to coordinates, by a block or by a "
+           "part program.";
   }
 
  private:
@@ -224,7 +224,7 @@ class MonitorScreen final : public KeyedScreen {
   void toggle_thermometer() {
     const bool wanted = environment_ == nullptr;
     environment_ = wanted ? watched_surroundings("temper", 1.0) : nullptr;
-    if (wanted && !environment_) message_.say("this program has nothing that reads a thermometer", Tone::warning);
+    if (wanted && !environment_) message_.say("this program was built without thermometer support", Tone::warning);
   }
 
   void toggle_recording() {
@@ -232,7 +232,7 @@ class MonitorScreen final : public KeyedScreen {
       if (const auto ended = recording_->end(); !ended)
         message_.say(ended.error());
       else if (recording_->samples() == 0)
-        message_.say("no sample came: nothing was written", Tone::warning);
+        message_.say("no sample received: no file was written", Tone::warning);
       else
         note_recording();
       recording_.reset();

@@ -18,10 +18,11 @@ namespace {
 
 constexpr double kLargest_mm = 1e6;  ///< as the unit takes them
 constexpr const char* kPositionExplained =
-    "The unit adds up the counts of an axis's transducer. Here the number it shows for an axis is set to any value, "
-    "and it counts on from there. Set an axis to 0, move it by a known distance and compare: a wrong sign is the "
-    "wiring or the sign of the position feedback scaling factor, a wrong length its size, a number that does not "
-    "change the transducer or its module. Nothing moves by this, and no axis becomes referenced.";
+    "The unit counts the pulses of an axis's transducer. This screen sets the displayed position of an axis to any "
+    "value, from which counting continues. Set an axis to 0, move it by a known distance and compare. If the sign is "
+    "wrong, check the wiring or the sign of the position feedback scaling factor. If the length is wrong, check the "
+    "size of that factor. If the position does not change, check the transducer or its module. Nothing moves, and no "
+    "axis becomes referenced.";
 
 /// A position that was preset; positions as the unit showed them.
 struct PresetPosition {
@@ -45,8 +46,9 @@ class PositionScreen final : public AxesScreen {
   [[nodiscard]] std::string title() const override { return "SET AXIS POSITION"; }
   [[nodiscard]] std::string help() const override {
     return std::string(kPositionExplained) +
-           " The unit takes it in integration mode only. u undoes what was set last: the axis is shifted back by the "
-           "same amount, also if it has moved since. With the bundled emulator j drives its machine.";
+           " The unit accepts this in integration mode only. Press u to undo the last setting: the axis is shifted "
+           "back by the same amount, even if it has moved since. With the bundled emulator, press j to drive its "
+           "machine.";
   }
 
  private:
@@ -58,10 +60,11 @@ class PositionScreen final : public AxesScreen {
                   busy() ? "Sending ..."
                   : driver_.running()
                       ? "The emulated machine moves; Esc stops it."
-                      : fmt::format("Enter sets what the unit shows for axis {}.", letter_of(chosen())));
+                      : fmt::format("Press Enter to set the displayed position of axis {}.", letter_of(chosen())));
     int row = kCallRow + 2;
     row += canvas.paragraph(inside, row, kPositionExplained, Tone::faint) + 1;
-    if (!done_.empty()) canvas.text(inside, row++, 0, "Set here, newest first (u takes the first back):", Tone::faint);
+    if (!done_.empty())
+      canvas.text(inside, row++, 0, "Set here, newest first (press u to undo the first):", Tone::faint);
     for (auto it = done_.rbegin(); it != done_.rend() && row < inside.rows - 3; ++it)
       canvas.text(inside, row++, 2,
                   fmt::format("{}  {:>13.4f} mm, was {:.4f} mm", letter_of(it->axis), it->after_mm, it->before_mm));
@@ -73,7 +76,8 @@ class PositionScreen final : public AxesScreen {
 
   void restarted() override {
     if (!done_.empty())
-      message_.say("The unit was restarted: it counts from 0 again, and what was set here is gone.", Tone::warning);
+      message_.say("The unit was restarted: it counts from 0 again, and the positions set here are lost.",
+                   Tone::warning);
     done_.clear();
   }
 
@@ -96,16 +100,16 @@ class PositionScreen final : public AxesScreen {
     const std::string shown = now == nullptr ? "" : fmt::format(" It shows {:.4f} mm now.", now->position_mm);
     const std::string reference =
         now != nullptr && now->referenced
-            ? " The axis stays marked as referenced, but its positions are yours from now on: reference the machine "
-              "again (compensation mode does) before anything relies on them."
+            ? " The axis stays marked as referenced, but its positions are no longer machine coordinates: reference "
+              "the machine again (compensation mode does) before relying on them."
             : " The axis does not become referenced by this: only its reference sequence does that.";
-    return {fmt::format("Let the unit show {:.4f} mm for axis {}?", position_mm, letter_of(axis)),
+    return {fmt::format("Show {:.4f} mm for axis {}?", position_mm, letter_of(axis)),
             "Nothing moves: only the number changes, and the unit counts on from there." + shown + reference, "set it",
-            "leave it"};
+            "cancel"};
   }
 
   void undo() {
-    if (done_.empty()) return message_.say("Nothing to undo: no position was set here.", Tone::warning);
+    if (done_.empty()) return message_.say("Nothing to undo: no position has been set here.", Tone::warning);
     const PresetPosition& last = done_.back();
     start(last.axis, 0.0, last.before_mm - last.after_mm);
   }
@@ -133,7 +137,7 @@ class PositionScreen final : public AxesScreen {
                                {"utility", "position", std::string(1, letter_of(set->axis)), shortest(set->after_mm)});
                   message_.say(fmt::format("Axis {} {} {:.4f} mm; it showed {:.4f} mm.{}", letter_of(set->axis),
                                            is_undo ? "is back at" : "now shows", set->after_mm, set->before_mm,
-                                           is_undo ? "" : " u takes it back."));
+                                           is_undo ? "" : " Press u to undo."));
                 });
   }
 
@@ -146,8 +150,8 @@ constexpr auto kRenewal = std::chrono::seconds(20);         ///< a third of the 
 constexpr auto kSettling = std::chrono::milliseconds(100);  ///< from a command to a sample that shows it
 constexpr const char* kScaleExplained =
     "To set the output scale: put a dial gauge on the axis and zero it, close the relay (r), step the value to the "
-    "size of your largest error, press m and type what the gauge shows. The scale and polarity that follow are "
-    "proposed here. The converter alone is tested with the relay open: measure its voltage.";
+    "size of your largest error, press m and type the gauge reading. The resulting scale and polarity are proposed "
+    "here. To test the converter alone, leave the relay open and measure its voltage.";
 
 /// What the unit puts out.
 struct OutputSetting {
@@ -188,10 +192,10 @@ class OutputScreen final : public AxesScreen {
   [[nodiscard]] std::string title() const override { return "OUTPUT COMPENSATION VALUE"; }
   [[nodiscard]] std::string help() const override {
     return std::string(
-               "A value in um is put on the D/A converter of one axis; with the relay closed the axis moves by it. One "
-               "axis at a time; the relay is asked for, and so is every typed value while it is closed. o, Space, and "
-               "Esc switch everything off; a second Esc leaves. If the link is lost the unit opens its relays by "
-               "itself after 60 s without a question. ") +
+               "Outputs a value in um at the D/A converter of one axis. With the relay closed, the axis moves by this "
+               "value. Only one axis at a time. Closing the relay and every typed value while it is closed need a "
+               "confirmation. Press o, Space or Esc to switch everything off; a second Esc leaves the screen. If the "
+               "link is lost, the unit opens its relays after 60 s without a request. ") +
            kScaleExplained;
   }
 
@@ -209,9 +213,9 @@ class OutputScreen final : public AxesScreen {
                 fmt::format("put out    {:>12}  {:>8}    step {:g} um (< > another step)", um_text(setting_.um),
                             seen == nullptr ? "" : fmt::format("{} counts", seen->output_counts), kSteps_um[step_]));
     canvas.text(inside, kCallRow + 4, 0,
-                moved ? fmt::format("moved      {:>+9.2f} um  since the output was at rest, by the transducer of {}",
-                                    *moved, letter_of(setting_.axis))
-                      : std::string("moved              -      shown from the first value on"));
+                moved ? fmt::format("moved      {:>+9.2f} um  since the output was 0, by the transducer of {}", *moved,
+                                    letter_of(setting_.axis))
+                      : std::string("moved              -      shown after the first value"));
     canvas.text(
         inside, kCallRow + 5, 0,
         fmt::format("at most    {:>9g} um  output scale {:g} counts/um, polarity {:+d}{}", parameters().output_limit_um,
@@ -227,14 +231,14 @@ class OutputScreen final : public AxesScreen {
     const char axis = letter_of(setting_.axis);
     const std::string um = um_text(setting_.um);
     if (!unit_.fresh)
-      return {setting_.at_rest() ? std::string("RELAY NOT KNOWN  no answer: what the unit puts out is not known")
+      return {setting_.at_rest() ? std::string("RELAY NOT KNOWN  no answer: the output of the unit is not known")
                                  : fmt::format("RELAY NOT KNOWN  no answer; axis {} was sent {}, relay {}", axis, um,
                                                setting_.relay ? "closed" : "open"),
               Tone::bad};
     if (setting_.relay) return {fmt::format("RELAY CLOSED     axis {} is moved by {}", axis, um), Tone::bad};
     if (setting_.um != 0.0)
       return {fmt::format("RELAY OPEN       {} at the converter of {}, nothing moves", um, axis), Tone::warning};
-    return {"RELAY OPEN       nothing is put out, nothing moves", Tone::good};
+    return {"RELAY OPEN       no output, nothing moves", Tone::good};
   }
 
   [[nodiscard]] int prompt_row(const Area& /*inside*/) const override { return kOutputPromptRow; }
@@ -267,7 +271,7 @@ class OutputScreen final : public AxesScreen {
   void choose(Axis axis) {
     if (axis == setting_.axis || busy()) return;
     if (!setting_.at_rest())
-      return message_.say(fmt::format("Axis {} still puts out {}: press o first, one axis at a time.",
+      return message_.say(fmt::format("Axis {} still has an output of {}: press o first, one axis at a time.",
                                       letter_of(setting_.axis), um_text(setting_.um)),
                           Tone::warning);
     setting_.axis = axis;
@@ -294,7 +298,7 @@ class OutputScreen final : public AxesScreen {
     const auto moved = moved_um();
     if (setting_.um == 0.0 || !setting_.relay)
       return message_.say(
-          "Close the relay (r) and put a value out (Enter, + -) first: then measure what the axis does.",
+          "First close the relay (r) and output a value (Enter, + -), then measure the motion of the axis.",
           Tone::warning);
     prompt_.ask(fmt::format("Measured movement of {}, um:", letter_of(setting_.axis)), Prompt::Kind::number,
                 moved ? fmt::format("{:.2f}", *moved) : "", [this](const std::string& typed) -> std::string {
@@ -324,14 +328,14 @@ class OutputScreen final : public AxesScreen {
     return {by == 0.0 ? fmt::format("Close the relay of axis {}?", axis)
                       : fmt::format("Move axis {} by {}?", axis, um_text(by)),
             fmt::format("The relay connects the D/A converter with the servo of {}: the axis moves by about {} at once "
-                        "({}), with a wrong output scale by another amount or the other way. From then on + and - move "
-                        "it without asking, at most to {:g} um either way. Keep clear of the machine.",
+                        "({}). With a wrong output scale it moves by another amount or the other way. After that, + "
+                        "and - move it without confirmation, at most to {:g} um either way. Keep clear of the machine.",
                         axis, um_text(by),
                         by > 0.0   ? "towards larger coordinates"
                         : by < 0.0 ? "towards smaller coordinates"
                                    : "an offset of the converter shows",
                         parameters().output_limit_um),
-            "move it", "leave it"};
+            "move it", "cancel"};
   }
 
   void step(int direction) {
@@ -359,7 +363,7 @@ class OutputScreen final : public AxesScreen {
   }
 
   void set(double um, bool relay) {
-    if (!busy()) send("putting out", {setting_.axis, um, relay});
+    if (!busy()) send("setting the output", {setting_.axis, um, relay});
   }
 
   void send(const std::string& label, const OutputSetting& wanted) {
@@ -405,7 +409,7 @@ class OutputScreen final : public AxesScreen {
     if (now.relay) words.insert(words.end(), {"--relay", "--yes"});
     note_on_unit(*connection_, std::move(words));
     message_.say(now.at_rest() ? std::string("Every output is 0, every relay is open.")
-                               : fmt::format("Axis {}: {} put out, relay {}. o ends it.", letter_of(now.axis),
+                               : fmt::format("Axis {}: output {}, relay {}. Press o to end.", letter_of(now.axis),
                                              um_text(now.um), now.relay ? "closed" : "open"));
   }
 
@@ -413,7 +417,7 @@ class OutputScreen final : public AxesScreen {
   void renew() {
     if (!setting_.relay || busy() || std::chrono::steady_clock::now() - sent_at_ < kRenewal) return;
     sent_at_ = std::chrono::steady_clock::now();
-    send("holding the output", setting_);
+    send("keeping the output", setting_);
   }
 
   // --- what the unit shows
@@ -463,7 +467,7 @@ class OutputScreen final : public AxesScreen {
     const double count_um = 1.0 / std::max(1e-9, std::abs(parameters().output_scale_counts_per_um));
     if (std::abs(s->compensation_um - setting_.um) <= count_um + 1e-6) return;
     setting_.um = s->compensation_um;
-    message_.say(fmt::format("Another host has changed the output of axis {}: {} now. o ends it.",
+    message_.say(fmt::format("Another host has changed the output of axis {}: {} now. Press o to end.",
                              letter_of(setting_.axis), um_text(setting_.um)),
                  Tone::bad);
   }

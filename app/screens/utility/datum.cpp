@@ -58,7 +58,7 @@ class DatumScreen : public AxesScreen {
     };
     keys_ = {{"g", "reference the emulated machine", [this] { reference(); },
               [this] { return busy() && unit_.watched.emulator; }, true},
-             {"Esc", "give up", {}, under_way},
+             {"Esc", "cancel", {}, under_way},
              {"Enter", does, ask, idle}};
     for (KeyRow row : chooses) {
       row.when = idle;
@@ -92,22 +92,22 @@ class DatumScreen : public AxesScreen {
   void reference() {
     const DatumSeen seen = live_->now();
     if (!busy() || !seen.running || seen.fetching || !seen.axis)
-      message_.say("g references the emulated machine while this runs: Enter first.", Tone::warning);
+      message_.say("Press Enter first; then g references the emulated machine.", Tone::warning);
     else if (seen.workshop.empty())
-      message_.say("This is a real unit: reference the axis at the machine's own control.", Tone::warning);
+      message_.say("This is a real unit: reference the axis at the machine's control.", Tone::warning);
     else
       reference_now(seen);
   }
   virtual void reference_now(const DatumSeen& seen) = 0;
 
   [[nodiscard]] std::string hint_of_emulator() const {
-    return unit_.watched.emulator ? " This is the emulator: g references its machine." : "";
+    return unit_.watched.emulator ? " This is the emulator: press g to reference its machine." : "";
   }
   /// What a person does now.
   [[nodiscard]] std::string call_to_reference(Axis axis) const {
     return fmt::format(
         "REFERENCE AXIS {} NOW{}.", letter_of(axis),
-        unit_.watched.emulator ? ": g lets the emulated machine do it" : ", at the machine's own control");
+        unit_.watched.emulator ? ": press g to reference the emulated machine" : ", at the machine's control");
   }
   /// The command that does the same, with the machine referenced beside it if that was done.
   [[nodiscard]] NotedCommand command(std::vector<std::string> words, Axis axis, bool referenced) const {
@@ -123,10 +123,10 @@ class DatumScreen : public AxesScreen {
 };
 
 constexpr const char* kRecordExplained =
-    "Ten seconds of one axis are recorded: speed, reference switch and marker. The unit only watches: the machine must "
-    "be referenced by its own control while the bar runs, from some travel away from the switch and slowly enough that "
-    "switch and marker come within the ten seconds. The graph opens at the end; the datuming parameters are read off "
-    "there.";
+    "Records speed, reference switch and marker of one axis for ten seconds. The unit only records: reference the "
+    "machine at its control while the bar runs. Start some distance away from the switch, and slowly enough that "
+    "switch and marker are passed within the ten seconds. The graph opens at the end and shows the datuming "
+    "parameters.";
 
 class DatumRecordScreen final : public DatumScreen {
  public:
@@ -149,7 +149,7 @@ class DatumRecordScreen final : public DatumScreen {
     int row = kCallRow + 2;
     const DatumSeen seen = live_->now();
     if (!busy()) {
-      canvas.text(inside, kCallRow, 0, fmt::format("Enter records axis {}.", letter_of(axis)));
+      canvas.text(inside, kCallRow, 0, fmt::format("Press Enter to record axis {}.", letter_of(axis)));
     } else if (seen.fetching) {
       draw_progress(canvas, inside, kCallRow, "fetching the record", task_.part(), task_.seconds_left());
     } else if (!seen.running) {
@@ -158,7 +158,7 @@ class DatumRecordScreen final : public DatumScreen {
       draw_progress(canvas, inside, kCallRow, fmt::format("recording axis {}", letter_of(axis)), task_.part(),
                     (1.0 - task_.part()) * kDatumRecord_s);
       canvas.text(inside, kCallRow + 1, 0,
-                  fmt::format("so far: switch {}, marker {} (the record sees all in between)",
+                  fmt::format("so far: switch {}, marker {} (the record contains all samples)",
                               switch_seen_ ? "seen" : "not yet", marker_seen_ ? "seen" : "not yet"));
       row += 2 + canvas.paragraph(
                      inside, row + 1,
@@ -177,11 +177,11 @@ class DatumRecordScreen final : public DatumScreen {
     const std::string unsaved = unsaved_record_of();
     return {
         fmt::format("Record axis {} for {:.0f} seconds?", letter_of(chosen()), kDatumRecord_s),
-        fmt::format("The unit opens its relays and only watches. Let the machine's control reference axis {} as soon "
-                    "as the bar runs: the whole sequence must fit into the {:.0f} seconds. Begin some travel away "
-                    "from the reference switch.{}{}",
+        fmt::format("The unit opens its relays and only records. Reference axis {} at the machine's control as soon as "
+                    "the bar runs: the whole sequence must fit into the {:.0f} seconds. Start some distance away from "
+                    "the reference switch.{}{}",
                     letter_of(chosen()), kDatumRecord_s, hint_of_emulator(),
-                    unsaved.empty() ? "" : " The record of " + unsaved + " was not saved: this one takes its place."),
+                    unsaved.empty() ? "" : " The record of " + unsaved + " has not been saved: this one replaces it."),
         "record", "not now"};
   }
 
@@ -231,9 +231,9 @@ class DatumRecordScreen final : public DatumScreen {
 
 constexpr std::chrono::milliseconds kTestLimit{620'000};  ///< the unit gives up on its own after 600 s
 constexpr const char* kTestExplained =
-    "The unit goes through its datum routine, axis after axis, while the machine is referenced by its own control: it "
-    "waits for the motion, looks for the switch, then for the marker. An axis that does not fit its datuming "
-    "parameters fails with the reason and what to do.";
+    "The unit runs its datum routine, axis after axis, while the machine is referenced by its control: it waits for "
+    "the motion, then for the switch, then for the marker. An axis that does not match its datuming parameters fails; "
+    "the reason and the remedy are shown.";
 
 enum class TestState { not_chosen, chosen, under_way, passed, failed, given_up };
 
@@ -247,7 +247,7 @@ struct AxisRow {
 ListRow picture_of_state(const AxisRow& row) {
   static const ListRow kPictures[] = {{"not tested"},        {"to be tested"},
                                       {"", Tone::strong},    {"DATUM FOUND", Tone::good},
-                                      {"FAILED", Tone::bad}, {"given up"}};
+                                      {"FAILED", Tone::bad}, {"cancelled"}};
   ListRow picture = kPictures[static_cast<std::size_t>(row.state)];
   if (row.state == TestState::under_way)
     picture.text = row.stage == DatumStage::failed ? "FAILED, ending" : fmt::format("{} ...", ecs::name_of(row.stage));
@@ -266,8 +266,8 @@ class DatumTestScreen final : public DatumScreen {
   [[nodiscard]] std::string title() const override { return "TEST DATUM ROUTINE"; }
   [[nodiscard]] std::string help() const override {
     return std::string(kTestExplained) +
-           " With the bundled emulator g references its machine, the axis under test first and the others when their "
-           "turn comes. An axis that is never referenced is waited for ten minutes; Esc gives up.";
+           " With the bundled emulator, press g to reference its machine, the axis under test first and then the "
+           "others. The unit waits ten minutes for an axis to be referenced; press Esc to cancel.";
   }
 
  private:
@@ -309,11 +309,11 @@ class DatumTestScreen final : public DatumScreen {
 
   [[nodiscard]] std::string call() const {
     const auto under = under_test();
-    if (!busy()) return "Enter begins the test of the axes marked x.";
+    if (!busy()) return "Press Enter to test the axes marked x.";
     if (!under) return "Sending ...";
     if (std::any_of(rows_.begin(), rows_.end(),
                     [&](const AxisRow& row) { return row.axis == *under && row.stage == DatumStage::failed; }))
-      return "The routine of this axis has failed: the unit ends it, then says why.";
+      return "The routine of this axis has failed: the unit ends it and reports the reason.";
     if (reference_.running()) return fmt::format("The emulated machine references axis {} ...", letter_of(*under));
     return call_to_reference(*under);
   }
@@ -349,10 +349,10 @@ class DatumTestScreen final : public DatumScreen {
     for (const AxisRow& row : rows_)
       if (row.state != TestState::not_chosen)
         axes += fmt::format("{}{}", axes.empty() ? "" : ", ", letter_of(row.axis));
-    if (axes.empty()) return {"No axis is chosen", "Space chooses the axis under the cursor.", "well", "well"};
+    if (axes.empty()) return {"No axis is chosen", "Press Space to choose the axis under the cursor.", "well", "well"};
     return {fmt::format("Test the datum routine of {}?", axes),
-            "The unit opens its relays, forgets the reference of each of these axes and looks for it again while the "
-            "machine's control references it, one axis after the other. The unit moves nothing." +
+            "The unit opens its relays, clears the reference of each of these axes and finds it again while the "
+            "machine's control references it, one axis after the other. The unit does not move the machine." +
                 hint_of_emulator(),
             "test", "not now"};
   }
@@ -442,7 +442,7 @@ class DatumTestScreen final : public DatumScreen {
         std::count_if(rows_.begin(), rows_.end(), [](const AxisRow& r) { return r.state == TestState::failed; });
     if (failed == 0) return message_.say("Every axis that was tested found its datum.");
     message_.say(
-        fmt::format("{} failed: see above what to do.", failed == 1 ? "One axis" : fmt::format("{} axes", failed)),
+        fmt::format("{} failed: see the remedy above.", failed == 1 ? "One axis" : fmt::format("{} axes", failed)),
         Tone::bad);
   }
 

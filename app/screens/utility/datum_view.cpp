@@ -88,10 +88,10 @@ class DatumViewScreen final : public KeyedScreen {
   [[nodiscard]] std::string title() const override { return "DISPLAY DATUM SEQUENCE"; }
   [[nodiscard]] std::string help() const override {
     return "The velocity-time graph of an axis being referenced, with its reference switch (as wired: filled where the "
-           "contact is closed) and its markers below. The second page lists what happened and what it says about the "
-           "datuming parameters. v lays a second record over the first, drawn broken, so that two axes, or before and "
-           "after, can be compared; a shifts it until the switches change at the same time. A record that is not saved "
-           "survives a crash: this screen offers it again.";
+           "contact is closed) and its markers below. The second page lists the events and the datuming parameters "
+           "that follow from them. Press v to overlay a second record, drawn broken, so that two axes, or before and "
+           "after, can be compared. Press a to align the records at the switch. An unsaved record survives a crash: "
+           "this screen offers it again.";
   }
   [[nodiscard]] std::string unsaved() const override {
     return saved_ ? "" : fmt::format("The datum sequence of axis {} is not saved.", letter_of(first_->recording.axis));
@@ -121,8 +121,8 @@ class DatumViewScreen final : public KeyedScreen {
         redraw();
       };
     };
-    return {{"Enter", "take the record up", [this] { take_draft(); }, drafted},
-            {"d", "drop it", [this] { drop_earlier_draft(); }, drafted},
+    return {{"Enter", "open the record", [this] { take_draft(); }, drafted},
+            {"d", "delete", [this] { drop_earlier_draft(); }, drafted},
             {"o", "open a file", [this] { choose_file(); }, empty},
             {"Enter", "show it in the graph", [this] { show_event(); }, events},
             {"up/down", "event", {}, events},
@@ -158,7 +158,7 @@ class DatumViewScreen final : public KeyedScreen {
   [[nodiscard]] Step leave() override {
     if (saved_ || leaving_ > 1) return back();
     message_.say(
-        "The record is not saved: s saves it; Esc again leaves, and it is offered when this screen opens again.",
+        "The record is not saved: press s to save it. Esc leaves; the record is offered again when this screen opens.",
         Tone::warning);
     return stay();
   }
@@ -178,7 +178,7 @@ class DatumViewScreen final : public KeyedScreen {
                      [this](const std::string& path) { read(path, false); });
     };
     if (saved_) return ask();
-    asking_.ask({"Open another record?", "The record shown is not saved: it is lost when another is opened.",
+    asking_.ask({"Open another record?", "The record shown is not saved: it will be lost when another is opened.",
                  "open another", "keep this"},
                 ask);
   }
@@ -234,7 +234,8 @@ class DatumViewScreen final : public KeyedScreen {
   }
 
   void drop_earlier_draft() {
-    asking_.ask({"Drop the unsaved record?", fmt::format("The record of {} is lost.", draft_->kept), "drop", "keep it"},
+    asking_.ask({"Delete the unsaved record?", fmt::format("The record of {} will be lost.", draft_->kept), "drop",
+                 "keep it"},
                 [this] {
                   drop_draft(kRecordDraft);
                   draft_.reset();
@@ -275,13 +276,13 @@ class DatumViewScreen final : public KeyedScreen {
     if (!first_ || !second_) return;
     const auto a = first_switch_s(*first_), b = first_switch_s(*second_);
     if (!a || !b)
-      return message_.say("The switch does not change in both records: nothing to lay over each other.", Tone::warning);
+      return message_.say("The switch does not change in both records: they cannot be aligned.", Tone::warning);
     second_->shift_s = second_->shift_s != 0.0 ? 0.0 : *a - *b;
     message_.say(
         second_->shift_s == 0.0
             ? "Both begin at 0 s."
             : fmt::format(
-                  "The second is shifted by {:+.3f} s: the switches change first at the same time. a shifts it back.",
+                  "The second is shifted by {:+.3f} s: the first switch changes coincide. Press a to shift it back.",
                   second_->shift_s));
     show_all();
   }
@@ -371,15 +372,15 @@ class DatumViewScreen final : public KeyedScreen {
   void draw_empty(Canvas& canvas, const Area& area) const {
     int row =
         canvas.paragraph(area, 1,
-                         "A datum sequence is ten seconds of one axis being referenced: its speed over time, with the "
-                         "reference switch and the marker below. From it the datuming parameters are read off.");
-    row += 2 + canvas.paragraph(area, 2 + row,
-                                "o opens a file that was saved before. RECORD DATUM SEQUENCE in the menu before this "
-                                "one makes a new record.",
-                                Tone::strong);
+                         "A datum sequence is a record of ten seconds of one axis being referenced: its speed over "
+                         "time, with the reference switch and the marker below. It shows the datuming parameters.");
+    row += 2 + canvas.paragraph(
+                   area, 2 + row,
+                   "Press o to open a saved file. RECORD DATUM SEQUENCE in the previous menu makes a new record.",
+                   Tone::strong);
     if (draft_)
       canvas.paragraph(area, row + 2,
-                       fmt::format("Unsaved record of {} found: Enter takes it up, d drops it.", draft_->kept),
+                       fmt::format("Unsaved record of {} found: press Enter to open it, d to delete it.", draft_->kept),
                        Tone::warning);
   }
 
@@ -393,7 +394,7 @@ class DatumViewScreen final : public KeyedScreen {
     for (const DatumEvent& event : record.events)
       rows.push_back({owned_lines_of(datum_event_cell(event).text).front(),
                       event.what.starts_with("switch") ? Tone::strong : Tone::plain});
-    if (rows.empty()) canvas.text(area, row, 2, "nothing happened in this record", Tone::warning);
+    if (rows.empty()) canvas.text(area, row, 2, "no events in this record", Tone::warning);
     draw_list(canvas, area.below(row), rows, event_);
   }
 

@@ -17,7 +17,7 @@ std::optional<Axis> axis_of_key(const Key& key) {
 
 void MachineDriver::ask(Prompt& prompt, const WatchedUnit& unit, Message& message) {
   if (!can_drive(unit))
-    return message.say("This is a real unit: move the axes at the machine's own control.", Tone::warning);
+    return message.say("This is a real unit: move the axes at the machine's control.", Tone::warning);
   if (task_.running()) return message.say("The emulated machine moves: Esc stops it.", Tone::warning);
   prompt.ask(
       "Drive to:", Prompt::Kind::text, "",

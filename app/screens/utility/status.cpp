@@ -33,11 +33,11 @@ std::string duration_text(std::uint32_t seconds) {
 }
 
 /// What a mode is, in one sentence; in the order of UnitMode.
-constexpr const char* kMeanings[] = {"the unit has just been switched on and looks for a host",
-                                     "every relay is open; the unit does what the screens tell it",
+constexpr const char* kMeanings[] = {"the unit has just been switched on and waits for a host",
+                                     "every relay is open; the unit accepts commands from the screens",
                                      "waits until the machine's control has referenced every axis; then it compensates",
                                      "relays closed: the machine is being corrected",
-                                     "a fatal fault: every relay is open, only switching off and on helps"};
+                                     "a fatal fault: every relay is open; switch the unit off and on"};
 
 std::string_view meaning_of(UnitMode mode) {
   const auto k = static_cast<std::size_t>(mode);
@@ -54,12 +54,12 @@ class StatusScreen final : public KeyedScreen {
 
   [[nodiscard]] std::string title() const override { return "DISPLAY ECS STATUS"; }
   [[nodiscard]] std::string help() const override {
-    return "The state of the unit: mode, fault in plain words with what to do next, memory tests with their addresses, "
-           "the loop; the address pointers (which value of every curve was selected last, and where it lies); the "
-           "axes. It is read again every second. t tests every location of the axis memory, its contents stay. m "
-           "changes between integration and compensation mode and says first what moves. s saves everything with the "
-           "registers as they came; o opens such a file, or a memory dump, also without a unit. With the bundled "
-           "emulator g references its machine.";
+    return "The state of the unit: mode, fault with its remedy, memory tests with their addresses, the loop, the "
+           "address pointers (the value of every curve that was selected last, and its address) and the axes. It is "
+           "read every second. Press t to test every location of the axis memory; its contents are preserved. Press m "
+           "to change between integration and compensation mode; the motion that follows is shown first. Press s to "
+           "save everything with the raw registers. Press o to open such a file or a memory dump, also without a unit. "
+           "With the bundled emulator, press g to reference its machine.";
   }
 
  private:
@@ -95,8 +95,8 @@ class StatusScreen final : public KeyedScreen {
       draw_scrolled(canvas, body, file_->memory, scroll_);
     else if (s == nullptr)
       canvas.paragraph(body, 0,
-                       "Nothing was read yet. Without a unit, o opens a status file (s of this screen, `ecs utility "
-                       "status --save`) or a memory dump (`ecs memory dump`): both decode here.",
+                       "No data yet. Without a unit, press o to open a status file (saved by s on this screen or by "
+                       "`ecs utility status --save`) or a memory dump (`ecs memory dump`).",
                        Tone::faint);
     else if (page() == Page::state)
       draw_state(canvas, body);
@@ -121,7 +121,7 @@ class StatusScreen final : public KeyedScreen {
                        : fmt::format("FILE {}: unit {}, {}", file_->name, s->identity.serial_number, s->taken),
           Tone::warning));
     if (!lack().empty())
-      canvas.text(area, 0, 0, read_ ? fmt::format("NO ANSWER, what is shown is {:.0f} s old", age_s()) : "NO ANSWER",
+      canvas.text(area, 0, 0, read_ ? fmt::format("NO ANSWER, the data are {:.0f} s old", age_s()) : "NO ANSWER",
                   Tone::bad);
     else if (s == nullptr)
       canvas.text(area, 0, 0, "The unit's state is being read ...", Tone::warning);
@@ -183,7 +183,7 @@ class StatusScreen final : public KeyedScreen {
       return of_unit() && watched_.emulator && read_ && read_->snapshot.status.mode == UnitMode::datuming;
     };
     const auto choose = [this] { choose_file(); };
-    return {{"Esc", "give up", {}, under_way},
+    return {{"Esc", "cancel", {}, under_way},
             {"Tab 1 2 3", "page", {}, of_file},
             {"l", "back to the unit", [this] { file_.reset(); }, of_file, true},
             {"up/down", "scroll", {}, of_file},
@@ -224,11 +224,11 @@ class StatusScreen final : public KeyedScreen {
   /// Nothing is done while a file is shown or something is under way; says why not.
   [[nodiscard]] bool may_act() {
     if (file_)
-      message_.say("A file is shown: l goes back to the unit first.", Tone::warning);
+      message_.say("A file is shown: press l to return to the unit first.", Tone::warning);
     else if (!read_)
       message_.say("The unit has not answered yet.", Tone::warning);
     else if (work_.running())
-      message_.say(work_.label() + " is under way: Esc gives it up.", Tone::warning);
+      message_.say(work_.label() + " is running: press Esc to cancel.", Tone::warning);
     else
       return true;
     return false;
@@ -272,7 +272,7 @@ class StatusScreen final : public KeyedScreen {
       ECS_TRY(result, link.client().run_ram_test(
                           [&control](const protocol::CommandResult& busy) { control.part = busy.per_mille / 1000.0; }));
       if (result.value == protocol::kUnused)
-        return std::string("Every location of the axis memory holds what is written to it.");
+        return std::string("Every location of the axis memory stores the written value.");
       return problem(ProblemKind::refused, fmt::format("The memory test failed at 0x{:06X}: replace that axis memory "
                                                        "module, then send parameters and map again.",
                                                        result.value));
@@ -281,10 +281,10 @@ class StatusScreen final : public KeyedScreen {
 
   void ask_to_clear() {
     if (!may_change()) return;
-    asking_.ask({"Let the unit forget its fault?",
-                 "Fault, axis and address are lost: s saves them in a file first. The cause stays what it is; the unit "
-                 "does not change its mode.",
-                 "forget it", "keep it"},
+    asking_.ask({"Clear the fault of the unit?",
+                 "Fault, axis and address will be lost; press s first to save them in a file. The cause is not "
+                 "removed, and the mode does not change.",
+                 "clear it", "keep it"},
                 [this] {
                   start("clearing the fault", {"utility", "clear"}, [](UnitLink& link, JobControl&) {
                     return link.client().clear_fault().map([] { return std::string("The fault is cleared."); });
@@ -296,14 +296,14 @@ class StatusScreen final : public KeyedScreen {
     if (!may_act()) return;
     if (integrating())
       asking_.ask({"Go to compensation mode?",
-                   "The unit tests its memory and its map and forgets where its axes are. Then the machine's control "
-                   "must reference every axis. As soon as the last one is found every relay closes, and THE MACHINE IS "
-                   "MOVED by the compensation of each axis from then on. Keep clear of it.",
+                   "The unit tests its memory and its map and clears the references of its axes. Then the machine's "
+                   "control must reference every axis. When the last axis is referenced, every relay closes, and from "
+                   "then on THE MACHINE IS MOVED by the compensation of each axis. Keep clear of it.",
                    "compensate", "stay"},
                   [this] { compensate(); });
     else
       asking_.ask({"Go to integration mode?",
-                   "Every relay opens at once and the loop ends: what is being added is taken away" +
+                   "Every relay opens at once and the loop ends: the present compensation is removed" +
                        moved_by_leaving() + "Do it while no workpiece is being cut.",
                    "integrate", "stay"},
                   [this] { integrate(); });
@@ -322,7 +322,7 @@ class StatusScreen final : public KeyedScreen {
     start("compensation mode", {"utility", "mode", "compensate", "--wait", "0"}, [](UnitLink& link, JobControl&) {
       return begin_compensation(link.client()).map([&link] {
         return fmt::format("Reference every axis of the machine now{}.",
-                           link.is_emulator() ? ": g lets the emulated machine do it" : ", at its own control");
+                           link.is_emulator() ? ": press g to reference the emulated machine" : ", at its own control");
       });
     });
   }
@@ -338,7 +338,7 @@ class StatusScreen final : public KeyedScreen {
   void reference() {
     if (!may_act()) return;
     if (read_->workshop.empty())
-      return message_.say("This is a real unit: reference the axes at the machine's own control.", Tone::warning);
+      return message_.say("This is a real unit: reference the axes at the machine's control.", Tone::warning);
     if (reference_.running()) return;
     message_.say("The emulated machine references its axes ...");
     reference_machine(reference_, read_->workshop, {}, message_);
@@ -361,7 +361,7 @@ class StatusScreen final : public KeyedScreen {
   }
 
   void ask_to_save() {
-    if (snapshot() == nullptr) return message_.say("There is nothing to save yet.", Tone::warning);
+    if (snapshot() == nullptr) return message_.say("No data to save yet.", Tone::warning);
     ask_where_to_save("Save as:", file_name_now("status", ".json"), [this](const std::string& path) { save(path); });
   }
 
@@ -408,8 +408,7 @@ class StatusScreen final : public KeyedScreen {
     for (TaskRunner* task : {&reading_, &work_, &writing_, &opening_}) changed = task->advance() || changed;
     if (reference_.advance()) {
       changed = at_once_ = true;
-      if (!message_.is_problem())
-        message_.say("The emulated machine was driven onto its references: the unit's answer is above.");
+      if (!message_.is_problem()) message_.say("The emulated machine was referenced: the unit's answer is above.");
     }
     const int age = read_ ? static_cast<int>(age_s()) : 0;
     return std::exchange(shown_age_, age) != age || changed || work_.running();
@@ -443,16 +442,16 @@ std::unique_ptr<Screen> status_screen(std::shared_ptr<UnitConnection> connection
 
 std::vector<MenuChoice> utility_choices(const std::shared_ptr<UnitConnection>& connection) {
   return {
-      {"SET AXIS POSITION", "what the unit shows for an axis; nothing moves",
+      {"SET AXIS POSITION", "displayed position of an axis; nothing moves",
        [connection] { return position_screen(connection); }},
-      {"OUTPUT COMPENSATION VALUE", "a value on one axis's D/A converter; the relay",
+      {"OUTPUT COMPENSATION VALUE", "output value of one axis; its relay",
        [connection] { return output_screen(connection); }},
       {"RECORD DATUM SEQUENCE", "ten seconds of an axis being referenced",
        [connection] { return datum_record_screen(connection); }},
-      {"DISPLAY DATUM SEQUENCE", "such a record as a graph; two over each other", [] { return datum_view_screen(); }},
+      {"DISPLAY DATUM SEQUENCE", "a record as a graph; two records overlaid", [] { return datum_view_screen(); }},
       {"TEST DATUM ROUTINE", "the unit's datum routine, stage by stage",
        [connection] { return datum_test_screen(connection); }},
-      {"DISPLAY ECS STATUS", "mode and fault; change the mode, clear, test memory",
+      {"DISPLAY ECS STATUS", "mode and fault; change mode, clear, test memory",
        [connection] { return status_screen(connection); }},
       {"RUN USER SOFTWARE", "machine code in the unit's memory",
        [connection] { return form_titled("RUN USER SOFTWARE", connection); }},

@@ -33,10 +33,10 @@ struct FileImportRequest {
   ImportArguments import = ImportArguments().of_any_axis();
   static Fields<FileImportRequest> fields() {
     using R = FileImportRequest;
-    return {{"FILE", &R::files, "measurement files; several are joined", Need::required},
+    return {{"FILE", &R::files, "measurement files; several are joined into one set", Need::required},
             {"-o,--output", &R::output, output_help(), Is::output},
-            {"--save-profile", &R::save_profile, "keep the import options given, under this name or path"},
-            {"--force", &R::force, "overwrites an output file or a profile that is there"},
+            {"--save-profile", &R::save_profile, "save the import options under this name or path"},
+            {"--force", &R::force, "overwrite an existing output file or profile"},
             &R::import};
   }
 };
@@ -52,8 +52,8 @@ Cell file_cell(const std::string& file, const laser::Imported& imported) {
   fields.push_back("environment"_is(
       imported.environment.rows.empty() ? shown_cell() : conditions_cell(conditions_in(imported.environment), "rows")));
   return record_cell(imported.set.readings.empty()
-                         ? "{file}: {format}\n  no readings; {environment_records} records of the environment, to be "
-                           "joined by --environment\n{environment}{notes}"
+                         ? "{file}: {format}\n  no readings; {environment_records} records of the environment; add "
+                           "them with --environment\n{environment}{notes}"
                          : "{file}: {format}\n{lines}{notes}",
                      fields);
 }
@@ -71,7 +71,7 @@ Cell answer_cell(const Cell& files, const laser::MeasurementSet& set, const std:
   append(fields, set_fields(set));
   append(fields,
          "output"_is(output.empty()
-                         ? null_cell("nothing written: give -o OUT.csv to keep it\n")
+                         ? null_cell("not saved: give -o OUT.csv to save it\n")
                          : Cell{output, fmt::format("{} readings written to {}\n", set.readings.size(), output)}),
          "files"_is(files), "profile"_shown(profile));
   return record_cell("{files}{profile}{output}", fields);
@@ -99,11 +99,11 @@ Result<Outcome> import(VerbContext& context, const FileImportRequest& request) {
   if (!request.save_profile.empty()) {
     ECS_TRY(kept, with_profile(request.import));
     ECS_TRY(saved, save_profile(request.save_profile, kept, request.force));
-    profile = fmt::format("import options kept in {}\n", saved.string());
+    profile = fmt::format("import options saved in {}\n", saved.string());
   }
   ECS_TRY(all, joined(sets));
   if (!request.output.empty()) {
-    if (all.readings.empty()) return problem(ProblemKind::refused, "no readings: there is nothing to write");
+    if (all.readings.empty()) return problem(ProblemKind::refused, "no readings to write");
     ECS_DO(write_set(request.output, all));
   }
   return outcome_of(answer_cell(files, all, request.output, profile));
@@ -171,12 +171,12 @@ Result<Outcome> show(VerbContext&, const ShowRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kLaserReading{
-    action("laser import", "any instrument's file as a measurement set (CSV); names the format it recognised",
+    action("laser import", "convert any instrument's file to a measurement set (CSV); reports the recognised format",
            "ecs laser import x_axis.rtl -o x_axis.csv --parked y=-1400,z=0\n"
            "  ecs laser import table.txt --columns \"x_mm=1[in],reading=2*25.4,approach=motion\" "
            "--skip 3 --save-profile gauge -o table.csv",
            import, {.logged = Logged::when_written, .kind = "measurement"}),
-    action("laser show", "conditions, lines, sensors and the means at every target of a measurement file",
+    action("laser show", "show conditions, lines, sensors and the mean at every target of a measurement file",
            "ecs laser show x_axis.csv", show)};
 
 }  // namespace ecs::app

@@ -34,10 +34,10 @@ struct ProcessRequest {
             {"--slope", &R::slope, "slope to remove; least_squares for straightness, else none",
              Words{"none", "end_points", "least_squares"}},
             {"--smooth", &R::smooth_mm, "window of the local quadratic [mm]; 0: none", Range{0.0, 1e6}},
-            {"--exclude-run", &R::exclude_runs, "runs to leave out: 3 or 3,5"},
-            {"--exclude-row", &R::exclude_rows, "data rows to leave out, from 1"},
-            {"-o,--output", &R::output, "CSV of the processed means", Is::output},
-            {"--plot", &R::plot, "before and after on the same scale: OUT.svg or OUT.png", Is::output},
+            {"--exclude-run", &R::exclude_runs, "runs to exclude: 3 or 3,5"},
+            {"--exclude-row", &R::exclude_rows, "data rows to exclude, counted from 1"},
+            {"-o,--output", &R::output, "CSV file for the processed means", Is::output},
+            {"--plot", &R::plot, "plot before and after on the same scale: OUT.svg or OUT.png", Is::output},
             &R::import};
   }
 };
@@ -69,13 +69,13 @@ std::string_view word_for(laser::Taken taken) {
 }
 
 std::string taken_text(const laser::Smoothed& smooth) {
-  if (smooth.taken == laser::Taken::noise) return ":\n  no more than the repeats explain as noise\n";
+  if (smooth.taken == laser::Taken::noise) return ":\n  no more than the noise of the repeats\n";
   if (smooth.taken == laser::Taken::signal)
     return fmt::format(
-        ":\n  more than noise (F {:.1f}, 99 % point {:.1f}): the form of the curve was removed too; use a narrower "
+        ":\n  more than noise (F {:.1f}, 99 % point {:.1f}): the shape of the curve was removed too. Use a narrower "
         "window\n",
         smooth.F.value_or(0.0), smooth.F_99.value_or(0.0));
-  return ";\n  without repeats it is unknown whether that is noise\n";
+  return ".\n  Without repeats it is unknown whether that is noise\n";
 }
 
 Cell smoothing_cell(const laser::Smoothed& smooth, double window_mm, std::string_view unit) {
@@ -229,11 +229,11 @@ Result<Outcome> process(VerbContext& context, const ProcessRequest& request) {
     }
     lines.push_back(std::move(*line));
   }
-  if (lines.empty()) return problem(ProblemKind::refused, fmt::format("{}: no reading is left", request.file));
+  if (lines.empty()) return problem(ProblemKind::refused, fmt::format("{}: every reading is excluded", request.file));
   ECS_DO(write_files(lines, imported.set, request));
   const std::size_t readings = imported.set.readings.size();
   return outcome_of(record_cell(
-      "{lines}{excluded} of {readings} readings left out\n{output}{plot}", "file"_is(request.file),
+      "{lines}{excluded} of {readings} readings excluded\n{output}{plot}", "file"_is(request.file),
       "lines"_is(list_cell(lines, [&](const Processed& line) { return processed_cell(line, request.smooth_mm); })),
       "readings"_is(readings), "excluded"_is(readings - selection.chosen.readings.size()),
       "output"_is(written_cell("means", request.output)), "plot"_is(written_cell("plot", request.plot))));
@@ -257,16 +257,17 @@ struct NormaliseRequest {
   ImportArguments import;
   static Fields<NormaliseRequest> fields() {
     using R = NormaliseRequest;
-    return {{"FILE", &R::file, "measurement file", Need::required},
-            {"--coefficient", &R::coefficient, "expansion of the result [um per metre and degC]; 0: none"},
-            {"--instrument", &R::instrument,
-             "what the instrument applied already; from the file if not given (Renishaw Exp coeff)"},
-            {"--material-sensor", &R::sensor, "column with the temperature of the material"},
-            {"--material", &R::material_degC, "one material temperature for all readings [degC]"},
-            {"--fixed", &R::fixed_mm, "position that expansion leaves where it is [mm]"},
-            {"--back", &R::back, "take it back, to the last digit"},
-            {"-o,--output", &R::output, "the CSV to write", Is::output},
-            &R::import};
+    return {
+        {"FILE", &R::file, "measurement file", Need::required},
+        {"--coefficient", &R::coefficient, "expansion coefficient for the result [um/(m degC)]; 0: none"},
+        {"--instrument", &R::instrument,
+         "coefficient that the instrument has already applied; read from the file if not given (Renishaw Exp coeff)"},
+        {"--material-sensor", &R::sensor, "column with the material temperature"},
+        {"--material", &R::material_degC, "one material temperature for all readings [degC]"},
+        {"--fixed", &R::fixed_mm, "fixed point of the expansion [mm]"},
+        {"--back", &R::back, "undo the normalisation exactly"},
+        {"-o,--output", &R::output, "CSV file to write", Is::output},
+        &R::import};
   }
 };
 
@@ -278,7 +279,7 @@ Result<void> written(const std::string& output, const laser::MeasurementSet& set
 Result<Outcome> taken_back(const NormaliseRequest& request, const laser::MeasurementSet& set) {
   ECS_TRY(back, laser::denormalised(set));
   ECS_DO(written(request.output, back));
-  return outcome_of(record_cell("{readings} readings as they were before they were referred to 20 degC\n",
+  return outcome_of(record_cell("{readings} readings restored to their values before normalisation to 20 degC\n",
                                 "file"_is(request.file), "readings"_is(back.readings.size()),
                                 "output"_is(text_cell(request.output))));
 }
@@ -287,7 +288,7 @@ Result<Outcome> normalise(VerbContext& context, const NormaliseRequest& request)
   if (request.back == request.coefficient.has_value())
     return problem(
         ProblemKind::usage,
-        "expected --coefficient C (um per metre and degC; 0 takes out what the instrument applied) or --back");
+        "expected --coefficient C (um per metre and degC; 0 removes the correction of the instrument) or --back");
   ECS_DO(check_output_not_input(request.output, {request.file}));
   ECS_TRY(imported, read_with_notes(context.console, request.file, request.import));
   if (request.back) return taken_back(request, imported.set);
@@ -305,15 +306,16 @@ Result<Outcome> normalise(VerbContext& context, const NormaliseRequest& request)
   }
   ECS_DO(written(request.output, done->set));
   return outcome_of(record_cell(
-      "{changed} of {readings} readings referred to 20 degC, changed by up to {largest_um} um\n{notes}{output}",
+      "{changed} of {readings} readings normalised to 20 degC, changed by up to {largest_um} um\n{notes}{output}",
       "file"_is(request.file), "coefficient_um_per_m_degC"_is(how.coefficient_um_per_m_degC),
       "instrument_um_per_m_degC"_is(done->instrument_um_per_m_degC), "least_degC"_is(done->least_degC),
       "most_degC"_is(done->most_degC), "fixed_mm"_is(how.fixed_mm), "changed"_is(done->changed),
       "readings"_is(done->set.readings.size()), "largest_um"_is(done->largest_um, 3),
       "per_coefficient_um"_is(done->per_coefficient_um), "notes"_is(lines_cell(done->notes, "  ")),
       "output"_is(request.output.empty()
-                      ? null_cell("nothing written: give -o OUT.csv to keep it\n")
-                      : Cell{request.output, fmt::format("written to {}; --back takes it back\n", request.output)})));
+                      ? null_cell("not saved: give -o OUT.csv to save it\n")
+                      : Cell{request.output,
+                             fmt::format("written to {}; --back undoes the normalisation\n", request.output)})));
 }
 
 struct AirRequest {
@@ -326,7 +328,7 @@ struct AirRequest {
             {"--pressure", &R::pressure_hPa, "[hPa]"},
             {"--humidity", &R::humidity_pct, "relative [%]"},
             {"--co2", &R::co2_ppm, "carbon dioxide [ppm]"},
-            {"--wavelength", &R::wavelength_nm, "in vacuum [nm]"}};
+            {"--wavelength", &R::wavelength_nm, "vacuum wavelength [nm]"}};
   }
 };
 
@@ -350,18 +352,18 @@ Result<Outcome> air(VerbContext&, const AirRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kLaserProcessing{
-    action("laser process", "slope removal, smoothing and exclusion of runs; before and after",
+    action("laser process", "remove slope, smooth and exclude runs; shows before and after",
            "ecs laser process eyx.csv --slope least_squares --smooth 150 --exclude-run 3 --plot eyx.svg", process,
            {.logged = Logged::when_written, .kind = "processing"}),
     action(
-        "laser prepare", "a measured line as a file of its own: joined, corrected, without what is left out",
+        "laser prepare", "write a measured line as a file of its own: joined, corrected, without the excluded readings",
         "ecs laser prepare EXX.csv --line \"EX along X at Y -1400, Z 0\" --leave-out-run 3=vibration -o exx_line.csv",
         prepare, {.logged = Logged::when_written, .kind = "processing"}),
-    action("laser normalise", "positioning errors referred to 20 degC by a coefficient of expansion, and back",
+    action("laser normalise", "normalise positioning errors to 20 degC by an expansion coefficient, or undo it",
            "ecs laser normalise exx.csv --coefficient 11.7 -o exx20.csv\n"
            "  ecs laser normalise exx20.csv --back -o exx.csv",
            normalise, {.logged = Logged::when_written, .kind = "processing"}),
-    action("laser air", "refractive index of air by Ciddor and modified Edlen",
+    action("laser air", "compute the refractive index of air by Ciddor and modified Edlen",
            "ecs laser air --temperature 21.3 --pressure 992.4 --humidity 42", air)};
 
 }  // namespace ecs::app

@@ -135,10 +135,9 @@ std::string summary_text(const std::vector<LineStatistics>& lines) {
                       "largest", "range", "A", "R", "B");
   text += worst_rows(components);
   text += "\n" + note_rows(lines);
-  return text + fmt::format(
-                    "{} measurement lines: --all shows each with all its quantities, --json gives them to "
-                    "programs\n",
-                    lines.size());
+  return text +
+         fmt::format("{} measurement lines: --all shows every quantity of each, --json writes them for programs\n",
+                     lines.size());
 }
 
 constexpr double kMostUncertain = 1e6;
@@ -154,14 +153,15 @@ Fields<laser::Iso230Conditions> uncertainty_fields() {
   using C = laser::Iso230Conditions;
   constexpr Range kSize{0.0, kMostUncertain}, kSigned{-kMostUncertain, kMostUncertain};
   return Fields<C>{
-      {"--instrument-um-per-m", &C::instrument_um_per_m, "of the instrument, expanded, in proportion to the length",
+      {"--instrument-um-per-m", &C::instrument_um_per_m,
+       "expanded uncertainty of the instrument, length-proportional part", kSize},
+      {"--instrument-um", &C::instrument_um, "expanded uncertainty of the instrument, constant part", kSize},
+      {"--misalignment-mm", &C::misalignment_mm, "lateral offset between beam and axis over the measured length",
        kSize},
-      {"--instrument-um", &C::instrument_um, "of the instrument, expanded, the constant part", kSize},
-      {"--misalignment-mm", &C::misalignment_mm, "lateral offset of beam and axis over the measured length", kSize},
       {"--environment-um", &C::environment_um, "environmental variation error EVE: range of a drift test", kSize},
       {"--temperature-range", &C::temperature_range_degC, "range of the error of the machine's temperature [degC]",
        kSize},
-      {"--off-20", &C::off_20_degC, "the machine's temperature less 20 degC", kSigned},
+      {"--off-20", &C::off_20_degC, "machine temperature minus 20 degC", kSigned},
       {"--expansion", &C::expansion_um_per_m_degC, "expansion coefficient of the correction [um/m/degC]", kSize},
       {"--expansion-range", &C::expansion_range_um_per_m_degC, "range of the expansion coefficient [um/m/degC]", kSize}}
       .under("Uncertainty (ISO 230-2 annex A, k = 2)");
@@ -171,7 +171,7 @@ Fields<laser::Iso230Conditions> uncertainty_fields() {
 Cell uncertainty_cell(const laser::Iso230& iso, const laser::Iso230Conditions& conditions) {
   if (!contributes(conditions)) return null_cell("");
   const auto uncertainty = laser::iso230_uncertainty_of(iso, conditions);
-  if (!uncertainty) return null_cell("  no uncertainty: the options are for lengths at two targets or more\n");
+  if (!uncertainty) return null_cell("  no uncertainty: these options apply to lengths at two or more targets\n");
   Json parts = Json::array();
   std::string text = "  uncertainty (k = 2)";
   AnswerFields fields = described("coverage_factor"_is(laser::kCoverage), "length_mm"_is(uncertainty->length_mm));
@@ -204,8 +204,8 @@ struct StatsRequest {
   ImportArguments import = ImportArguments().of_any_axis();
   static Fields<StatsRequest> fields() {
     using R = StatsRequest;
-    return {{"FILE", &R::files, "measurement files; those of one line are joined as its runs", Need::required},
-            {"--all", &R::all, "each measurement line whole, however many"},
+    return {{"FILE", &R::files, "measurement files; files of the same line are joined as runs", Need::required},
+            {"--all", &R::all, "show every measurement line in full"},
             {&R::uncertainty, uncertainty_fields()},
             &R::import};
   }
@@ -255,19 +255,20 @@ Cell outliers_cell(const MeasuredLine& line, std::size_t most, const ImportArgum
     const laser::Reading& reading = line.set.readings[i];
     const bool shown = list.json.size() < most;
     if (shown) named.push_back(i);
-    list.add(record_cell(
-        shown ? "  outlier: {reading} {unit} at {at}, run {run}, is far from its repeats ({file}:{line}, row {row})\n"
-              : "",
-        "file"_is(line.file_of(i)), "line"_is(reading.line), "row"_is(reading.row), "run"_is(reading.run),
-        FieldKey(reading.rotary ? "position_deg" : "position_mm")(laser::target_of(reading)),
-        "reading"_is(reading.error, shortest(reading.error)), "unit"_shown(laser::unit_of(reading.sense)),
-        "at"_shown(fmt::format("{:g}", laser::target_of(reading)))));
+    list.add(
+        record_cell(shown ? "  outlier: {reading} {unit} at {at}, run {run}, differs strongly from its repeats "
+                            "({file}:{line}, row {row})\n"
+                          : "",
+                    "file"_is(line.file_of(i)), "line"_is(reading.line), "row"_is(reading.row), "run"_is(reading.run),
+                    FieldKey(reading.rotary ? "position_deg" : "position_mm")(laser::target_of(reading)),
+                    "reading"_is(reading.error, shortest(reading.error)), "unit"_shown(laser::unit_of(reading.sense)),
+                    "at"_shown(fmt::format("{:g}", laser::target_of(reading)))));
   }
   if (list.json.size() > most)
     list.text += fmt::format("  and {} more outliers: --all shows them\n", list.json.size() - most);
   if (!named.empty() && !line.group.rotary)  // `laser process` takes linear axes
     list.text +=
-        fmt::format("  `{}` leaves {} out\n", leaving_out(line, named, import), named.size() == 1 ? "it" : "them");
+        fmt::format("  `{}` excludes {}\n", leaving_out(line, named, import), named.size() == 1 ? "it" : "them");
   return list;
 }
 
@@ -281,7 +282,7 @@ Cell drift_cell(const MeasuredLine& line) {
   const auto unit = laser::unit_of(line.group.sense);
   const Cell runs = list_cell(drift->runs, [&](const laser::RunOffset& run) {
     const bool apart = std::find(drift->apart.begin(), drift->apart.end(), run.run) != drift->apart.end();
-    return record_cell(apart ? "  run {run} is apart from the others: {offset:+.3g} +- {sigma:.2g} {unit}\n" : "",
+    return record_cell(apart ? "  run {run} differs from the others by {offset:+.3g} +- {sigma:.2g} {unit}\n" : "",
                        "run"_is(run.run), "offset"_is(run.offset), "sigma"_is(run.sigma), "unit"_shown(unit));
   });
   constexpr const char* kDrifts =
@@ -305,8 +306,8 @@ Cell growth_cell(const MeasuredLine& line) {
   const auto unit = laser::unit_of(line.group.sense);
   const Cell sensors = list_cell(growth->sensors, [&](const laser::SensorGrowth& one) {
     return record_cell(
-        "    {sensor:<22} {per_degC:+8.3f} {unit} per degC, {lag_s}: {explained} % of it, {rms_left:.2f} {unit} rms "
-        "left\n",
+        "    {sensor:<22} {per_degC:+8.3f} {unit} per degC, {lag_s}: {explained} % explained, residual {rms_left:.2f} "
+        "{unit} rms\n",
         "sensor"_is(one.sensor), "per_degC"_is(one.per_degC), "lag_s"_is(one.lag_s, lag_text(one.lag_s)),
         "explained"_is(one.explained, fmt::format("{:.1f}", 100.0 * one.explained)), "rms_left"_is(one.rms_left),
         "unit"_shown(unit));
@@ -339,9 +340,9 @@ Cell turn_cell(const MeasuredLine& line) {
   if (!turn) return null_cell("");
   const auto unit = laser::unit_of(line.group.sense);
   const std::string none =
-      fmt::format("    no wave of {} to {} a turn stands out of the noise\n", turn->least_waves, turn->most_waves);
+      fmt::format("    no wave of {} to {} per turn exceeds the noise\n", turn->least_waves, turn->most_waves);
   return record_cell(
-      "  model of a turn: offset {offset:+.2f} {unit}{reversal}; it explains {explained} % and leaves {rms_left:.2f} "
+      "  model of a turn: offset {offset:+.2f} {unit}{reversal}; it explains {explained} %, residual {rms_left:.2f} "
       "{unit} rms\n{waves}",
       "offset"_is(turn->offset),
       "reversal"_is(turn->reversal, turn->reversal ? fmt::format(", reversal {:+.2f} {}", *turn->reversal, unit) : ""),
@@ -461,8 +462,8 @@ Result<Outcome> stats(VerbContext& context, const StatsRequest& request) {
 
 }  // namespace
 
-extern const std::vector<Action> kLaserStatistics{action(
-    "laser stats", "accuracy and repeatability by ISO 230-2, outliers, drift between runs, the conditions not met",
-    "ecs laser stats x_axis.csv y_axis.rtl --json", stats)};
+extern const std::vector<Action> kLaserStatistics{
+    action("laser stats", "accuracy and repeatability by ISO 230-2, outliers, drift between runs, conditions not met",
+           "ecs laser stats x_axis.csv y_axis.rtl --json", stats)};
 
 }  // namespace ecs::app

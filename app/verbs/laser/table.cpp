@@ -23,12 +23,12 @@ struct TableRequest {
   bool png = false, force = false;
   static Fields<TableRequest> fields() {
     using R = TableRequest;
-    return {{"PLAN", &R::plan, "plan with a [[measure]] for each measurement", Need::required},
-            {"--before", &R::before, "folder of NAME.csv, measured without compensation", Need::required},
-            {"--after", &R::after, "folder of NAME.csv, measured with compensation", Need::required},
-            {"--plots", &R::plots, "folder for a plot NAME.svg of each row"},
-            {"--png", &R::png, "with --plots: NAME.png as well"},
-            {"--force", &R::force, "overwrites plots that are there"}};
+    return {{"PLAN", &R::plan, "plan file with a [[measure]] table for each measurement", Need::required},
+            {"--before", &R::before, "folder with NAME.csv files measured without compensation", Need::required},
+            {"--after", &R::after, "folder with NAME.csv files measured with compensation", Need::required},
+            {"--plots", &R::plots, "folder for the plots, NAME.svg for each row"},
+            {"--png", &R::png, "also write NAME.png (needs --plots)"},
+            {"--force", &R::force, "overwrite existing plots"}};
   }
 };
 
@@ -101,7 +101,7 @@ Result<Outcome> table(VerbContext&, const TableRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kLaserTables{
-    action("laser table", "a commissioning: error bands before and after beside the published ones",
+    action("laser table", "error bands before and after commissioning, compared with the published ones",
            "ecs laser table commissioning.toml --before before/ --after after/ --plots plots/", table)};
 
 }  // namespace ecs::app

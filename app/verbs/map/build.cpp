@@ -61,9 +61,8 @@ Result<Outcome> rotary_errors_built(VerbContext& context, const std::vector<std:
   if (!output.empty())
     ECS_DO(write_file(output, volume::rotary_csv(errors, metadata_value(set, "machine").value_or(""))));
   return outcome_of(record_cell(
-      "{tables}errors, not compensation: the unit compensates X, Y, Z and takes no table of a\nrotary axis; `ecs "
-      "volume "
-      "--rotary` does\n{rotary}",
+      "{tables}These are errors, not compensation. The unit compensates X, Y and Z and accepts no\ntable of a rotary "
+      "axis; `ecs volume --rotary` uses these files.\n{rotary}",
       "rotary"_is(written_cell("errors of rotary axes", output, "nothing written: give -o rotary.csv to keep it\n")),
       "tables"_is(list_cell(errors.tables, rotary_table_cell,
                             fmt::format("{:<9} {:>8} {:<4} {:>8} {:>8} {:>6} {:>8} {:>8}\n", "", "approach", "unit",
@@ -77,22 +76,24 @@ struct BuildRequest : FromModelArguments {
   ImportArguments import;
   static Fields<BuildRequest> fields() {
     using R = BuildRequest;
-    return {{"FILE", &R::files, "a recipe (.toml), or measurement files"},
-            {"--params", &R::params, "parameters of the unit; with --from-model those of the machine by default"},
-            {"--from-model", &R::model, "a fitted model (.toml) in place of measured files"},
+    return {{"FILE", &R::files, "recipe (.toml) or measurement files"},
+            {"--params", &R::params, "parameters of the unit; with --from-model, those of the machine by default"},
+            {"--from-model", &R::model, "fitted model (.toml) to use instead of measured files"},
             {"--machine", &R::machine,
-             "the machine (.toml): for --from-model, else for the travels to cover; "
-             "by default machine.toml beside the parameters"},
-            {"--increment", &R::increment_mm, "of the tables of --from-model [mm]; fine enough if not given"},
+             "machine file (.toml) for --from-model and for the travels to cover; default: machine.toml in the folder "
+             "of the parameters"},
+            {"--increment", &R::increment_mm,
+             "increment of the tables made by --from-model [mm]; chosen automatically if not given"},
             {"-o,--output", &R::output, "map CSV to write", Is::output},
-            {"--params-out", &R::params_out, "parameters to write, with the squareness that was measured", Is::output},
-            {"--zero", &R::zero, "declare a component zero: EBY=\"too small to measure\""},
+            {"--params-out", &R::params_out, "parameter file to write, with the measured squareness", Is::output},
+            {"--zero", &R::zero, "declare a component zero, with a reason: EBY=\"too small to measure\""},
             {"--zero-missing", &R::zero_missing,
-             "with --from-model: declare every component that the model lacks zero, for this reason"},
+             "declare every component that the model lacks zero, for this reason (needs --from-model)"},
             {"--customer", &R::customer, "for the header"},
             {"--engineer", &R::engineer, "for the header"},
             {"--date", &R::date, "for the header, as in 2026-03-12"},
-            {"--shrink", &R::shrink, "shrink every curve below its own noise, as its repeats show it (docs/volume.md)"},
+            {"--shrink", &R::shrink,
+             "shrink every curve according to its noise, estimated from its repeats (docs/volume.md)"},
             &R::import};
   }
 };
@@ -132,8 +133,9 @@ Result<void> declare_zero(laser::MapRecipe& recipe, const std::vector<std::strin
     const auto same = [&](const auto& other) { return other.component == zero.component; };
     if (std::any_of(recipe.components.begin(), recipe.components.end(), same) ||
         std::any_of(recipe.declared_zero.begin(), recipe.declared_zero.end(), same))
-      return problem(ProblemKind::usage, fmt::format("--zero {}: it is measured or declared zero already: keep one",
-                                                     name_of(zero.component)));
+      return problem(ProblemKind::usage,
+                     fmt::format("--zero {}: this component is already measured or declared zero; keep only one",
+                                 name_of(zero.component)));
     recipe.declared_zero.push_back(zero);
   }
   return {};
@@ -200,9 +202,9 @@ Cell squareness_of(const Built& b, const BuildRequest& request) {
 
 Cell built_cell(const Built& b, const BuildRequest& request) {
   return record_cell(
-      "{components}{declared}band: range of the readings as measured; most: largest compensation; slope:\n"
-      "taken away, per m; smth: rms that smoothing removed; n: points per table\n"
-      "{unused}{notes}{squareness}{findings}{verdict}{map}{params_out}",
+      "{components}{declared}band: range of the readings as measured; most: largest compensation; slope:\nremoved, per "
+      "m; smth: rms removed by smoothing; n: points per "
+      "table\n{unused}{notes}{squareness}{findings}{verdict}{map}{params_out}",
       "map"_is(written_cell("map", request.output, "nothing written: give -o map.csv to keep it\n")),
       "params_out"_is(written_cell("parameters", request.params_out)),
       "recipe"_is(text_cell(by_recipe(request) ? request.files.front() : "")), "complete"_is(b.made.complete()),
@@ -224,12 +226,12 @@ void warn_about_header(VerbContext& context, const Built& b) {
   for (const auto& [name, value] :
        {std::pair{"customer", header.customer}, {"engineer", header.engineer}, {"date", header.date}})
     if (value.empty())
-      context.console.note(fmt::format("the header has no {0}: give --{0} or state it in the recipe", name));
+      context.console.note(fmt::format("the header has no {0}: give --{0}, or add it to the recipe", name));
 }
 
 Problem nothing_built(const Built& b) {
   std::vector<Problem> problems{
-      {ProblemKind::refused, "no component could be built; nothing was written", {}, 0, 0, {}}};
+      {ProblemKind::refused, "no component could be built; no file was written", {}, 0, 0, {}}};
   for (const std::string& unused : b.by.unused)
     problems.push_back({ProblemKind::refused, "not used: " + unused, {}, 0, 0, {}});
   return folded(std::move(problems));
@@ -237,7 +239,7 @@ Problem nothing_built(const Built& b) {
 
 Result<Outcome> from_model(VerbContext& context, const BuildRequest& request) {
   if (!request.files.empty())
-    return problem(ProblemKind::usage, "expected a recipe, measurement files or --from-model: one of them");
+    return problem(ProblemKind::usage, "expected exactly one of: a recipe, measurement files, --from-model");
   if (request.shrink) return problem(ProblemKind::usage, "--shrink needs measured files: a model has no repeats");
   ECS_TRY(map, map_from_model(context.console, request));
   return outcome_of(from_model_cell(map, request));
@@ -247,7 +249,7 @@ Result<void> enough_given(const BuildRequest& request) {
   if (request.files.empty())
     return problem(ProblemKind::usage, "expected FILE: a recipe (.toml) or measurement files; or --from-model MODEL");
   if (request.params.empty())
-    return problem(ProblemKind::usage, "--params is required: the parameters of the unit that the map is for");
+    return problem(ProblemKind::usage, "--params is required: the parameters of the unit to be compensated");
   if (!request.zero_missing.empty())
     return problem(ProblemKind::usage, "--zero-missing needs --from-model; without a model give --zero for each");
   if (request.increment_mm)
@@ -278,7 +280,7 @@ Result<Outcome> build(VerbContext& context, const BuildRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kMapBuilding{
-    action("map build", "the error map from measured files, by a recipe or as the files suggest",
+    action("map build", "build the error map from measured files, by a recipe or with proposed settings",
            "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n"
            "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv\n"
            "  ecs map build EXC.csv ECC.csv -o rotary.csv",

@@ -21,7 +21,7 @@
 namespace ecs::app {
 
 Result<FoundMap> found_map(VerbContext& context, const std::string& file, bool from_unit) {
-  if (file.empty() != from_unit) return problem(ProblemKind::usage, "expected a map FILE or --unit, one of the two");
+  if (file.empty() != from_unit) return problem(ProblemKind::usage, "expected either a map FILE or --unit");
   if (!from_unit) {
     ECS_TRY(map, laser::read_map_csv(file));
     return FoundMap{std::move(map), std::nullopt, file};
@@ -40,12 +40,12 @@ struct ShowRequest {
   static Fields<ShowRequest> fields() {
     using R = ShowRequest;
     return {{"FILE", &R::file, "map CSV; or give --unit"},
-            {"--unit", &R::unit, "the map in the unit"},
-            {"--component", &R::component, "one of the 18 curves, with its values in --json"},
-            {"--params", &R::params, "parameters to judge the map by; with --unit the unit's own"},
+            {"--unit", &R::unit, "use the map in the unit"},
+            {"--component", &R::component, "show one of the 18 curves, with its values in --json"},
+            {"--params", &R::params, "parameters to check the map against; with --unit, those of the unit"},
             {"--machine", &R::machine,
-             "the machine (.toml): the travels to cover; by default machine.toml beside the parameters"},
-            {"--plot", &R::plot, "OUT.svg or OUT.png", Is::output}};
+             "machine file (.toml) with the travels to cover; default: machine.toml in the folder of the parameters"},
+            {"--plot", &R::plot, "plot file, OUT.svg or OUT.png", Is::output}};
   }
 };
 
@@ -55,7 +55,7 @@ Result<std::optional<Component>> chosen(const std::string& name) {
   if (!component || is_squareness(*component))
     return problem(ProblemKind::usage,
                    fmt::format("--component: expected one of the 18 curves, as in EXX, got \"{}\"{}", name,
-                               component ? "; squareness is held in the parameters" : ""));
+                               component ? "; squareness is stored in the parameters" : ""));
   return component;
 }
 
@@ -77,7 +77,7 @@ Result<Judged> judged(const ShowRequest& request, const FoundMap& found) {
 }
 
 Cell judged_cell(const Judged& findings) {
-  if (!findings) return null_cell("not checked: give --params for the objections to sending it\n");
+  if (!findings) return null_cell("not checked: give --params to check whether the map can be sent\n");
   Cell cell = findings_cell(*findings);
   if (findings->empty()) cell.text = "no findings\n";
   return cell;
@@ -109,7 +109,7 @@ struct HeaderRequest {
   bool unit = false;
   static Fields<HeaderRequest> fields() {
     using R = HeaderRequest;
-    return {{"FILE", &R::file, "map CSV; or give --unit"}, {"--unit", &R::unit, "the map in the unit"}};
+    return {{"FILE", &R::file, "map CSV; or give --unit"}, {"--unit", &R::unit, "use the map in the unit"}};
   }
 };
 
@@ -128,12 +128,11 @@ struct SendRequest {
   static Fields<SendRequest> fields() {
     using R = SendRequest;
     return {{"FILE", &R::file, "map CSV", Need::required},
-            {"--params", &R::params, "parameters of the unit, sent with the map", Need::required},
-            {"--other-machine", &R::other_machine, "send although map, parameters and unit name other machines"},
-            {"--accept-incomplete", &R::accept_incomplete,
-             "send although the parameter file does not end with its closing line"},
+            {"--params", &R::params, "parameters of the unit, sent together with the map", Need::required},
+            {"--other-machine", &R::other_machine, "send even if map, parameters and unit name different machines"},
+            {"--accept-incomplete", &R::accept_incomplete, "send even if the parameter file lacks its closing line"},
             {"--accept-resampling", &R::accept_resampling,
-             "send although resampling changes a table by more than its resolution"}};
+             "send even if resampling changes a table by more than its resolution"}};
   }
 };
 
@@ -152,7 +151,7 @@ Result<Outcome> send(VerbContext& context, const SendRequest& request) {
   if (sent->check_before != sent->check && !context.console.json) context.console.note(kBeforeFirstCompensation);
   return finished_outcome_of(record_cell(
       sent->report.already_held
-          ? "unit {serial_number} holds {map} already, block check {check}, commit {commit_sequence}: nothing was sent"
+          ? "unit {serial_number} already contains {map}, block check {check}, commit {commit_sequence}: not sent again"
           : "{map} sent to unit {serial_number} and verified: {bytes} bytes in {seconds} s, block check {check}, "
             "commit "
             "{commit_sequence}",
@@ -176,7 +175,7 @@ struct ReceiveRequest {
 Result<Outcome> receive(VerbContext& context, const ReceiveRequest& request) {
   ECS_TRY(found, found_map(context, {}, true));
   if (found.map.tables.empty() && found.map.header.declared_zero.empty())
-    return problem(ProblemKind::refused, "the unit holds parameters but no map: send one with `ecs map send`");
+    return problem(ProblemKind::refused, "the unit contains parameters but no map: send one with `ecs map send`");
   const bool to_stdout = request.output.empty();
   const std::string csv = laser::to_map_csv(found.map);
   if (!to_stdout) ECS_DO(write_file(request.output, csv));
@@ -191,7 +190,7 @@ struct VerifyRequest {
   static Fields<VerifyRequest> fields() {
     using R = VerifyRequest;
     return {{"FILE", &R::file, "map CSV", Need::required},
-            {"--params", &R::params, "parameter file to compare as well"}};
+            {"--params", &R::params, "parameter file to compare with the unit as well"}};
   }
 };
 
@@ -232,8 +231,8 @@ Result<Outcome> verify(VerbContext& context, const VerifyRequest& request) {
   const std::size_t count = verdict.differences.size() + verdict.parameters.size();
   return outcome_of(
       record_cell("{differences}{parameters}{largest_difference}{same}", "map"_is(request.file),
-                  "same"_is(verdict.same(), fmt::format("the unit holds {}", request.file),
-                            fmt::format("the unit does not hold {}: {} differences", request.file, count)),
+                  "same"_is(verdict.same(), fmt::format("the unit contains {}", request.file),
+                            fmt::format("the map in the unit differs from {}: {} differences", request.file, count)),
                   "differences"_is(places_cell(verdict.differences)),
                   "parameters"_is(differences_cell(verdict.parameters, "expected", "found", "file", "unit")),
                   "largest_difference"_is(largest_cell(verdict.largest))),
@@ -243,17 +242,17 @@ Result<Outcome> verify(VerbContext& context, const VerifyRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kMapOfUnit{
-    action("map show", "header, tables and findings of a map file or of the map in the unit",
+    action("map show", "show header, tables and findings of a map file or of the map in the unit",
            "ecs map show map.csv --params mill.toml --component EXX --plot exx.svg", show, {.link = Link::reads}),
-    action("map header", "who made a map, when, for which machine, from which files and how", "ecs map header --unit",
-           header, {.link = Link::reads}),
+    action("map header", "show who made a map, when, for which machine, from which files and how",
+           "ecs map header --unit", header, {.link = Link::reads}),
     action("map send",
-           "a complete map with its parameters to the unit: whole or not at all, checked in the unit's memory",
+           "send a complete map with its parameters to the unit, all or nothing, and verify the unit's memory",
            "ecs map send map.csv --params mill.toml --link rtu:/dev/ttyUSB0:115200", send, {.link = Link::writes}),
-    action("map receive", "the map in the unit as a map CSV",
+    action("map receive", "read the map in the unit into a map CSV",
            "ecs map receive -o from-unit.csv --link tcp:192.168.0.7:502", receive,
            {.link = Link::reads, .logged = Logged::when_written, .kind = "transfer"}),
-    action("map verify", "whether the unit holds this map, to the resolution of its memory",
+    action("map verify", "check that the unit contains this map, to the resolution of its memory",
            "ecs map verify map.csv --params mill.toml", verify, {.link = Link::reads})};
 
 }  // namespace ecs::app

@@ -24,9 +24,9 @@ struct ReadRequest {
   static Fields<ReadRequest> fields() {
     using R = ReadRequest;
     return {{"ADDRESS", &R::address, "first address, decimal or 0x…", Need::required},
-            {"LENGTH", &R::length, "bytes, decimal or 0x…", Need::required},
-            {"-o,--output", &R::output, "file for the bytes as they are", Is::output},
-            {"--hex", &R::hex, "hexadecimal digits only"}};
+            {"LENGTH", &R::length, "number of bytes, decimal or 0x…", Need::required},
+            {"-o,--output", &R::output, "file for the raw bytes", Is::output},
+            {"--hex", &R::hex, "print hexadecimal digits only"}};
   }
 };
 
@@ -68,7 +68,7 @@ struct WriteRequest {
   static Fields<WriteRequest> fields() {
     using R = WriteRequest;
     return {{"ADDRESS", &R::address, "first address, decimal or 0x…", Need::required},
-            {"BYTES", &R::words, "hexadecimal digits, two a byte"},
+            {"BYTES", &R::words, "bytes as hexadecimal digits, two per byte"},
             {"--file", &R::file, "write the bytes of this file"},
             {"--yes", &R::yes, "overwrite"}};
   }
@@ -89,11 +89,11 @@ Result<Outcome> write_bytes(VerbContext& context, const WriteRequest& request) {
   ECS_DO(memory_there(address, bytes.size()));
   ECS_DO(may_write(MemoryBytes::of_unit(kMostModules), address, bytes.size()));
   ECS_DO(
-      confirmed(request.yes, fmt::format("{} bytes from {} on are overwritten", bytes.size(), hex_address(address))));
+      confirmed(request.yes, fmt::format("{} bytes from {} will be overwritten", bytes.size(), hex_address(address))));
   ECS_TRY(unit, open_unit(context));
   ECS_TRY(identity, unit.client().identity());
   ECS_DO(write_logged(unit.client(), identity.serial_number, address, bytes, progress_bar(context, "memory")));
-  return outcome_of(record_cell("{length} bytes written from {address} on", "address"_is(hex_address(address)),
+  return outcome_of(record_cell("{length} bytes written from {address}", "address"_is(hex_address(address)),
                                 "length"_is(bytes.size())));
 }
 
@@ -104,7 +104,7 @@ struct DumpRequest {
   static Fields<DumpRequest> fields() {
     using R = DumpRequest;
     return {{"-o,--output", &R::output, "file to write", Is::output, Need::required},
-            {"--active", &R::active, "only the commit records and the active image"}};
+            {"--active", &R::active, "dump only the commit records and the active image"}};
   }
 };
 
@@ -131,8 +131,8 @@ struct LoadRequest {
   static Fields<LoadRequest> fields() {
     using R = LoadRequest;
     return {{"FILE", &R::file, "dump or memory image", Need::required},
-            {"--yes", &R::yes, "replace what the unit holds"},
-            {"--other-machine", &R::other_machine, "load although dump or map name another unit"}};
+            {"--yes", &R::yes, "overwrite the parameters and map in the unit"},
+            {"--other-machine", &R::other_machine, "load even if dump or map name another unit"}};
   }
 };
 
@@ -140,10 +140,9 @@ struct LoadRequest {
 Result<std::vector<std::uint8_t>> sound_image(const MemoryDump& dump, const std::string& file) {
   const DecodedMemory memory = decoded(dump);
   const DecodedImage* image = memory.main_image();
-  if (image == nullptr) return problem_at(file, 0, 0, "it holds no active memory image; nothing was sent");
+  if (image == nullptr) return problem_at(file, 0, 0, "it contains no active memory image; not sent");
   if (image->verdict.fault != ImageFault::none)
-    return problem_at(file, 0, 0,
-                      fmt::format("its memory image {}; nothing was sent", ecs::text_of(image->verdict.fault)));
+    return problem_at(file, 0, 0, fmt::format("its memory image {}; not sent", ecs::text_of(image->verdict.fault)));
   const DumpRegion* region = region_at(dump, image->address);
   return std::vector<std::uint8_t>(region->bytes.begin(), region->bytes.begin() + image->bytes);
 }
@@ -152,7 +151,7 @@ Result<Outcome> load(VerbContext& context, const LoadRequest& request) {
   ECS_TRY(dump, read_dump(request.file));
   for (const std::string& damage : dump.damage) context.console.warn(damage);
   ECS_TRY(image, sound_image(dump, request.file));
-  ECS_DO(confirmed(request.yes, "parameters and map of the unit are replaced by those of the dump"));
+  ECS_DO(confirmed(request.yes, "parameters and map of the unit will be replaced by those of the dump"));
   ECS_TRY(unit, open_unit(context));
   ECS_TRY(identity, unit.client().identity());
   if (!request.other_machine)
@@ -179,8 +178,8 @@ struct ShowRequest {
   static Fields<ShowRequest> fields() {
     using R = ShowRequest;
     return {{"FILE", &R::file, "dump or memory image"},
-            {"--unit", &R::unit, "the active image of the unit"},
-            {"--bytes", &R::bytes, "names and meaning beside the bytes"}};
+            {"--unit", &R::unit, "show the active image of the unit"},
+            {"--bytes", &R::bytes, "show the name and meaning of the bytes"}};
   }
 };
 
@@ -241,13 +240,13 @@ extern const std::vector<Action> kMemory{
            {.link = Link::reads}),
     action("memory write", "write bytes into the unit's memory (needs --yes)", "ecs memory write 0x048000 4E75 --yes",
            write_bytes, {.link = Link::writes}),
-    action("memory dump", "all memory of the unit with its status, as one file", "ecs memory dump -o unit.ecsdump",
+    action("memory dump", "save all memory of the unit and its status in one file", "ecs memory dump -o unit.ecsdump",
            dump_memory, {.link = Link::reads, .logged = Logged::when_written, .kind = "transfer"}),
     action("memory load", "restore parameters and map of a dump into the unit (needs --yes)",
            "ecs memory load unit.ecsdump --yes", load, {.link = Link::writes}),
-    action("memory show", "what a dump holds: parameters, tables, header, checks, faults",
+    action("memory show", "show the contents of a dump: parameters, tables, header, checks, faults",
            "ecs memory show unit.ecsdump --bytes\n  ecs memory show --unit", show, {.link = Link::reads}),
-    action("memory compare", "the fields that differ between two dumps; `unit` means the connected unit",
+    action("memory compare", "list the fields that differ between two dumps; `unit` means the connected unit",
            "ecs memory compare before.ecsdump after.ecsdump", compare, {.link = Link::reads})};
 
 }  // namespace ecs::app

@@ -25,23 +25,25 @@ struct AddRequest {
   ImportArguments import;
   static Fields<AddRequest> fields() {
     using R = AddRequest;
-    return {{"MODEL", &R::model, "model file (.toml)", Need::required},
-            {"EFFECT", &R::effect,
-             "effect[:axis[:sense or code]], as in cyclic:X:EX; `ecs model effects` lists them; \"formula\": what "
-             "`diagnose` proposes of what is left",
-             Need::required},
-            {"--data", &R::data, "measurement files to fit to", Need::required},
-            {"-o,--output", &R::output, "the model with the effect; may be MODEL itself", Is::output},
-            {"--approach", &R::approach, "on which approach it acts", Words{"both", "forward", "reverse"}},
-            {"--sensor", &R::sensor, "column of the sensor that it follows"},
-            {"--sensor2", &R::sensor2, "column of the second sensor, where it follows the difference of two"},
-            {"--sense", &R::sense, "of the effect", Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
-            {"--code", &R::code,
-             "component of angular, squareness or map faults, such as ECX; EA, EB or EC of set_up_rotation; XOC "
-             "and so on of location"},
-            {"--machine", &R::machine, kMachineHelp},
-            {"--or", &R::alternatives, "what `diagnose` cannot tell it from: kept with it until a measurement decides"},
-            {&R::import, ImportArguments::fields("--reading-sense")}};
+    return {
+        {"MODEL", &R::model, "model file (.toml)", Need::required},
+        {"EFFECT", &R::effect,
+         "effect[:axis[:sense or code]], as in cyclic:X:EX; `ecs model effects` lists them; \"formula\": the formula "
+         "that `diagnose` proposes for the residual",
+         Need::required},
+        {"--data", &R::data, "measurement files to fit to", Need::required},
+        {"-o,--output", &R::output, "model file to write, with the effect; may be MODEL itself", Is::output},
+        {"--approach", &R::approach, "approach on which the effect acts", Words{"both", "forward", "reverse"}},
+        {"--sensor", &R::sensor, "column of the sensor that the effect follows"},
+        {"--sensor2", &R::sensor2, "column of the second sensor, for an effect that follows the difference of two"},
+        {"--sense", &R::sense, "sense in which the effect acts", Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
+        {"--code", &R::code,
+         "component of angular, squareness or map faults, such as ECX; EA, EB or EC of set_up_rotation; XOC "
+         "and so on of location"},
+        {"--machine", &R::machine, kMachineHelp},
+        {"--or", &R::alternatives,
+         "an alternative that `diagnose` cannot distinguish from it: kept in the model until a measurement decides"},
+        {&R::import, ImportArguments::fields("--reading-sense")}};
   }
 };
 
@@ -95,7 +97,7 @@ Cell added_cell(const model::Added& added, std::string_view unit, const std::str
                      "held_out_rms_um"_is(added.step.held_out_rms_um),
                      "effect"_is(std::move(effect), paragraph(parameters_text(added.effect.parameters), 2, 4)),
                      "history"_is(ladder_cell(added.model)),
-                     "model"_is(output.empty() ? null_cell("nothing written: give -o MODEL to keep it")
+                     "model"_is(output.empty() ? null_cell("not saved: give -o MODEL to save it")
                                                : Cell{output, "model written to " + output}));
 }
 
@@ -103,7 +105,7 @@ Cell added_cell(const model::Added& added, std::string_view unit, const std::str
 Result<model::AddRequest> proposed_formula(const ModelWork& work) {
   ECS_TRY(diagnosis, model::diagnose(work.model, work.data));
   if (!diagnosis.formula)
-    return problem(ProblemKind::refused, "no formula is proposed: none predicts readings that it was not fitted to");
+    return problem(ProblemKind::refused, "no formula is proposed: none predicts held-out readings");
   return model::request_of(diagnosis.formula->effect);
 }
 
@@ -136,7 +138,7 @@ struct UndoRequest {
   static Fields<UndoRequest> fields() {
     using R = UndoRequest;
     return {{"MODEL", &R::model, "model file (.toml)", Need::required},
-            {"-o,--output", &R::output, "the model to write; MODEL itself if not given", Is::output},
+            {"-o,--output", &R::output, "model file to write; MODEL itself if not given", Is::output},
             {"--machine", &R::machine, kMachineHelp}};
   }
 };
@@ -151,13 +153,13 @@ Result<Outcome> undo(VerbContext&, const UndoRequest& request) {
   const auto model = model::read_model(request.model);
   if (!model) return tl::unexpected(model.error());
   if (nothing_added(*model))
-    return tl::unexpected(
-        Problem{ProblemKind::refused, "nothing to undo: no effect was added to this model", request.model, 0, 0, {}});
+    return tl::unexpected(Problem{
+        ProblemKind::refused, "nothing to undo: no effect has been added to this model", request.model, 0, 0, {}});
   ECS_TRY(before, model::undo(*model));
   const std::string output = request.output.empty() ? request.model : request.output;
   ECS_DO(model::write_model(output, before, request.model));
   const std::string taken = model->history.back().effect;
-  return outcome_of(record_cell("taken back: {undone}\n\n{history}model written to {model}\n", "undone"_is(taken),
+  return outcome_of(record_cell("undone: {undone}\n\n{history}model written to {model}\n", "undone"_is(taken),
                                 "history"_is(ladder_cell(before)), "model"_is(output)));
 }
 
@@ -168,7 +170,7 @@ struct RemoveRequest {
     using R = RemoveRequest;
     return {{"EFFECT", &R::effect, "effect of the model, as in cyclic:X:EX", Need::required},
             &R::common,
-            {"-o,--output", &R::output, "the model to write; MODEL itself if not given", Is::output}};
+            {"-o,--output", &R::output, "model file to write; MODEL itself if not given", Is::output}};
   }
 };
 
@@ -195,7 +197,7 @@ struct DecideRequest {
     using R = DecideRequest;
     return {{"EFFECT", &R::effect, "effect of the model, as in cyclic:X:EX", Need::required},
             {"MODEL", &R::model, "model file (.toml)", Need::required},
-            {"-o,--output", &R::output, "the model to write; MODEL itself if not given", Is::output}};
+            {"-o,--output", &R::output, "model file to write; MODEL itself if not given", Is::output}};
   }
 };
 
@@ -207,7 +209,7 @@ Result<Outcome> decide(VerbContext&, const DecideRequest& request) {
   const std::string alternatives = decided.tied_with;
   if (alternatives.empty())
     return tl::unexpected(Problem{ProblemKind::refused,
-                                  fmt::format("{} has no alternatives: nothing to decide", request.effect),
+                                  fmt::format("{} has no alternatives: no decision is needed", request.effect),
                                   request.model,
                                   0,
                                   0,
@@ -215,7 +217,7 @@ Result<Outcome> decide(VerbContext&, const DecideRequest& request) {
   keep_alternatives(decided, {});
   const std::string output = request.output.empty() ? request.model : request.output;
   ECS_DO(model::write_model(output, *model, request.model));
-  return outcome_of(record_cell("it is {effect}, not {alternatives}\nmodel written to {model}\n",
+  return outcome_of(record_cell("decided for {effect}, not {alternatives}\nmodel written to {model}\n",
                                 "effect"_is(request.effect), "alternatives"_is(alternatives), "model"_is(output)));
 }
 
@@ -224,7 +226,7 @@ struct HistoryRequest {
   static Fields<HistoryRequest> fields() {
     using R = HistoryRequest;
     return {{"MODEL", &R::model, "model file (.toml)", Need::required},
-            {"--plot", &R::plot, "bars falling towards the noise, as .svg or .png", Is::output},
+            {"--plot", &R::plot, "bar chart of the rms after every step, as .svg or .png", Is::output},
             {"--machine", &R::machine, kMachineHelp}};
   }
 };
@@ -242,17 +244,17 @@ Result<Outcome> history(VerbContext&, const HistoryRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kModelLadder{
-    action("model add", "an effect more, in the place that fits best; shows how far the error falls",
+    action("model add", "add an effect where it fits best; shows how far the error falls",
            "ecs model add model.toml cyclic:X:EX --data data.csv --machine machine.toml -o model.toml", add,
            {.logged = Logged::always, .kind = "model"}),
-    action("model undo", "a model without the effect that was added last", "ecs model undo model.toml", undo,
+    action("model undo", "remove the effect that was added last", "ecs model undo model.toml", undo,
            {.logged = Logged::when_written, .kind = "model"}),
-    action("model remove", "a model without one of its effects, fitted to the data again",
+    action("model remove", "remove an effect and fit the model to the data again",
            "ecs model remove cyclic:X:EX model.toml data.csv --machine machine.toml", remove,
            {.logged = Logged::when_written, .kind = "model"}),
-    action("model decide", "an effect without the alternatives that `model add --or` kept with it",
+    action("model decide", "keep an effect and discard the alternatives added by `model add --or`",
            "ecs model decide cyclic:X:EX model.toml", decide, {.logged = Logged::when_written, .kind = "model"}),
-    action("model history", "the ladder: how far the error fell with every effect",
+    action("model history", "show the ladder: how far the error fell with every effect",
            "ecs model history model.toml --plot ladder.svg", history)};
 
 }  // namespace ecs::app

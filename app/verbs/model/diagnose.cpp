@@ -29,10 +29,12 @@ struct DiagnoseRequest {
   std::string plot;
   static Fields<DiagnoseRequest> fields() {
     using R = DiagnoseRequest;
-    return {&R::common,
-            {"--blanks", &R::blanks, "simulated data sets of noise alone that a finding must beat", Range{50, 20'000}},
-            {"--plain", &R::plain, "ordinary least squares: no reading counts as an outlier"},
-            {"--plot", &R::plot, "measured against model, and what is left, as .svg or .png", Is::output}};
+    return {
+        &R::common,
+        {"--blanks", &R::blanks, "number of simulated noise-only data sets that a finding must beat",
+         Range{50, 20'000}},
+        {"--plain", &R::plain, "use ordinary least squares: no reading is treated as an outlier"},
+        {"--plot", &R::plot, "plot of measured and modelled values and of the residual, as .svg or .png", Is::output}};
   }
 };
 
@@ -66,8 +68,8 @@ struct CheckRequest {
   static Fields<CheckRequest> fields() {
     using R = CheckRequest;
     return {{"ANSWER", &R::answer, "saved answer of `ecs model diagnose --json`", Need::required},
-            {"DATA", &R::data, "the measurement files that it was made from, in the same order", Need::required},
-            {"--machine", &R::machine, "a machine (.toml) in place of that of the answer"},
+            {"DATA", &R::data, "measurement files from which the answer was made, in the same order", Need::required},
+            {"--machine", &R::machine, "machine file (.toml) to use instead of that named in the answer"},
             &R::import};
   }
 };
@@ -90,14 +92,14 @@ struct NextRequest {
     using R = NextRequest;
     return {{&R::common, ModelArguments::fields(Need::optional)},
             {"--check", &R::check,
-             "a planned measurement set (readings do not count): exit 1 if it cannot determine MODEL"},
-            {"--proposal", &R::proposal, "which of the proposals --program and --targets are for", Range{1, 100}},
+             "planned measurement set (its readings are ignored): exit 1 if it cannot determine MODEL"},
+            {"--proposal", &R::proposal, "number of the proposal to write with --program and --targets", Range{1, 100}},
             {"--program", &R::program, "part program of the proposal to write", Is::output},
             {"--targets", &R::targets, "target list of the proposal to write, a measurement set without readings",
              Is::output},
             {"--ball-bar", &R::ball_bar,
-             "a ball bar is at hand: circles are proposed too; where DATA hold circles they are"},
-            {"--noise", &R::noise_um, "of one reading, for --check without DATA [um]", Range{1e-6, 1e6}}};
+             "a ball bar is available: propose circles too; default where DATA contain circles"},
+            {"--noise", &R::noise_um, "noise of one reading for --check without DATA [um]", Range{1e-6, 1e6}}};
   }
 };
 
@@ -134,7 +136,7 @@ std::string rivals_text(const std::vector<std::string>& rivals) {
 Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& diagnosis, const NextRequest& request) {
   Cell proposals{Json::array(), {}};
   for (const MeasurementProposal& one : next.proposals) proposals.add(proposal_cell(one, proposals.json.size() + 1));
-  if (proposals.json.size() > 1) proposals.text += "\nFirst the run that decides the most in a minute.\n";
+  if (proposals.json.size() > 1) proposals.text += "\nThe first run decides the most per minute.\n";
   return record_cell("{verdict}{rivals}{proposals}{notes}",
                      "verdict"_is(name_of(diagnosis.verdict), paragraph(diagnosis.headline)),
                      "rivals"_is(next.rivals, rivals_text(next.rivals)), "proposals"_is(std::move(proposals)),
@@ -148,13 +150,13 @@ Result<std::string> written_for(const model::NextMeasurement& next, const std::o
   std::string text;
   if (request.program.empty() && request.targets.empty()) return text;
   if (!request.program.empty() && !machine)
-    return problem(ProblemKind::usage, "--program needs --machine: no motion may leave its travels");
+    return problem(ProblemKind::usage, "--program needs --machine: all motion must stay within its travels");
   const auto place = static_cast<std::size_t>(request.proposal - 1);
   if (next.proposals.empty())
     return problem(ProblemKind::refused,
-                   fmt::format("no measurement is proposed, so nothing was written: {}", fmt::join(next.notes, "; ")));
+                   fmt::format("no measurement is proposed, so no file was written: {}", fmt::join(next.notes, "; ")));
   if (place >= next.proposals.size())
-    return problem(ProblemKind::refused, fmt::format("there is no proposal {}, the last one is {}: nothing was written",
+    return problem(ProblemKind::refused, fmt::format("there is no proposal {}, the last one is {}: no file was written",
                                                      request.proposal, next.proposals.size()));
   const MeasurementProposal& proposal = next.proposals[place];
   if (!request.program.empty()) {
@@ -200,7 +202,7 @@ Result<double> noise_to_expect(VerbContext& context, const NextRequest& request)
 }
 
 Cell check_cell(const PlanCheck& check, double noise_um, std::size_t readings) {
-  Cell effects{Json::array(), fmt::format("{} {:>15}  unit\n", padded("effect and parameter", 40), "sigma to expect")};
+  Cell effects{Json::array(), fmt::format("{} {:>15}  unit\n", padded("effect and parameter", 40), "expected sigma")};
   for (const model::EffectFit& effect : check.effects)
     effects.add(record_cell("{place}  ({readings} readings)\n{parameters}", inlined({effect_json(effect.effect), ""}),
                             "place"_shown(place_text(effect.effect)),
@@ -236,12 +238,12 @@ Result<Outcome> next(VerbContext& context, const NextRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kModelDiagnosis{
-    action("model diagnose", "which effect is missing from a model, with proof, rivals and doubts",
+    action("model diagnose", "find which effect is missing from a model, with evidence, rivals and doubts",
            "ecs model diagnose model.toml data.csv --machine machine.toml --plot residual.svg", diagnose,
            {.logged = Logged::always, .kind = "diagnosis"}),
-    action("model check", "recomputes a saved diagnosis from its data; exit 1 if it does not hold",
+    action("model check", "recompute a saved diagnosis from its data; exit 1 if the result differs",
            "ecs model check answer.json data.csv", check_saved),
-    action("model next", "the measurement that separates rivals best per minute; --check judges a plan",
+    action("model next", "propose the measurement that separates rivals best per minute; --check tests a plan",
            "ecs model next model.toml data.csv --machine machine.toml\n"
            "  ecs model next model.toml --check plan.csv --machine machine.toml",
            next)};

@@ -48,7 +48,7 @@ AnswerFields fields_of(const EffectDefinition& effect) {
                    "tells_apart"_is(effect.tells_apart, facts["distinguished by"]),
                    "check"_is(effect.check, facts["check"]), "parameters"_is(std::move(parameters)),
                    "of_approach"_is(effect.traits.of_approach,
-                                    "  acts only on readings of known approach of its own moving axis\n", ""),
+                                    "  acts only on readings of its own moving axis with known approach\n", ""),
                    "carrier"_is(commissioning::carrier_text(effect.carrier)), "compensated"_is(effect.is_carried()),
                    "how"_is(effect.how, facts["compensated"]));
 }
@@ -70,8 +70,8 @@ struct EffectsRequest {
   std::string name, machine;
   static Fields<EffectsRequest> fields() {
     using R = EffectsRequest;
-    return {{"EFFECT", &R::name, "explain this one"},
-            {"--machine", &R::machine, "taken as by every verb of MODEL; the library is the same for all"}};
+    return {{"EFFECT", &R::name, "effect to explain"},
+            {"--machine", &R::machine, "accepted by every verb of MODEL; the library is the same for all machines"}};
   }
 };
 
@@ -114,9 +114,9 @@ struct PredictRequest {
   static Fields<PredictRequest> fields() {
     using R = PredictRequest;
     return {
-        {"MODEL", &R::model, "model file (.toml) with values: given, or from `model fit -o`", Need::required},
-        {"POINTS", &R::points, "measurement set; the column reading does not count and may be absent", Need::required},
-        {"-o,--output", &R::output, "measurement set to write, predictions in the column reading", Is::output},
+        {"MODEL", &R::model, "model file (.toml) with values, entered or written by `model fit -o`", Need::required},
+        {"POINTS", &R::points, "measurement set; the column reading is ignored and may be absent", Need::required},
+        {"-o,--output", &R::output, "measurement set to write, with the predictions in the column reading", Is::output},
         {"--machine", &R::machine, kMachineHelp},
         &R::import};
   }
@@ -170,7 +170,7 @@ Cell predictions_cell(const Predicted& p) {
     list.add(one);
   }
   if (rows.size() > kMostRows)
-    list.text += fmt::format("… {} rows more: give -o OUT.csv for all of them\n", rows.size() - kMostRows);
+    list.text += fmt::format("… {} more rows: give -o OUT.csv for all of them\n", rows.size() - kMostRows);
   return list;
 }
 
@@ -196,12 +196,13 @@ Result<Outcome> predict(VerbContext& context, const PredictRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kModelBeginning{
-    action("model effects", "the library of effects: cause, formula, how to distinguish each from similar ones",
+    action("model effects", "list the library of effects: cause, formula, how to distinguish each from similar ones",
            "ecs model effects cyclic", effects),
-    action("model new", "a model to begin with: offset, slope, backlash of what was measured; of a ball its place",
+    action("model new",
+           "create an initial model: offset, slope and backlash of the measured lines; for a ball, its position",
            "ecs model new model.toml data.csv --machine machine.toml", begin,
            {.logged = Logged::when_written, .kind = "model"}),
-    action("model predict", "the predictions of a fitted model at given places",
+    action("model predict", "predict readings at given positions with a fitted model",
            "ecs model predict fitted.toml points.csv --machine machine.toml -o predicted.csv", predict)};
 
 }  // namespace ecs::app

@@ -37,11 +37,11 @@ struct FitRequest {
   static Fields<FitRequest> fields() {
     using R = FitRequest;
     return {&R::common,
-            {"--plain", &R::plain, "ordinary least squares: every reading counts the same"},
-            {"-o,--output", &R::output, "the model with its values; may be MODEL itself", Is::output},
-            {"--rotary", &R::rotary, "errors of the rotary axes that were found, for `ecs volume --rotary` (.csv)",
+            {"--plain", &R::plain, "use ordinary least squares: every reading has the same weight"},
+            {"-o,--output", &R::output, "model file to write, with its values; may be MODEL itself", Is::output},
+            {"--rotary", &R::rotary, "CSV file for the fitted errors of the rotary axes, for `ecs volume --rotary`",
              Is::output},
-            {"--plot", &R::plot, "measured against model, as .svg or .png", Is::output}};
+            {"--plot", &R::plot, "plot of measured and modelled values, as .svg or .png", Is::output}};
   }
 };
 
@@ -95,7 +95,7 @@ Cell noise_cell(const Fit& fit, bool rotary) {
 
 std::string outliers_text(const Fit& fit) {
   if (fit.outliers.empty()) return {};
-  return paragraph(fmt::format("outliers: rows {} ({} readings): they weigh little, and stay in the rms",
+  return paragraph(fmt::format("outliers: rows {} ({} readings): they have little weight and are included in the rms",
                                rows_text(fit.outliers), fit.outliers.size()),
                    0, 2);
 }
@@ -147,7 +147,7 @@ Result<Outcome> fit(VerbContext& context, const FitRequest& request) {
     const std::string text = volume::rotary_csv(found.errors, work.machine ? work.machine->name : "");
     ECS_DO(write_file(request.rotary, text));
     for (const std::string& one : found.not_told) answer.text += paragraph(one, 0, 2);
-    for (const std::string& one : found.left_out) answer.text += paragraph("left out of the file: " + one, 0, 2);
+    for (const std::string& one : found.left_out) answer.text += paragraph("not written to the file: " + one, 0, 2);
     answer.text += fmt::format("errors of rotary axes written to {}\n", request.rotary);
   }
   if (!request.plot.empty()) answer.text += fmt::format("plot written to {}\n", request.plot);
@@ -163,20 +163,20 @@ struct CompareRequest {
   static Fields<CompareRequest> fields() {
     using R = CompareRequest;
     return {&R::common,
-            {"--refit", &R::refit, "fit the model to these data first; otherwise its values are kept"},
-            {"--worst", &R::worst, "number of worst places", Range{0, 10'000}},
-            {"--at", &R::at, "each effect's share at one place: x=..,y=..,z=..,axis=X,approach=1"},
-            {"--volume", &R::volume, "predicted error over the volume, with this number of places along each axis",
+            {"--refit", &R::refit, "fit the model to these data first; otherwise its values stay unchanged"},
+            {"--worst", &R::worst, "number of worst positions to list", Range{0, 10'000}},
+            {"--at", &R::at, "show the share of each effect at one position: x=..,y=..,z=..,axis=X,approach=1"},
+            {"--volume", &R::volume, "predict the error over the volume at this number of positions along each axis",
              Range{2, 60}},
-            {"-o,--output", &R::output, "CSV of the volume to write", Is::output},
-            {"--plot", &R::plot, "measured against model, as .svg or .png", Is::output}};
+            {"-o,--output", &R::output, "CSV file for the predictions of --volume", Is::output},
+            {"--plot", &R::plot, "plot of measured and modelled values, as .svg or .png", Is::output}};
   }
 };
 
 Result<void> sound(const CompareRequest& request) {
   if (!request.plot.empty()) ECS_DO(plot_format_of(request.plot));
   if (request.output.empty()) return {};
-  if (request.volume == 0) return problem(ProblemKind::usage, "-o takes the map of --volume N: give both");
+  if (request.volume == 0) return problem(ProblemKind::usage, "-o writes the predictions of --volume N: give both");
   std::vector<std::string> inputs = request.common.data;
   inputs.push_back(request.common.model);
   inputs.push_back(request.common.machine);
@@ -222,9 +222,9 @@ const Module* module_for(const std::vector<std::string>& files) {
 /// A recorded step has no places, no volume and no company.
 Result<Outcome> compare_step(const CompareRequest& request, const Module& module) {
   if (request.common.data.size() != 1)
-    return problem(ProblemKind::usage, "a recorded step (time_s, dac_V) is compared alone: give that one file");
+    return problem(ProblemKind::usage, "a recorded step (time_s, dac_V) is compared on its own: give only that file");
   if (!request.at.empty() || request.volume != 0)
-    return problem(ProblemKind::usage, "--at and --volume are for measurement sets, not for a recorded step");
+    return problem(ProblemKind::usage, "--at and --volume apply to measurement sets, not to a recorded step");
   ECS_TRY(comparison, module.compare(request.common.model, request.common.data.front()));
   if (!request.plot.empty()) {
     ECS_DO(write_plot(request.plot, comparison.figure));
@@ -268,10 +268,10 @@ Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kModelFitting{
-    action("model fit", "the parameters of a model from measured data, with sigmas and correlations",
+    action("model fit", "fit the parameters of a model to measured data, with sigmas and correlations",
            "ecs model fit model.toml data.csv --machine machine.toml -o fitted.toml", fit,
            {.logged = Logged::always, .kind = "model"}),
-    action("model compare", "where a model fails: residuals by direction and by every variable",
+    action("model compare", "show where a model fails: residuals by direction and by every variable",
            "ecs model compare model.toml data.csv --machine machine.toml --at x=-100,y=0,z=0,axis=X\n  "
            "ecs model compare drive_as_printed.toml step_recorded.csv",
            compare, {.logged = Logged::always, .kind = "diagnosis"})};

@@ -16,7 +16,7 @@ struct WhatIfRequest {
   std::vector<std::string> after;
   static Fields<WhatIfRequest> fields() {
     using R = WhatIfRequest;
-    return {&R::common, {"--after", &R::after, "the same measured again with the unit compensating"}};
+    return {&R::common, {"--after", &R::after, "the same lines measured again with the unit compensating"}};
   }
 };
 
@@ -31,9 +31,10 @@ struct RepairRequest {
   int points = 1331;
   static Fields<RepairRequest> fields() {
     using R = RepairRequest;
-    return {&R::common,
-            {"--points", &R::points, "places in the volume, at most, and more for a wave and beside a step",
-             Range{8, 100'000}}};
+    return {
+        &R::common,
+        {"--points", &R::points, "maximum number of positions in the volume; more are added for a wave and near a step",
+         Range{8, 100'000}}};
   }
 };
 
@@ -46,9 +47,9 @@ Result<Outcome> repair(VerbContext& context, const RepairRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kModelJudgement{
-    action("model what-if", "the error that compensation would leave; predicted against achieved",
+    action("model what-if", "predict the error after compensation; compare it with the achieved error",
            "ecs model what-if model.toml before.csv --machine machine.toml --after measured_again.csv", what_if),
-    action("model repair", "repair or compensate: what each cause leaves in readings, volume and circle",
+    action("model repair", "repair or compensate: remaining error in readings, volume and circle for each cause",
            "ecs model repair model.toml data.csv --machine machine.toml", repair)};
 
 }  // namespace ecs::app

@@ -36,7 +36,7 @@ struct ShowRequest {
   bool unit = false;
   static Fields<ShowRequest> fields() {
     using R = ShowRequest;
-    return {{"FILE", &R::file, "parameter file"}, {"--unit", &R::unit, "those in the unit"}};
+    return {{"FILE", &R::file, "parameter file"}, {"--unit", &R::unit, "show the parameters in the unit"}};
   }
 };
 
@@ -65,14 +65,12 @@ struct SetRequest {
   bool accept_incomplete = false;
   static Fields<SetRequest> fields() {
     using R = SetRequest;
-    return {
-        {"FILE", &R::file, "parameter file", Need::required},
-        {"KEY=VALUE", &R::words,
-         "KEY=VALUE or KEY VALUE, as many as wanted; identity.machine and identity.serial_number too", Need::required},
-        {"-o,--output", &R::output, "write here in place of FILE", Is::output},
-        {"--accept-incomplete", &R::accept_incomplete,
-         "although FILE does not end with its closing line: what it leaves out is written "
-         "as the default"}};
+    return {{"FILE", &R::file, "parameter file", Need::required},
+            {"KEY=VALUE", &R::words,
+             "one or more KEY=VALUE or KEY VALUE; also identity.machine and identity.serial_number", Need::required},
+            {"-o,--output", &R::output, "write to this file instead of FILE", Is::output},
+            {"--accept-incomplete", &R::accept_incomplete,
+             "change FILE even if it lacks its closing line; missing values are written as their defaults"}};
   }
 };
 
@@ -129,7 +127,7 @@ Result<Outcome> set_values(VerbContext& context, const SetRequest& request) {
   Cell changed = list_cell(params::diff(before, file.parameters), changed_cell);
   add_identity_change(changed, "identity.machine", owner_before.machine, file.identity.machine);
   add_identity_change(changed, "identity.serial_number", owner_before.serial_number, file.identity.serial_number);
-  if (changed.json.empty()) changed.text = "unchanged: these values stood there already\n";
+  if (changed.json.empty()) changed.text = "unchanged: the file already has these values\n";
   return outcome_of(record_cell("{changed}written to {file}", "file"_is(output), "changed"_is(changed)));
 }
 
@@ -219,10 +217,9 @@ struct SendRequest {
   static Fields<SendRequest> fields() {
     using R = SendRequest;
     return {{"FILE", &R::file, "parameter file", Need::required},
-            {"--force", &R::force, "drop a map in the unit that does not fit, in place of refusing"},
-            {"--other-machine", &R::other_machine, "send although [identity] names another machine"},
-            {"--accept-incomplete", &R::accept_incomplete,
-             "send although the parameter file does not end with its closing line"}};
+            {"--force", &R::force, "delete a map in the unit that does not fit, instead of refusing"},
+            {"--other-machine", &R::other_machine, "send even if [identity] names another machine"},
+            {"--accept-incomplete", &R::accept_incomplete, "send even if the parameter file lacks its closing line"}};
   }
 };
 
@@ -231,8 +228,8 @@ Outcome sent(const SendRequest& request, const SendReport& report, const params:
       "parameters of {file} sent and verified: {bytes} bytes, commit {commit_sequence}{map_kept}{map_dropped}",
       "file"_is(request.file), "bytes"_is(report.bytes), "commit_sequence"_is(report.commit_sequence),
       "verified"_is(true), "defaulted"_is(lines_cell(file.defaulted, "")),
-      "map_kept"_is(report.map_kept, "\nthe map in the unit fits and stays", ""),
-      "map_dropped"_is(report.map_dropped, "\nthe unit has no map now: send one with `ecs map send`", ""),
+      "map_kept"_is(report.map_kept, "\nthe map in the unit fits and is kept", ""),
+      "map_dropped"_is(report.map_dropped, "\nthe unit now has no map: send one with `ecs map send`", ""),
       "map_objections"_is(lines_cell(report.map_objections, ""))));
 }
 
@@ -250,7 +247,7 @@ Result<Outcome> send(VerbContext& context, const SendRequest& request) {
           send_parameters(unit.client(), file.parameters, owner, request.force ? UnfitMap::drop : UnfitMap::refuse,
                           progress_bar(context, "parameters")));
   for (const std::string& objection : report.map_objections)
-    context.console.warn("the map in the unit is dropped: " + objection);
+    context.console.warn("the map in the unit has been deleted: " + objection);
   return sent(request, report, file);
 }
 
@@ -277,21 +274,21 @@ Result<Outcome> receive(VerbContext& context, const ReceiveRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kParameters{
-    action("params show", "the parameters of a file or of the unit", "ecs params show mill-parameters.toml", show,
+    action("params show", "show the parameters of a file or of the unit", "ecs params show mill-parameters.toml", show,
            {.link = Link::reads}),
-    action("params check", "every finding against a parameter file, with what to do",
+    action("params check", "list every finding on a parameter file, with its remedy",
            "ecs params check mill.toml --machine machine.toml", check_file),
     action("params set", "change values in a parameter file",
            "ecs params set mill-parameters.toml axis.X.deadband_um=2.5 compensation.scope planar -o planar.toml",
            set_values, {.logged = Logged::when_written, .kind = "parameters"}),
-    action("params diff", "what differs between two parameter sets; `unit` means the connected unit",
+    action("params diff", "list the differences between two parameter sets; `unit` means the connected unit",
            "ecs params diff mill-parameters.toml unit --link rtu:/dev/ttyUSB0:115200", diff_two, {.link = Link::reads}),
-    action("params new", "parameters to start from, for a machine file",
+    action("params new", "create initial parameters for a machine file",
            "ecs params new --machine machine.toml -o mill-parameters.toml", new_file,
            {.logged = Logged::when_written, .kind = "parameters"}),
-    action("params send", "check a parameter file and send it to the unit; its map stays",
+    action("params send", "check a parameter file and send it to the unit; the map in the unit is kept",
            "ecs params send mill-parameters.toml --link rtu:/dev/ttyUSB0:115200", send, {.link = Link::writes}),
-    action("params receive", "the unit's parameters as a file",
+    action("params receive", "read the unit's parameters into a file",
            "ecs params receive -o from-unit.toml --link rtu:/dev/ttyUSB0:115200", receive,
            {.link = Link::reads, .logged = Logged::when_written, .kind = "transfer"})};
 

@@ -53,8 +53,8 @@ struct OutputRequest {
     using R = OutputRequest;
     return {{"AXIS", &R::axis, "axis", Words{"X", "Y", "Z"}},
             {"UM", &R::output_um, "compensation, um"},
-            {"--relay", &R::relay, "close the relay: the machine axis moves (needs --yes)"},
-            {"--off", &R::off, "every output 0, every relay open"},
+            {"--relay", &R::relay, "close the relay, so that the machine axis moves (needs --yes)"},
+            {"--off", &R::off, "set every output to 0 and open every relay"},
             {"--yes", &R::yes, "the axis may move"}};
   }
 };
@@ -65,11 +65,11 @@ Result<Outcome> output_value(VerbContext& context, const OutputRequest& request)
   if (request.off)
     return simple(
         context, [](protocol::UnitClient& client) { return client.output_off(); },
-        done_cell("off", "every output 0, every relay open"));
+        done_cell("off", "set every output to 0 and open every relay"));
   ECS_TRY(axis, axis_named(request.axis));
   if (request.relay)
-    ECS_DO(confirmed(request.yes,
-                     fmt::format("with the relay closed, axis {} moves by {} um", request.axis, *request.output_um)));
+    ECS_DO(confirmed(request.yes, fmt::format("the relay will be closed and axis {} will move by {} um", request.axis,
+                                              *request.output_um)));
   std::vector<std::string> off{"ecs", "utility", "output", "--off"};
   if (!context.link_option.empty()) off.insert(off.end(), {"--link", context.link_option});
   return simple(
@@ -88,9 +88,9 @@ struct RunRequest {
   static Fields<RunRequest> fields() {
     using R = RunRequest;
     return {{"ADDRESS", &R::address, "start address, decimal or 0x…", Need::required},
-            {"--argument", &R::argument, "a number that the program is given"},
-            {"--wait", &R::wait_s, "seconds to wait for its end", Range{0.0, 86400.0}},
-            {"--yes", &R::yes, "run it"}};
+            {"--argument", &R::argument, "number passed to the program"},
+            {"--wait", &R::wait_s, "time to wait for its end [s]", Range{0.0, 86400.0}},
+            {"--yes", &R::yes, "confirm running the program"}};
   }
 };
 
@@ -142,7 +142,8 @@ struct ModeRequest {
   static Fields<ModeRequest> fields() {
     using R = ModeRequest;
     return {{"MODE", &R::mode, "mode", Words{"compensate", "integrate"}, Need::required},
-            {"--wait", &R::wait_s, "seconds to follow the datuming; 0 returns at once", Range{0.0, 86400.0}}};
+            {"--wait", &R::wait_s, "time to wait for the datum routine to finish [s]; 0: return at once",
+             Range{0.0, 86400.0}}};
   }
 };
 
@@ -176,24 +177,23 @@ Result<Outcome> follow(VerbContext& context, UnitLink& unit, double wait_s) {
     if (mode == UnitMode::compensating) {
       if (!unit.workshop().empty())
         context.console.note(
-            "a bundled emulator that this command started ends with it, and forgets the mode; `ecs-emulator serve` or "
-            "the screens keep one running");
-      return outcome_of(snapshot, "the unit compensates", kDone);
+            "the emulator started by this command ends with it, and the mode is lost; `ecs-emulator serve` or the "
+            "screens keep one running");
+      return outcome_of(snapshot, "the unit is compensating", kDone);
     }
     if (snapshot.status.fault != Fault::none || mode == UnitMode::integration || mode == UnitMode::halted)
       return problem(ProblemKind::link, snapshot.status.fault == Fault::none
-                                            ? std::string("the unit went back to integration mode")
+                                            ? std::string("the unit returned to integration mode")
                                             : fault_sentence(snapshot.status));
     const std::string stages = stages_of(snapshot);
     if (stages != noted) context.console.note(fmt::format("datuming: {}", stages));
     noted = stages;
     if (Clock::now() >= end)
-      return outcome_of(
-          snapshot,
-          fmt::format("not yet compensating after {} s ({}); the unit goes on waiting until every axis has "
-                      "been referenced; `ecs utility status` shows how far it is",
-                      wait_s, stages),
-          wait_s > 0.0 ? kDoesNotHold : kDone);
+      return outcome_of(snapshot,
+                        fmt::format("not yet compensating after {} s ({}). The unit waits until every axis has been "
+                                    "referenced; `ecs utility status` shows the progress",
+                                    wait_s, stages),
+                        wait_s > 0.0 ? kDoesNotHold : kDone);
     if (!unit.client().link().pause(kPoll)) return problem(ProblemKind::link, "stopped while datuming");
   }
 }
@@ -214,18 +214,19 @@ Result<Outcome> change_mode(VerbContext& context, const ModeRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kUtilityCommands{
-    action("utility position", "preset the position that the unit shows for an axis", "ecs utility position X -100.5",
+    action("utility position", "set the position that the unit shows for an axis", "ecs utility position X -100.5",
            set_position, {.link = Link::writes}),
-    action("utility output", "put a compensation value on the D/A converter of one axis",
+    action("utility output", "output a compensation value at the D/A converter of one axis",
            "ecs utility output X 5\n  ecs utility output X 5 --relay --yes\n  ecs utility output --off", output_value,
            {.link = Link::writes}),
     action("utility run", "run machine code in the unit's memory", "ecs utility run 0x041000 --argument 7 --yes",
            run_program_in_unit, {.link = Link::writes}),
-    action("utility ramtest", "test every location of the axis memory; its contents stay", "ecs utility ramtest",
-           ram_test, {.link = Link::writes}),
+    action("utility ramtest", "test every location of the axis memory; its contents are preserved",
+           "ecs utility ramtest", ram_test, {.link = Link::writes}),
     action("utility reset", "restart the unit", "ecs utility reset", reset, {.link = Link::writes}),
-    action("utility clear", "clear the fault that the unit keeps", "ecs utility clear", clear, {.link = Link::writes}),
-    action("utility mode", "compensate (tests the memory, watches the referencing) or integrate (relays open)",
+    action("utility clear", "clear the stored fault of the unit", "ecs utility clear", clear, {.link = Link::writes}),
+    action("utility mode",
+           "switch to compensation (tests the memory, waits for referencing) or to integration (relays open)",
            "ecs utility mode compensate --wait 120\n  ecs utility mode integrate", change_mode,
            {.link = Link::writes})};
 

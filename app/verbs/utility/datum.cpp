@@ -94,8 +94,8 @@ struct TestRequest {
   double wait_s = 60.0;
   static Fields<TestRequest> fields() {
     using R = TestRequest;
-    return {{"AXIS", &R::axes, "axes; none: all that the unit has"},
-            {"--wait", &R::wait_s, "seconds to wait for each axis", Range{0.1, 86400.0}}};
+    return {{"AXIS", &R::axes, "axes to test; default: all axes of the unit"},
+            {"--wait", &R::wait_s, "time to wait for each axis [s]", Range{0.1, 86400.0}}};
   }
 };
 
@@ -132,8 +132,8 @@ struct StatusRequest {
   std::vector<std::string> from;
   static Fields<StatusRequest> fields() {
     using R = StatusRequest;
-    return {{"--save", &R::save, "write decoded values and raw registers to this file", Is::output},
-            {"--from", &R::from, "decode such a file; no unit is asked"}};
+    return {{"--save", &R::save, "file for the decoded values and raw registers", Is::output},
+            {"--from", &R::from, "decode a saved file instead of reading the unit"}};
   }
 };
 
@@ -143,7 +143,7 @@ Result<StatusSnapshot> snapshot_of_unit(VerbContext& context) {
 }
 
 Result<Outcome> show_status(VerbContext& context, const StatusRequest& request) {
-  if (request.from.size() > 1) return problem(ProblemKind::usage, "utility status: --from takes one file");
+  if (request.from.size() > 1) return problem(ProblemKind::usage, "utility status: --from accepts one file");
   ECS_TRY(snapshot, request.from.empty() ? snapshot_of_unit(context) : read_snapshot(request.from.front()));
   if (!request.save.empty()) {
     ECS_DO(write_snapshot(request.save, snapshot));
@@ -155,13 +155,13 @@ Result<Outcome> show_status(VerbContext& context, const StatusRequest& request) 
 }  // namespace
 
 extern const std::vector<Action> kUtilityDatum{
-    action("utility datum record", "record ten seconds of an axis: speed, reference switch, marker",
+    action("utility datum record", "record speed, reference switch and marker of an axis for ten seconds",
            "ecs utility datum record X -o x_datum.csv", record, {.link = Link::writes}),
-    action("utility datum show", "a recorded sequence as velocity-time graph and events",
+    action("utility datum show", "show a recorded sequence as velocity-time graph and events",
            "ecs utility datum show x_datum.csv", show),
     action("utility datum test", "run the unit's datum routine, axis by axis", "ecs utility datum test X Y --wait 120",
            test, {.link = Link::writes}),
-    action("utility status", "mode, fault and what to do, memory tests, address pointers, relays",
+    action("utility status", "show mode, fault and remedy, memory tests, address pointers and relays",
            "ecs utility status --save status.json\n  ecs utility status --from status.json", show_status,
            {.link = Link::reads})};
 

@@ -28,12 +28,13 @@ struct MonitorRequest {
   std::string record;
   static Fields<MonitorRequest> fields() {
     using R = MonitorRequest;
-    return {
-        {"--count", &R::count, "samples to show; 0: until stopped", Range{0, 100'000'000}},
-        {"--interval", &R::interval_ms, "milliseconds between samples", Range{1, 3'600'000}},
-        {"--environment", &R::environment, "temper, or DEVICE.toml[@SERIAL]: air and material beside the axes"},
-        {"--record", &R::record,
-         "CSV to write, a row for each axis and sample; FILE.part until the end, which a crash leaves", Is::output}};
+    return {{"--count", &R::count, "number of samples to show; 0: until stopped", Range{0, 100'000'000}},
+            {"--interval", &R::interval_ms, "time between samples [ms]", Range{1, 3'600'000}},
+            {"--environment", &R::environment,
+             "thermometer for air and material temperature: temper, or DEVICE.toml[@SERIAL]"},
+            {"--record", &R::record,
+             "CSV file to write, one row per axis and sample; FILE.part until complete, also kept after a crash",
+             Is::output}};
   }
 };
 
@@ -82,7 +83,8 @@ Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorRequest& r
   std::unique_ptr<SurroundingsWatch> environment;
   if (!request.environment.empty()) {
     environment = watched_surroundings(request.environment, kEnvironment_s);
-    if (!environment) return problem(ProblemKind::usage, "--environment: this program has nothing that reads devices");
+    if (!environment)
+      return problem(ProblemKind::usage, "--environment: this program was built without device support");
   }
   for (int i = 0; request.count == 0 || i < request.count; ++i) {
     if (i > 0 && !unit.client().link().pause(std::chrono::milliseconds(request.interval_ms))) return {};
@@ -121,7 +123,7 @@ Result<Outcome> monitor(VerbContext& context, const MonitorRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kMonitoring{
-    action("monitor", "ON LINE MONITOR: positions, speeds, reference switch and marker of the axes",
+    action("monitor", "ON LINE MONITOR: positions, speeds, reference switches and markers of the axes",
            "ecs monitor --count 10 --interval 200 --record axes.csv\n  ecs monitor --json --count 1", monitor,
            {.link = Link::reads})};
 

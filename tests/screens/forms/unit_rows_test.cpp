@@ -32,7 +32,7 @@ TEST_CASE("a program is run with its argument after a question, and says what it
   const UnitBench bench;
   bench.wait_for_unit();
   const auto screen = run_screen(bench, {{"--argument", "37"}});
-  CHECK(contains(picture(*screen), "what a program finds there"));
+  CHECK(contains(picture(*screen), "memory seen by a program"));
   REQUIRE(shows_after(*screen, "\n", "NO PROGRAM lies there"));
   CHECK_FALSE(contains(after(*screen, "n"), "NO PROGRAM"));
   write(bench, 0x041000, kAddFive);

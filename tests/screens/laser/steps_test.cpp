@@ -74,7 +74,7 @@ TEST_CASE("a file that does not say what was measured is asked, and the answers 
     driver.controller().change("file", [&](LaserChoices& c) { c.files.push_back({file, {}}); });
     REQUIRE(driver.settled());
     CHECK(driver.controller().mark(LaserStep::files) == LaserMark::doubtful);
-    CHECK(contains(driver.seen(), "it does not say enough: Enter answers"));
+    CHECK(contains(driver.seen(), "incomplete: press Enter to add data"));
     CHECK(contains(driver.after("\n"), "what pitch.rta does not say"));
     driver.press(Key::Name::down);
     driver.type("c");  // the next word with this letter
@@ -202,7 +202,7 @@ TEST_CASE("the screen says what to do next, and a click on a tab goes there") {
   const StateFolder folder;
   LaserScreenDriver driver;
   driver.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double) { return 0.0; }))});
-  CHECK(contains(driver.seen(), "Next: the parameters of the unit, p in step 1, 4 or 6."));
+  CHECK(contains(driver.seen(), "Next: choose the parameters of the unit: p in step 1, 4 or 6."));
   driver.controller().change("parameters", [](LaserChoices& c) { c.params_file = "samples/mill/parameters.toml"; });
   REQUIRE(driver.settled());
   CHECK(contains(driver.seen(), "Step 6: 16 of 17 components are missing."));
@@ -344,7 +344,7 @@ TEST_CASE("step 6 says why a measured component is not used, step 2 corrects its
   LaserScreenDriver driver;
   driver.take_files({folder.with("EXX.csv", measured_csv(off_its_line(), [](double p) { return 0.01 * p; }))},
                     kMillParameters);
-  CHECK(contains(driver.seen(24, 160), "EXX is measured, but not used: step 6 says why."));
+  CHECK(contains(driver.seen(24, 160), "EXX is measured, but not used: see step 6."));
   driver.type("6");
   const std::string missing = driver.seen(24, 160);
   INFO(missing);

@@ -66,7 +66,7 @@ TEST_CASE("writing asks with old and new bytes, is read back, and is undone by u
   CHECK(contains(after(one.screen, "1u"), "Write the old bytes back"));
   REQUIRE(shows_after(one.screen, "y", "4 bytes written back at 0x048000"));
   CHECK(one.bytes_of_unit(0x48000, 4) == before);
-  CHECK(contains(after(one.screen, "u"), "nothing was written that could be taken back"));
+  CHECK(contains(after(one.screen, "u"), "no write to undo"));
 }
 
 TEST_CASE("bytes that changed since they were shown are not overwritten") {

@@ -279,7 +279,7 @@ TEST_CASE("leaving, opening and starting again ask where edits would be lost") {
   type(screen, "n");
   for (const char* key : {"o", "n", "r"}) {
     type(screen, key);
-    CHECK(reads(picture(screen), "go on, keep the draft"));
+    CHECK(reads(picture(screen), "continue, keep the draft"));
     (void)press(screen, Key::Name::escape);
   }
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
@@ -291,7 +291,7 @@ TEST_CASE("leaving, opening and starting again ask where edits would be lost") {
 TEST_CASE("a field is found by a part of its name or of its help; Esc returns to the former field") {
   OpenedParameters opened;
   ParametersScreen& screen = opened.screen;
-  CHECK(reads(after(screen, "/rapid"), "no parameter has that"));
+  CHECK(reads(after(screen, "/rapid"), "no such parameter"));
   (void)press(screen, Key::Name::escape);
   CHECK(reads(picture(screen), "[1 Configuration]"));
   check_reads(after(screen, "/ball bar"), {"compensation.squareness.C0Y_um_per_m", "1 of 3"});

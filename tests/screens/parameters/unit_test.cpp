@@ -63,13 +63,13 @@ TEST_CASE("g takes the unit's value; receiving over edits asks first and can be 
   REQUIRE(ran({"params", "send", one.file()}).code == 0);
   ParametersScreen screen(std::make_shared<UnitConnection>("emulator"));
   open_file(screen, one);
-  REQUIRE(shows(screen, "the unit holds the same"));
+  REQUIRE(shows(screen, "the unit has the same"));
   edit(screen, "deadband", "7.5");
   CHECK(reads(after(screen, "5"), "X deadband"));
   type(screen, "g");
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 4.0);
-  CHECK(reads(picture(screen), "Screen, file and unit hold the same."));
-  CHECK(reads(after(screen, "ur"), "go on, keep the draft"));
+  CHECK(reads(picture(screen), "Screen, file and unit agree."));
+  CHECK(reads(after(screen, "ur"), "continue, keep the draft"));
   REQUIRE(shows_after(screen, "y", "received from EMULATOR"));
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 4.0);
   type(screen, "u");
@@ -134,7 +134,7 @@ TEST_CASE("a unit that dies keeps every edit here, and takes them when it is bac
   auto line = std::make_shared<UnitConnection>("emulator");
   ParametersScreen screen(line);
   open_file(screen, one);
-  REQUIRE(shows(screen, "the unit holds no parameters"));
+  REQUIRE(shows(screen, "the unit has no parameters"));
   edit(screen, "deadband", "7.5");
   REQUIRE(kill_emulators() == 1);
   REQUIRE(shows_after(screen, "t", "Nothing was changed here"));

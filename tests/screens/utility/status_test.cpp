@@ -35,7 +35,7 @@ TEST_CASE("compensation mode without a map: the fault in plain words, cleared on
   REQUIRE(shows_after(screen, "y", "What to do: send parameters and map"));
   REQUIRE(shows(screen, "fault 3 (no_map)"));
   (void)picture(screen);
-  CHECK(contains(after(screen, "c"), "Let the unit forget its fault?"));
+  CHECK(contains(after(screen, "c"), "Clear the fault of the unit?"));
   REQUIRE(shows_after(screen, "y", "The fault is cleared."));
   REQUIRE(shows(screen, "fault        none"));
 }
