@@ -149,8 +149,8 @@ void take_origin(Observations& data, const Origin& of_model) {
                                    : !of_model.date.empty() ? "these readings have no date"
                                                             : "neither these readings nor those of the fit have a date";
   data.clock_note = fmt::format(
-      "no common clock: {}. time_s is taken to count from the same moment as in the readings of the fit, which begin "
-      "at {:g} s; these begin at {:g} s. A line \"# {}: 2026-01-31 08:00:00\" in a measurement file is the date of "
+      "no common clock: {}. time_s is assumed to have the same origin as in the readings of the fit, which begin at "
+      "{:g} s; these begin at {:g} s. A line \"# {}: 2026-01-31 08:00:00\" in a measurement file gives the date of "
       "time_s = 0",
       without, *of_model.time_s, *own.time_s, laser::kBegun);
 }
@@ -331,9 +331,9 @@ void take_balls(Observations& data, const std::vector<Vector3>& point_mm) {
   const bool few = std::ranges::any_of(angles, [](const auto& poses) { return poses.size() < kFewestPoses; });
   if (few || ball_changes_in_sweep(data))
     data.not_followed = fmt::format(
-        "with the pivots, directions and tool offset given, the tool stands at {} points of the workpiece, up to "
-        "{:.1f} mm apart, while an axis turns: the linear axes did not follow a ball. Give the signs of the angles "
-        "(ISO 841), the pivots of the control (pivot_mm) and where the ball in the spindle is (tool_x_mm, tool_y_mm, "
+        "with the given pivots, directions and tool offset, the tool is at {} points of the workpiece, up to {:.1f} mm "
+        "apart, while an axis turns: the linear axes did not follow a ball. Give the signs of the angles (ISO 841), "
+        "the pivots of the control (pivot_mm) and the position of the ball in the spindle (tool_x_mm, tool_y_mm, "
         "tool_z_mm)",
         data.balls_mm.size(), farthest_mm);
 }
@@ -361,15 +361,15 @@ void take_chain(Observations& data, const MeasurementSet& set, const std::option
   auto joints = machine ? params::joint_machine_of(*machine) : std::nullopt;
   if (!joints) {
     data.notes.emplace_back(
-        "no machine file with rotary axes: readings are taken as errors of the axis itself, location errors cannot be "
-        "tried");
+        "no machine file with rotary axes: readings are interpreted as errors of the axis itself, and location errors "
+        "cannot be tried");
     return;
   }
   data.machine.rotary_configuration = machine->rotary_configuration;
   data.machine.rotary = machine->rotary;
   data.notes.emplace_back(
-      "nothing in such a model stands for errors of X, Y and Z: squareness or straightness that is not compensated "
-      "shows as waves of the rotary axes");
+      "this model does not include errors of X, Y and Z: uncompensated squareness or straightness appears as waves of "
+      "the rotary axes");
   std::map<std::pair<Vector3, Vector3>, kinematics::MachinePose> poses;  // by angles and tool offset
   std::vector<Vector3> point_mm;
   for (const std::size_t k : data.file_order) {
@@ -499,7 +499,7 @@ Observations counted_once(Observations data, const MeasurementSet& set) {
   if (first.size() == data.size() || a_plan || !(has_times || evenly)) return data;
   const std::size_t dropped = data.size() - first.size();
   data = subset(data, first);
-  data.notes.push_back(fmt::format("{} rows equal another in every column: each counts once", dropped));
+  data.notes.push_back(fmt::format("{} rows are identical to another row: each counts once", dropped));
   return data;
 }
 

@@ -201,8 +201,8 @@ MeasurementSet set_of_circle(const laser::CircleTest& test) {
 Result<MeasurementSet> set_of_diagonals(const laser::DiagonalTest& test) {
   if (test.steps)
     return problem_at(test.source, 0, 0,
-                      "kind: expected diagonal, found step: readings between the steps lie beside the diagonal and are "
-                      "not told apart from a tilted beam (modules/standards/README.md)");
+                      "kind: expected diagonal, found step: readings between the steps lie off the diagonal and cannot "
+                      "be distinguished from a tilted beam (modules/standards/README.md)");
   MeasurementSet set;
   set.source = test.source;
   set.metadata = about_machine(test.metadata);
@@ -215,8 +215,8 @@ Result<MeasurementSet> set_of_diagonals(const laser::DiagonalTest& test) {
     if (!from_mm && test.span_mm[index_of(axis)] > 0.0) unknown += (unknown.empty() ? "" : ", ") + key;
   }
   if (!unknown.empty())
-    set.notes.push_back(
-        fmt::format("no {}: the corner of the volume with the least coordinates is taken to be at 0 there", unknown));
+    set.notes.push_back(fmt::format(
+        "no {}: the corner of the volume with the smallest coordinates is assumed to be at 0 there", unknown));
   for (const laser::DiagonalReadings& diagonal : test.diagonals) {
     Path path;
     path.kind = PathKind::line;

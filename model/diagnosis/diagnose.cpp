@@ -67,7 +67,7 @@ std::optional<OddPass> farthest_run(const Observations& data, const VectorXd& re
 /// @param residual  of the model as given, um, a row a reading of `data`
 std::string bad_run_text(const Found& found, const Diagnosis& diagnosis, const Observations& data,
                          const VectorXd& residual) {
-  const auto first = [](const std::string& what) { return what + ". Look at that run first."; };
+  const auto first = [](const std::string& what) { return what + ". Check that run first."; };
   if (found.noisy) {
     std::string words = words_for(*found.noisy, diagnosis.noise.unit);
     words.front() = 'R';
@@ -75,8 +75,8 @@ std::string bad_run_text(const Found& found, const Diagnosis& diagnosis, const O
   }
   const auto of_step = [&](const StepOfRuns& step) {
     return fmt::format(
-        "All readings {} by {:.2g} {} between runs {} and {}: another zero, or something slipped. Look at what "
-        "happened between these runs first.",
+        "All readings {} by {:.2g} {} between runs {} and {}: the zero was changed, or something slipped. Check first "
+        "what happened between these runs.",
         step.height_um > 0.0 ? "rise" : "fall", std::abs(step.height_um), diagnosis.noise.unit, step.before,
         step.after);
   };
@@ -257,7 +257,7 @@ Diagnosis too_few(const Observations& data, const Base& base) {
   diagnosis.rms_um = diagnosis.rms_after_um = rms_of(base.residual);
   diagnosis.noise = base.core.noise.pure;
   diagnosis.notes.push_back(
-      fmt::format("{} readings against {} fitted parameters: too few to say whether anything is missing; measure more "
+      fmt::format("{} readings for {} fitted parameters: too few to decide whether an effect is missing; measure more "
                   "targets and repeats",
                   data.size(), base.core.rank));
   diagnosis.verdict = Verdict::cannot_tell;
@@ -394,7 +394,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   }
   if (structure && std::ranges::any_of(data.paths, [](const Path& path) { return path.kind == PathKind::circle; })) {
     const std::string advice = advice_on(kReversalOnCircle);
-    diagnosis.notes.push_back(fmt::format("friction at a reversal leaves another spike than the library's{}{}",
+    diagnosis.notes.push_back(fmt::format("friction at a reversal causes another spike than that of the library{}{}",
                                           advice.empty() ? "" : ": ", advice));
   }
   for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
@@ -451,7 +451,7 @@ Result<Diagnosis> diagnose(const Model& model, const Observations& data, const D
   auto diagnosis = diagnosed<Diagnosis>(
       reported, [&](const Base& base) { return too_few(data, base); }, model, data, options);
   if (diagnosis && diagnosis->candidates_tried > 0 && data.size() > options.largest_search)
-    diagnosis->notes.push_back(fmt::format("searched on {} readings chosen evenly, sizes and proof from all {}",
+    diagnosis->notes.push_back(fmt::format("searched on {} evenly chosen readings; sizes and evidence from all {}",
                                            searched_part(data, options.largest_search).size(), data.size()));
   return diagnosis;
 }

@@ -251,8 +251,9 @@ void hold_against_wander(const Observations& data, const Base& base, const Searc
     }
     std::string& why = denied ? found.objection : found.doubt;
     if (why.empty())
-      why = fmt::format("a slow wander of the readings explains what {} {} as well: repeat the line, also backwards",
-                        fmt::join(names, ", "), names.size() > 1 ? "do" : "does");
+      why = fmt::format(
+          "a slow drift of the readings explains what {} {} as well: repeat the line, also in reverse order",
+          fmt::join(names, ", "), names.size() > 1 ? "do" : "does");
   }
 }
 
@@ -269,7 +270,7 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
     const EffectInstance& effect = found.families[member.family].effect;
     const RunBeside beside = run_beside(*run, effect, member.score());
     if (beside == RunBeside::nearly_as_good)
-      found.run_note = fmt::format("an offset of run {} explains nearly as much as {}: look at that run too", run->run,
+      found.run_note = fmt::format("an offset of run {} explains nearly as much as {}: check that run too", run->run,
                                    to_text(effect));
     if (beside != RunBeside::as_good) continue;
     found.groups[i].denied = true;
@@ -278,7 +279,7 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
   std::vector<bool> proved;
   for (const Group& group : found.groups) proved.push_back(group.e_value.value_or(0.0) >= kProved);
   found.objection =
-      found.bad_run ? fmt::format("an offset of run {} explains it as well: look at that run first", found.bad_run->run)
+      found.bad_run ? fmt::format("an offset of run {} explains it as well: check that run first", found.bad_run->run)
                     : objection_to_waves(data, found.families, chosen, proved);
   const auto effect_of_member = [&](std::size_t i) -> const EffectInstance& {
     return found.families[chosen[i].family].effect;
@@ -311,9 +312,8 @@ void blame_step(Found& found) {
   found.noisy.reset();
   found.odd_pass.reset();
   if (found.bad_run)
-    found.objection =
-        fmt::format("a jump between runs {} and {} explains it as well: look at what happened there first",
-                    found.step->before, found.step->after);
+    found.objection = fmt::format("a jump between runs {} and {} explains it as well: check first what happened there",
+                                  found.step->before, found.step->after);
   found.bad_run.reset();
   found.run_note.clear();
 }

@@ -159,10 +159,10 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
   ECS_TRY(before, state_of(model, regressors));
   const auto places = places_for(model, data, request);
   if (places.empty())
-    return problem(ProblemKind::usage,
-                   fmt::format("{}: these data cannot show it there (which axes, senses and columns "
-                               "they have says `model diagnose`)",
-                               name_of(request.id)));
+    return problem(
+        ProblemKind::usage,
+        fmt::format("{}: these data cannot show it there (`ecs model diagnose` lists their axes, senses and columns)",
+                    name_of(request.id)));
   auto effect = best_place(before, regressors, places);
   if (!effect) return problem(ProblemKind::usage, fmt::format("{}: no place to add it", name_of(request.id)));
   Added added;
@@ -174,10 +174,11 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
   added.model.compensated_readings = static_cast<int>(std::ranges::count(data.compensated, true));
   hold_nonlinear(added.model.effects.back(), fit.effects.back());
   if (fit.effects.back().readings == 0 || fit.effects.back().rms_um == 0.0)
-    return problem(ProblemKind::usage,
-                   fmt::format("{}: no reading of these data depends on it (which axes, senses and columns they have "
-                               "says `ecs laser show`)",
-                               to_text(*effect)));
+    return problem(
+        ProblemKind::usage,
+        fmt::format(
+            "{}: no reading of these data depends on it (`ecs laser show` lists their axes, senses and columns)",
+            to_text(*effect)));
   added.effect = fit.effects.back();
   added.rms_before_um = rms_of(before.core.residual);
   added.rms_after_um = fit.rms_um;
@@ -195,7 +196,7 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
 
 Result<Model> undo(const Model& model) {
   if (model.history.empty() || model.effects.empty())
-    return problem(ProblemKind::refused, "nothing to undo: no effect was added to this model");
+    return problem(ProblemKind::refused, "nothing to undo: no effect has been added to this model");
   const std::string last = model.history.back().effect;
   Model before = model;
   for (std::size_t i = before.effects.size(); i-- > 0;) {
@@ -321,7 +322,7 @@ Result<DecidedTies> decided_ties(const Model& model, const Observations& data) {
     const Tie tie = judged(model, i, data, now.noise.noise_um);
     const std::string name = place_text(effect);
     if (!tie.better.empty()) {
-      decided.notes.push_back(fmt::format("these readings speak for {} rather than {}: remove {}, then add it",
+      decided.notes.push_back(fmt::format("these readings favour {} over {}: remove {}, then add it",
                                           fmt::join(tie.better, " or "), name, name));
     } else if (!tie.out.empty()) {
       effect.tied_with = fmt::format("{}", fmt::join(tie.open, ", "));

@@ -250,7 +250,7 @@ class Questions {
   [[nodiscard]] static std::string words_of(const Condition& c) {
     if (c.is.empty()) return "the same in all conditions";
     if (c.property == "growth") return "changes with " + c.is;
-    if (c.property == "session") return "another in each " + c.is;
+    if (c.property == "session") return "different in each " + c.is;
     if (c.property == "clock") return "follows " + c.is + " as a delay does";
     return c.is == "workpiece" ? "moves with the workpiece" : "turns with " + c.is;
   }
@@ -288,7 +288,7 @@ class Questions {
       if (told_ != nullptr && told_->property == property && !told_->is.empty()) {
         one.is = told_->is;
       } else if (!varied(property)) {
-        one.because = "nothing was varied that would show it";
+        one.because = "no condition was varied that would show it";
         one.measure = measure;
       } else if (told_ != nullptr && told_->property != "clock" && (told_->is.empty() || one.property != "frame")) {
         one.is = otherwise;
@@ -315,7 +315,8 @@ class Questions {
           return std::abs(std::remainder(v - different.front(), step)) < kRounding * step;
         }))
       list.push_back({"instrument", "steps",
-                      fmt::format("all readings are multiples of {:.3g}, and {:.2g} rms is left", step, rms), ""});
+                      fmt::format("all readings are multiples of {:.3g}, and the residual is {:.2g} rms", step, rms),
+                      ""});
   }
 
   const LeftReadings& r_;

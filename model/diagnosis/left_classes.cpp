@@ -276,7 +276,7 @@ class Conditions {
     }
     if (best_s != 0.0 && most > 0.0)
       list.push_back({"clock", sensor->first, best, true, true,
-                      fmt::format("{} acts {:.0f} s {} than {} says", to_text(effect.effect), std::abs(best_s),
+                      fmt::format("{} acts {:.0f} s {} than {} shows", to_text(effect.effect), std::abs(best_s),
                                   best_s > 0.0 ? "later" : "earlier", sensor->first)});
   }
 
@@ -299,7 +299,7 @@ class Conditions {
     const double square = alone.squaredNorm();
     if (square <= 0.01 * h.squaredNorm()) return;
     const double factor = 1.0 + alone.dot(r_.y) / square, sigma = std::sqrt(r_.variance / square);
-    const std::string says = fmt::format("the readings hold {:.3g} times {}", factor, to_text(effect.effect));
+    const std::string says = fmt::format("the readings contain {:.3g} times {}", factor, to_text(effect.effect));
     if (sigma < 0.1 && std::abs(factor + 1.0) < std::max(0.03, 3.0 * sigma))
       list.push_back({"sign", to_text(effect.effect), h, true, true, says});
     else

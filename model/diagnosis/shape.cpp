@@ -367,7 +367,7 @@ std::string words_of(const ShapeFit& fit, const Points& points, std::string_view
     case ShapeKind::line:
       return fmt::format("a straight line, {:+.3g} {} from {} to {}", fit.size, um, end(false), end(true));
     case ShapeKind::curve:
-      return fmt::format("a smooth curve over {}, {:.3g} {} from least to greatest", name, fit.size, um);
+      return fmt::format("a smooth curve over {}, {:.3g} {} from smallest to largest", name, fit.size, um);
     case ShapeKind::jump:
       return fmt::format("a jump of {:+.3g} {} at {} = {}", fit.size, um, name, with_unit(points.at(fit.first), unit));
     case ShapeKind::bump:
@@ -382,8 +382,8 @@ std::string words_of(const ShapeFit& fit, const Points& points, std::string_view
                          second > first ? "grows" : "falls", first, with_unit(second, unit), name);
     }
     default:
-      return fmt::format("a wave of a period of {} whose amplitude dies towards {}", with_unit(period(fit.waves), unit),
-                         end(fit.first > fit.second));
+      return fmt::format("a wave with a period of {} whose amplitude decays towards {}",
+                         with_unit(period(fit.waves), unit), end(fit.first > fit.second));
   }
 }
 
@@ -504,7 +504,7 @@ std::string run_words(const Observations& data, const VectorXd& residual, double
   if (means.size() >= 4 && left < 0.15 * all)
     return fmt::format("a trend by run, {:+.3g} {} from run {} to run {}", slope * (n - 1.0),
                        unit_of_readings(data, line), names.front(), names.back());
-  return fmt::format("each run has another zero, {:.3g} {} from least to greatest",
+  return fmt::format("each run has a different zero, {:.3g} {} from smallest to largest",
                      *std::ranges::max_element(means) - *std::ranges::min_element(means), unit_of_readings(data, line));
 }
 
@@ -574,7 +574,7 @@ void describe_what_is_left(Diagnosis& diagnosis, const Observations& data, const
     if (one.strength >= kWorthWords)
       one.looks_like = shape_in_words(data, left, diagnosis.noise.noise_um, left_out, one.variable);
   const std::string spectrum = spectrum_in_words(data, left, diagnosis.noise.noise_um, left_out);
-  if (!spectrum.empty()) diagnosis.notes.push_back(fmt::format("what is left, by {}", spectrum));
+  if (!spectrum.empty()) diagnosis.notes.push_back(fmt::format("residual by {}", spectrum));
 }
 
 }  // namespace ecs::model

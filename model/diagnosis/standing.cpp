@@ -298,7 +298,7 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
   const Observations& data = in.regressors.data();
   const std::vector<std::string> cancelling = cancelling_effects(data, fit, in.base.own);
   if (!cancelling.empty())
-    return fmt::format("the readings do not determine {}, which cancel each other: hold one of them, or measure more",
+    return fmt::format("the readings do not determine {}, which cancel each other: fix one of them, or measure more",
                        fmt::join(cancelling, " and "));
   const auto lack_of_fit = lack_of_fit_of(data, in.base.residual, in.base.core.noise, in.base.core.left_out,
                                           static_cast<double>(in.base.core.rank));
@@ -306,20 +306,19 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
   if (rms_um < kNothingLeft_um) return "";
   if (lack_of_fit && lack_of_fit->fails())
     return fmt::format(
-        "the model leaves {:.3g} {}, and repeats show that this is no noise (lack of fit: F = {:.3g}, p = {:.1g}): "
-        "measure more places",
+        "the residual is {:.3g} {}, and repeats show that it is not noise (lack of fit: F = {:.3g}, p = {:.1g}): "
+        "measure at more positions",
         rms_um, in.found.noise.pure.unit, lack_of_fit->F, lack_of_fit->p);
   std::optional<Choice> closest = in.found.stands_out;
   if (!closest && !in.found.closest.empty()) closest = in.found.closest.front();
   if (closest && in.found.chance_of_closest.value_or(1.0) < kRareOfNoise)
     return fmt::format(
-        "these readings tell too little of the noise: {} would explain what is left, and noise alone looks like it in "
-        "{:.1g} % of cases: measure the same lines again",
+        "these readings do not determine the noise well enough: {} would explain the residual, but noise alone looks "
+        "like it in {:.1g} % of cases: measure the same lines again",
         place_text(in.found.families[closest->family].effect), kPercent * *in.found.chance_of_closest);
   if (!in.found.noise.pure.from_repeats && in.found.noise.pure.dof < kDegreesWithoutRepeats)
-    return "nothing was repeated, and so few readings do not tell noise from what may be missing: measure the same "
-           "lines "
-           "again";
+    return "no line was repeated, and so few readings cannot distinguish noise from a missing effect: measure the same "
+           "lines again";
   if (lack_of_fit || data.size() > in.options.largest_search) return "";
   Parts parts{std::vector<std::size_t>(data.size()), kPartsLeftOut, false};  // between readings rather than beyond them
   for (std::size_t k = 0; k < data.size(); ++k) parts.of[k] = k % kPartsLeftOut;
@@ -327,7 +326,7 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
       held_out_rms(data, in.base.core.noise, in.base.core.left_out, parts, in.problem.columns, in.problem.target);
   if (held_out_um <= kMostHeldOut * rms_um) return "";
   return fmt::format(
-      "nothing was repeated, and readings left out of the fit are missed by {:.3g} {}, those in it by {:.3g}: measure "
+      "no line was repeated, and the residual is {:.3g} {} for held-out readings but {:.3g} for fitted ones: measure "
       "the same lines again",
       held_out_um, in.found.noise.pure.unit, rms_um);
 }
@@ -338,19 +337,18 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
 std::string why_not_explained(const Found& found) {
   if (!found.objection.empty()) return found.objection;
   if (!found.doubt.empty()) return found.doubt;
-  if (found.noisy) return words_for(*found.noisy, found.noise.pure.unit) + ": look at that run first";
+  if (found.noisy) return words_for(*found.noisy, found.noise.pure.unit) + ": check that run first";
   if (found.odd_pass)
-    return fmt::format("run {} differs from the other runs by {:.3g} in one approach: look at that run first",
+    return fmt::format("run {} differs from the other runs by {:.3g} in one approach: check that run first",
                        found.odd_pass->run, found.odd_pass->off_um);
   if (found.wanders)
-    return "readings of one run wander by more than three times what neighbours scatter: that is no noise";
+    return "readings of one run drift by more than three times the scatter of neighbouring readings: this is not noise";
   if (found.cross_validated_share < kLeastCrossValidated)
-    return fmt::format(
-        "the best effects of the library predict only {:.0f} % of the residual at targets that they were not fitted to",
-        kPercent * std::max(0.0, found.cross_validated_share));
+    return fmt::format("the best effects of the library predict only {:.0f} % of the residual at held-out targets",
+                       kPercent * std::max(0.0, found.cross_validated_share));
   const auto most = std::ranges::max_element(
       found.after, [](const StructureTest& a, const StructureTest& b) { return a.minus_log_p < b.minus_log_p; });
-  if (most == found.after.end()) return "the best effects of the library leave structure";
+  if (most == found.after.end()) return "structure remains after the best effects of the library";
   return fmt::format(
       "with the best effects of the library the residual still depends on {} (in noise alone: {:.2g} % of cases)",
       most->variable, kPercent * found.structure_p_after);
@@ -358,14 +356,12 @@ std::string why_not_explained(const Found& found) {
 
 Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise) {
   const std::string again = "Measure the same lines again in both directions";
-  if (ranked.wander)
-    return {"nothing was measured twice, and a slow wander of the readings explains it as well", again};
+  if (ranked.wander) return {"no line was measured twice, and a slow drift of the readings explains it as well", again};
   if (!noise) return {why_not_explained(found), "Measure the same lines again on targets between the present ones"};
   if (ranked.e_value)
-    return {fmt::format("readings that it was not fitted to do not settle it (e-value {:.2g}; {:g} proves)",
-                        *ranked.e_value, kProved),
+    return {fmt::format("held-out readings do not decide it (e-value {:.2g}; {:g} is proof)", *ranked.e_value, kProved),
             again};
-  return {"no half of the readings shows it on its own", again};
+  return {"neither half of the readings shows it on its own", again};
 }
 
 Result<Answer> answer_of(const ReportInput& in) {

@@ -139,8 +139,9 @@ std::string objection_to_waves(const Observations& data, const std::vector<Famil
       if (i == j || !same_line(one.effect, other.effect)) continue;
       const bool two_causes = proved[i] && proved[j] && shapes_on_line_of(one.effect) == 2;
       if (is_jump(other.effect) && !two_causes && !is_pitch_or_no_wave(one, chosen[i]))
-        return fmt::format("a wave of {:.4g} {} explains it only together with a step: any shape can be written so",
-                           period, data.position_unit());
+        return fmt::format(
+            "a wave of {:.4g} {} explains it only together with a step: any shape can be described in this way", period,
+            data.position_unit());
       if (j < i || !other.effect.traits().periodic) continue;
       const double period2 = chosen[j].nonlinear;
       const bool same = std::abs(period / period2 - 1.0) < kSamePeriod;
@@ -152,8 +153,8 @@ std::string objection_to_waves(const Observations& data, const std::vector<Famil
       if (!is_pitch_or_no_wave(one, chosen[i]) && !is_pitch_or_no_wave(other, chosen[j]) &&
           !is_whole_fraction(period, period2))
         return fmt::format(
-            "waves of {:.4g} and {:.4g} mm have nothing in common and are no pitch of the machine: any "
-            "shape can be written as enough waves",
+            "waves of {:.4g} and {:.4g} mm are unrelated and match no pitch of the machine: any shape can be described "
+            "by enough waves",
             period, period2);
     }
   }

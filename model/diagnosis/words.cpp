@@ -64,7 +64,7 @@ std::string pitch_match(const EffectInstance& effect, const std::optional<double
       if (off >= kSamePitch * expected) return std::string();
       if (!sigma_mm || off <= kSurelyOther * std::max(*sigma_mm, kLeastSigma * expected))
         return fmt::format("= {}the pitch of its {}", which, name);
-      return fmt::format("surely not {}the pitch of its {}, {:.6g} mm by the machine file: check that", which, name,
+      return fmt::format("certainly not {}the pitch of its {}, {:.6g} mm by the machine file: check this", which, name,
                          expected);
     };
     std::string text;
@@ -171,7 +171,7 @@ std::string ids_text(const Candidate& candidate, const Diagnosis& diagnosis) {
   for (const EffectInstance& rival : candidate.rivals)
     if (named_at(place_text(rival)) == 0) rivals.push_back(place_text(rival));
   if (rivals.empty()) return ids;
-  return fmt::format("{}; or {}, which these data cannot tell from it", ids, fmt::join(rivals, " or "));
+  return fmt::format("{}; or {}, which these data cannot distinguish from it", ids, fmt::join(rivals, " or "));
 }
 
 std::string findings_text(const Diagnosis& diagnosis, const Observations& data, bool likely) {
@@ -244,11 +244,9 @@ bool proved_alone(const Candidate& candidate, const Diagnosis& diagnosis) {
 
 std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) {
   if (candidate.false_naming * static_cast<double>(diagnosis.noise_replicates) < 1.0)
-    return fmt::format("; in none of {} data sets of noise alone does anything look as good",
-                       diagnosis.noise_replicates);
+    return fmt::format("; none of {} simulated noise-only data sets fitted as well", diagnosis.noise_replicates);
   if (candidate.false_naming >= 1.0) return "";
-  return fmt::format("; noise alone looks as good in {:.2g} % of data sets like this one",
-                     kPercent * candidate.false_naming);
+  return fmt::format("; {:.2g} % of simulated noise-only data sets fitted as well", kPercent * candidate.false_naming);
 }
 
 /// What the candidate does alone beside the model.
@@ -267,10 +265,10 @@ std::string evidence_alone(const Candidate& candidate, const Diagnosis& diagnosi
                   candidate.kept_rms_after_um, diagnosis.noise.unit, percent(share_alone(candidate)),
                   diagnosis.noise.noise_um, diagnosis.noise.unit);
   if (held_out_falls(candidate))
-    text += fmt::format(", on readings it was not fitted to from {:.3g} to {:.3g} {}",
-                        *candidate.held_out_rms_before_um, *candidate.held_out_rms_um, diagnosis.noise.unit);
+    text += fmt::format(", on held-out readings from {:.3g} to {:.3g} {}", *candidate.held_out_rms_before_um,
+                        *candidate.held_out_rms_um, diagnosis.noise.unit);
   else if (candidate.held_out_rms_um)
-    return text + "; alone it does not predict readings that it was not fitted to";
+    return text + "; alone it does not predict held-out readings";
   return explains ? text + chance_text(candidate, diagnosis) : text;
 }
 
@@ -287,14 +285,14 @@ std::string evidence_together(const Candidate& candidate, const Diagnosis& diagn
   }
   std::string text = fmt::format("Together with {} ", fmt::join(others, " and "));
   if (falls(candidate.kept_rms_before_um, joint.rms_after_um))
-    text += fmt::format("it brings the residual from {:.3g} to {:.3g} {} rms (noise {:.3g} {})",
+    text += fmt::format("it reduces the residual from {:.3g} to {:.3g} {} rms (noise {:.3g} {})",
                         candidate.kept_rms_before_um, joint.rms_after_um, diagnosis.noise.unit,
                         diagnosis.noise.noise_um, diagnosis.noise.unit);
   else
-    text += fmt::format("it leaves {:.3g} {} rms (noise {:.3g} {})", joint.rms_after_um, diagnosis.noise.unit,
+    text += fmt::format("the residual is {:.3g} {} rms (noise {:.3g} {})", joint.rms_after_um, diagnosis.noise.unit,
                         diagnosis.noise.noise_um, diagnosis.noise.unit);
   if (falls(joint.held_out_rms_before_um, joint.held_out_rms_um))
-    text += fmt::format(", on readings they were not fitted to from {:.3g} to {:.3g} {}", joint.held_out_rms_before_um,
+    text += fmt::format(", on held-out readings from {:.3g} to {:.3g} {}", joint.held_out_rms_before_um,
                         joint.held_out_rms_um, diagnosis.noise.unit);
   return text + (!none_alone ? "; alone it does not" : named == 2 ? "; neither alone does" : "; none alone does");
 }
@@ -372,8 +370,9 @@ std::string reservation_for(const Observations& data) {
   for (const EvenTargets& one : even_targets(data)) {
     if (one.pitch_known && one.hidden_pitches.empty()) continue;
     text += fmt::format(
-        "{}Periods below {:g} {} along {} cannot be told: its targets are even at {:g} {}{}", text.empty() ? "" : " ",
-        2.0 * one.step_mm, data.position_unit(), data.letter(one.axis), one.step_mm, data.position_unit(),
+        "{}Periods shorter than {:g} {} along {} cannot be detected: the targets are equally spaced at {:g} {}{}",
+        text.empty() ? "" : " ", 2.0 * one.step_mm, data.position_unit(), data.letter(one.axis), one.step_mm,
+        data.position_unit(),
         one.pitch_known ? one.hidden_pitches + "." : ", and no machine file gives the pitch of its screw or scale.");
   }
   return text;
@@ -387,14 +386,14 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
   switch (d.verdict) {
     case Verdict::adequate:
       add(d.reservation);
-      add(d.reservation.empty() ? "The model is adequate: what it leaves is noise."
-                                : "Nothing else is missing: what the model leaves is noise.");
+      add(d.reservation.empty() ? "The model is adequate: its residual is noise."
+                                : "No other effect is missing: the residual of the model is noise.");
       break;
     case Verdict::missing_effect:
     case Verdict::partly_explained:
       if (names_a_wave(d)) add(d.reservation);
       add(findings_text(d, data, false) + ".");
-      if (d.verdict == Verdict::partly_explained) add("That is proved, but more is left.");
+      if (d.verdict == Verdict::partly_explained) add("That is proved, but the residual contains more.");
       add(likely_text(d, data));
       break;
     case Verdict::likely_effect:
@@ -403,15 +402,16 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
       break;
     case Verdict::cannot_tell:
       add(d.reservation);
-      add(fmt::format("These data cannot tell whether anything is missing: {}.", d.cannot_tell));
+      add(fmt::format("These data cannot show whether an effect is missing: {}.", d.cannot_tell));
       break;
     default:
       add(structure_text(d));
       if (const std::string proved = findings_text(d, data, false); !proved.empty())
-        add(fmt::format("{}: that is proved, but {}.", proved,
-                        explainable_share(d.rms_um, d.rms_after_um, d.noise.noise_um) < kPartExplained
-                            ? "it is the lesser part"
-                            : "waves are only the beginning of a shape that repeats, and more is left"));
+        add(fmt::format(
+            "{}: that is proved, but {}.", proved,
+            explainable_share(d.rms_um, d.rms_after_um, d.noise.noise_um) < kPartExplained
+                ? "it is the lesser part"
+                : "the waves are only the first terms of a repeating shape, and the residual contains more"));
       add(likely_text(d, data));
   }
   return text;
@@ -434,7 +434,7 @@ std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, c
         one.name == candidate.effect.definition().searched_parameter() && !pitch.empty())
       text += fmt::format("; the period {:.5g} {} is {}", one.value, data.position_unit(),
                           pitch.starts_with("= ") ? pitch.substr(2) : pitch);
-  return text + fmt::format(". What tells it apart: {}.", candidate.effect.definition().tells_apart);
+  return text + fmt::format(". How to recognise it: {}.", candidate.effect.definition().tells_apart);
 }
 
 std::string separating_measurement(const EffectInstance& effect, const std::vector<EffectInstance>& rivals) {
@@ -493,11 +493,12 @@ std::optional<std::string> even_targets_note(const Observations& data) {
   std::string note;
   for (const EvenTargets& one : even_targets(data))
     note += fmt::format(
-        "{}targets are even at {:g} {} along {} ({}): periods below {:g} {} cannot be told from longer ones{}",
+        "{}targets are equally spaced at {:g} {} along {} ({}): periods shorter than {:g} {} cannot be distinguished "
+        "from longer ones{}",
         note.empty() ? "" : "; ", one.step_mm, data.position_unit(), data.letter(one.axis), one.senses,
         2.0 * one.step_mm, data.position_unit(), one.hidden_pitches);
   if (note.empty()) return std::nullopt;
-  return note + "; targets moved off equal steps by a tenth of the step or more show them (ISO 230-2:2014, 5.3.2)";
+  return note + "; targets displaced from equal steps by a tenth of the step or more show them (ISO 230-2:2014, 5.3.2)";
 }
 
 }  // namespace ecs::model

@@ -12,9 +12,7 @@ EffectDefinition air_refraction() {
       .formula = "p dn(T_air, pressure, humidity)",
       .cause = "the laser's wavelength was not corrected for air",
       .tells_apart = "a slope that follows the refractive index of air",
-      .check =
-          "compare pressure, temperature and humidity at the beam with what the laser's electronics used for its "
-          "correction",
+      .check = "compare pressure, temperature and humidity at the beam with the values used by the laser's electronics",
       .headline = "{where} not corrected for air, {factor} of the full amount",
       .parameters =
           {{.name = "factor", .unit = "", .meaning = "1 = not corrected at all", .limits = ValueRange{0.0, 2.0}}},

@@ -13,8 +13,8 @@ EffectDefinition angular() {
       .cause = "roll, pitch or yaw of a carriage acting through an offset",
       .tells_apart = "proportional to the distance from the line on which the axis was measured",
       .check =
-          "put an autocollimator or a level on the carriage and move the axis; look at ways, gibs and wipers where the "
-          "angle changes",
+          "mount an autocollimator or a level on the carriage and move the axis; inspect ways, gibs and wipers where "
+          "the angle changes",
       .headline = "{axis} carriage with an angular error {code} of {rms_um}, acting through its lever",
       .parameters = {{"rms_um", "um/m", "size of the angle", Coding::size_of_curve}},
       .carrier = Carrier::error_map,

@@ -6,7 +6,7 @@
 namespace ecs::model::effects {
 
 inline constexpr SeparatingMeasurement kOtherPlaceOfBall{
-    95, "Set the ball up at another place and repeat: its place changes, an error of the machine stays."};
+    95, "Set the ball up at another position and repeat: its position changes, an error of the machine does not."};
 
 inline void put(const Vector3& along, std::span<double> row) {
   for (std::size_t d = 0; d < row.size(); ++d) row[d] = along[d];

@@ -12,8 +12,8 @@ EffectDefinition backlash() {
       .cause = "lost motion in the drive",
       .tells_apart = "two levels, one per approach, whatever the position and the feed",
       .check =
-          "put a dial gauge against the table and reverse by a few micrometres; look at the preload of nut and "
-          "bearings, coupling, keys, gibs",
+          "place a dial gauge against the table and reverse by a few micrometres; check the preload of nut and "
+          "bearings, coupling, keys and gibs",
       .headline = "{where} with a lost motion of {um} at reversal",
       .parameters = {{"um", "um", "forward minus reverse"}},
       .carrier = Carrier::error_map,

@@ -16,9 +16,9 @@ bool head_turns(const Observations& data) {
 EffectDefinition ball_in_spindle() {
   return {
       .id = "ball_in_spindle",
-      .title = "Place of the ball in the spindle",
+      .title = "Position of the ball in the spindle",
       .formula = "x, y, z, turning with the tool",
-      .cause = "ball, probe or sensor in the spindle is not where its readings take it to be: its length, or run-out",
+      .cause = "the ball, probe or sensor in the spindle is not at its assumed position: length or run-out",
       .tells_apart = "a vector that turns with the tool; an error of an axis line does not",
       .check = "measure the length of the tool, and its run-out while the spindle turns",
       .headline = "Ball in the spindle off its place by {x_um}, {y_um}, {z_um} along X, Y, Z",

@@ -143,15 +143,15 @@ EffectDefinition cyclic() {
       .title = "Periodic error",
       .formula = "A sin(2 pi p/P + phi), harmonics 1-2",
       .cause =
-          "pitch of screw, rack, gear or grating, electronic subdivision; of a long wave form or supports of the way",
+          "pitch of screw, rack, gear or grating, electronic subdivision; for a long wave, form or supports of the way",
       .tells_apart = "one period over the whole travel, often a pitch of screw or scale",
       .check =
-          "compare the period with pitches of screw, rack, gears and scale; look for an eccentric screw, a bent "
+          "compare the period with pitches of screw, rack, gears and scale; check for an eccentric screw, a bent "
           "coupling, a dirty or tilted reading head",
       .headline = "{where} with a periodic error of +-{amplitude_um}, {period_mm}",
       .parameters = {{"period_mm", "mm", "length of one period", Coding::searched},
-                     {"amplitude_um", "um", "of the fundamental", Coding::amplitude},
-                     {"phase_rad", "rad", "of the fundamental, sin(2 pi p/P + phase)", Coding::phase},
+                     {"amplitude_um", "um", "amplitude of the fundamental", Coding::amplitude},
+                     {"phase_rad", "rad", "phase of the fundamental, sin(2 pi p/P + phase)", Coding::phase},
                      {"amplitude2_um", "um", "of the second harmonic", Coding::amplitude},
                      {"phase2_rad", "rad", "of the second harmonic", Coding::phase}},
       .carrier = Carrier::error_map,

@@ -13,8 +13,8 @@ EffectDefinition dead_path() {
       .cause = "uncompensated path between the optics at reset",
       .tells_apart = "follows the refractive index of air, the same at every position",
       .check =
-          "measure the air between the two optics where the readout was set to zero, and see whether the laser "
-          "corrects it",
+          "measure the air between the two optics where the readout was set to zero, and check that the laser corrects "
+          "it",
       .headline = "{where} with {length_m} of dead path in air between the optics",
       .parameters =
           {{.name = "length_m", .unit = "m", .meaning = "length of the dead path", .limits = ValueRange{-10.0, 10.0}}},

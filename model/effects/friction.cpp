@@ -94,19 +94,18 @@ EffectDefinition friction() {
       .id = "friction",
       .title = "Friction at reversal",
       .formula = "-c d (t/t0)^2 - b d to t0, then settles; t since reversal",
-      .cause = "friction that the drive has to overcome before the axis turns round",
-      .tells_apart = "read on the fly, grows for a moment after each reversal, then settles; at rest it is gone",
+      .cause = "friction that the drive must overcome before the axis reverses",
+      .tells_apart = "in readings on the fly, grows for a moment after each reversal, then settles; absent at rest",
       .check =
-          "watch the current of the drive as the axis creeps through a reversal: twice the friction is its step; look "
-          "at lubrication, wipers, gibs and the friction compensation of the control",
+          "watch the current of the drive as the axis creeps through a reversal: its step is twice the friction; check "
+          "lubrication, wipers, gibs and the friction compensation of the control",
       .headline =
           "{where}, read on the fly, staying {c_um} behind after each reversal for {stands_ms} until friction is "
           "overcome",
-      .parameters = {{"c_um", "um",
-                      "how far it stays behind at most, at 10 mm/s^2; below 0: friction is compensated too much"},
-                     {"slower_um", "um", "part of it that settles slowly rather than fast"},
-                     {"late_um", "um", "lost motion of the axis, which comes when it moves: that of backlash"},
-                     {"stands_ms", "ms", "time that it stands after a reversal at 10 mm/s^2", Coding::searched}},
+      .parameters = {{"c_um", "um", "largest lag at 10 mm/s^2; below 0: friction is overcompensated"},
+                     {"slower_um", "um", "part of the lag that settles slowly"},
+                     {"late_um", "um", "lost motion that appears when the axis moves, as for backlash"},
+                     {"stands_ms", "ms", "standstill time after a reversal at 10 mm/s^2", Coding::searched}},
       .carrier = Carrier::none,
       .how = "the unit does not know the force; friction compensation of the control",
       .separated_by = {45, "Repeat the circle with readings three times as close, at the same and at twice the feed."},

@@ -11,11 +11,12 @@ EffectDefinition load() {
       .cause = "mass of the workpiece or of a moving part",
       .tells_apart = "changes with the load alone",
       .check =
-          "repeat a line with and without the workpiece; look at the counterbalance and at what bends under the mass",
+          "repeat a line with and without the workpiece; check the counterbalance and the parts that bend under the "
+          "mass",
       .headline = "{where} moved by the load, {sizes}",
       .parameters = {{"um_per_kg", "um/kg", "shift"}, {"um_per_kg_m", "um/kg/m", "change of slope"}},
       .carrier = Carrier::none,
-      .how = "the unit does not know the load; measure at the load that is used",
+      .how = "the unit does not know the load; measure at the working load",
       .separated_by = {70, "Repeat the {axis} line unloaded and with the full load."},
       .traits = {.of_condition = true, .shows_at_zero = true},
       .place = Place::sense,

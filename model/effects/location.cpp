@@ -39,21 +39,21 @@ EffectDefinition location() {
       .id = "location",
       .title = "Location error of a rotary axis",
       .formula = "XOC, YOC, AOC, BOC, COC through the chain",
-      .cause = "axis line of a rotary axis not where, or not as square, as the control takes it to be",
+      .cause = "axis line of a rotary axis not at the position or squareness assumed by the control",
       .tells_apart =
-          "the same at all angles of its axis in the directions of the part that does not turn; a ball that is off its "
-          "place turns with the workpiece",
+          "the same at all angles of its axis in the directions of the part that does not turn; a displaced ball turns "
+          "with the workpiece",
       .check =
           "compare the pivot and the offsets of the rotary axis among the machine data of the control with a ball or a "
           "test bar: turn the axis by 180 degrees and halve the difference",
       .headline = "Axis line of {axis} off by {um} ({code})",
-      .parameters = {{"um", "um", "place of the axis line; of AO., BO., CO. its direction or zero, um_per_m"}},
+      .parameters = {{"um", "um", "position of the axis line; for AO., BO., CO. its direction or zero, um_per_m"}},
       .carrier = Carrier::none,
-      .how = "machine data of the control: the place and direction of the rotary axis; the unit has X, Y and Z",
+      .how = "machine data of the control: position and direction of the rotary axis; the unit has X, Y and Z",
       .separated_by = {54,
                        "Measure the ball again over the whole turn of {axis} at another angle of the other rotary "
-                       "axis; turn the spindle by 180 degrees between two readings to know the zero of the probe. Then "
-                       "measure the ball at another radius and height."},
+                       "axis; turn the spindle by 180 degrees between two readings to determine the zero of the probe. "
+                       "Then measure the ball at another radius and height."},
       .traits = {.one_per_axis = true, .on_rotary_axes = true},
       .place = Place::location,
       .preference = -10,

@@ -17,7 +17,7 @@ EffectDefinition map_direction_swap() {
           "unit",
       .headline = "{map} applied with forward and reverse tables exchanged",
       .carrier = Carrier::parameters,
-      .how = "a setting of the unit: put it right and measure again",
+      .how = "a setting of the unit: correct it and measure again",
       .separated_by = separations::kCompensationOff,
       .traits = {.fixed_size = true, .of_approach = true},
       .place = Place::map,

@@ -44,7 +44,7 @@ EffectDefinition map_shift() {
       .formula = "map(p + delta) - map(p)",
       .cause = "datum of the map and of the machine differ",
       .tells_apart = "has the shape of the map's own slope",
-      .check = "take the axis to its datum and compare the position of the unit with that of the control",
+      .check = "move the axis to its datum and compare the position of the unit with that of the control",
       .headline = "{map} applied {shift_mm} off its place",
       .parameters = {{"shift_mm", "mm", "shift", Coding::searched}},
       .carrier = Carrier::parameters,

@@ -11,7 +11,7 @@ EffectDefinition offset() {
       .formula = "c",
       .cause = "datum or laser zero shifted",
       .tells_apart = "the same everywhere and always",
-      .check = "see where the readout was set to zero, and whether the datum switch repeats",
+      .check = "check where the readout was set to zero, and the repeatability of the datum switch",
       .headline = "{where} all shifted by {um}",
       .parameters = {{"um", "um", "shift"}},
       .carrier = Carrier::error_map,

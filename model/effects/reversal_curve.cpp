@@ -12,8 +12,8 @@ EffectDefinition reversal_curve() {
       .cause = "lost motion that varies along the axis: worn nut, screw sag",
       .tells_apart = "forward and reverse curves drift apart along the axis",
       .check =
-          "measure the reversal with a dial gauge at both ends and in the middle; look for wear of the nut's preload "
-          "and for a long unsupported screw",
+          "measure the reversal with a dial gauge at both ends and in the middle; check for wear of the nut, loss of "
+          "preload and a long unsupported screw",
       .headline = "{where} with a lost motion that varies along the travel, {rms_um}",
       .parameters = {{"rms_um", "um", "size of the curve", Coding::size_of_curve}},
       .carrier = Carrier::error_map,

@@ -47,11 +47,11 @@ EffectDefinition reversal_spike() {
       .title = "Reversal spike",
       .formula = "c d exp(-u/u0), u = travel since reversal",
       .cause = "stick-slip, wind-up of the screw",
-      .tells_apart = "dies away with the travel since the last reversal",
+      .tells_apart = "decays with the travel since the last reversal",
       .check =
-          "creep through a reversal with a dial gauge and watch for a jump; look at lubrication, wipers, gibs and "
-          "screw bearings",
-      .headline = "{where} with a spike of {c_um} after each reversal, a third of it left after {u0_mm}",
+          "creep through a reversal with a dial gauge and watch for a jump; check lubrication, wipers, gibs and screw "
+          "bearings",
+      .headline = "{where} with a spike of {c_um} after each reversal, decayed to a third after {u0_mm}",
       .parameters = {{"c_um", "um", "size at the reversal"},
                      {"u0_mm", "mm", "travel over which it decays", Coding::searched}},
       .carrier = Carrier::none,

@@ -12,8 +12,8 @@ EffectDefinition scale() {
       .cause = "screw lead or scale factor wrong",
       .tells_apart = "grows with position; constant in time and temperature",
       .check =
-          "compare the scale factor of the control, the expansion coefficient and the material's temperature entered "
-          "at the laser with what they are",
+          "check the scale factor of the control, and the expansion coefficient and material temperature entered at "
+          "the laser",
       .headline = "{where} with a {slope} of {um_per_m}",
       .parameters = {{"um_per_m", "um/m", "slope"}},
       .carrier = Carrier::error_map,

@@ -7,7 +7,7 @@
 namespace ecs::model::separations {
 
 inline constexpr SeparatingMeasurement kCompensationOff{
-    10, "Repeat the same line with compensation switched off (compensated = 0): a fault of the map goes with the map."};
+    10, "Repeat the same line with compensation switched off (compensated = 0): a fault of the map disappears."};
 inline constexpr SeparatingMeasurement kOtherPressure{
     20, "Repeat the {axis} line on a day with another air pressure (10 hPa or more apart), air temperature noted."};
 inline constexpr SeparatingMeasurement kOtherTemperature{

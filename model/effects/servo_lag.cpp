@@ -11,8 +11,8 @@ EffectDefinition servo_lag() {
       .cause = "readings taken on the fly lag behind",
       .tells_apart = "changes sign with the approach and grows with the feed",
       .check =
-          "read the following error of the drive at two feeds, or repeat with a dwell before each reading: at rest it "
-          "is gone",
+          "read the following error of the drive at two feeds, or repeat with a dwell before each reading: it is "
+          "absent at rest",
       .headline = "{where} read on the fly with a following error of {um_per_m_min}",
       .parameters = {{"um_per_m_min", "um/(m/min)", "lag"}},
       .carrier = Carrier::set_up,

@@ -43,17 +43,17 @@ EffectDefinition set_up_rotation() {
       .title = "Turned set-up",
       .formula = "EC: EX -c y, EY +c x; EA, EB cyclically",
       .cause = "plate, artefact or straight edge set up turned, not parallel to the axes",
-      .tells_apart = "two directions lean equally and oppositely; changes with the set-up, not with the machine",
+      .tells_apart = "two directions lean equally and oppositely; changes with the set-up",
       .check =
-          "take a dial gauge along the reference edge of the artefact, or turn the artefact by 180 degrees and measure "
+          "move a dial gauge along the reference edge of the artefact, or turn the artefact by 180 degrees and measure "
           "again",
       .headline = "Set-up turned about {turn} by {um_per_m}",
       .parameters = {{"um_per_m", "um/m", "angle"}},
       .carrier = Carrier::set_up,
-      .how = "an error of the measurement: align the artefact, or take the rotation out of its readings",
+      .how = "an error of the measurement: align the artefact, or remove the rotation from its readings",
       .separated_by = {55,
-                       "Take the plate, artefact or straight edge off, set it up again and repeat with column set_up = "
-                       "2: a rotation of the set-up changes, an error of the machine stays."},
+                       "Remove the plate, artefact or straight edge, set it up again and repeat with column set_up = "
+                       "2: a rotation of the set-up changes, an error of the machine does not."},
       .traits = {.until_new_set_up = true, .of_measurement = true},
       .place = Place::set_up,
       .preference = 90,

@@ -12,7 +12,7 @@ EffectDefinition squareness() {
       .formula = "linear in another axis",
       .cause = "two axes not square to each other",
       .tells_apart = "one direction leans in proportion to the position of another axis",
-      .check = "hold a granite square against both axes, or measure both diagonals of a square of equal travels",
+      .check = "set a granite square against both axes, or measure both diagonals of a square of equal travels",
       .headline = "{pair} out of square by {um_per_m}",
       .parameters = {{"um_per_m", "um/m", "angle"}},
       .carrier = Carrier::parameters,

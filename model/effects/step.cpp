@@ -36,10 +36,10 @@ EffectDefinition step() {
       .cause = "joint between two pieces of scale, damaged screw",
       .tells_apart = "a jump at one place, level on both sides",
       .check =
-          "look at that place for a joint of the scale or rack, a chip on the scale or a damaged track of the screw",
+          "inspect that position for a joint of the scale or rack, a chip on the scale or a damaged track of the screw",
       .headline = "{where} with a step of {height_um}, {position_mm} from the datum",
       .parameters = {{"height_um", "um", "jump"},
-                     {"position_mm", "mm", "place of the jump, from the datum", Coding::searched}},
+                     {"position_mm", "mm", "position of the jump from the datum", Coding::searched}},
       .carrier = Carrier::error_map,
       .how = "a table of the error map",
       .separated_by = {110, "Measure {axis} in fine steps across the jump, both ways.", false},

@@ -48,8 +48,8 @@ EffectDefinition thermal_bend() {
       .cause = "column or bed bent by a temperature difference between its sides",
       .tells_apart = "a parabola across the axis that follows the difference of two sensors",
       .check =
-          "touch or measure both sides of the column or bed for motors, coolant, sun or draught; put a level on it "
-          "while they change",
+          "measure the temperature of both sides of the column or bed and check for motors, coolant, sun or draught; "
+          "mount a level on it while they change",
       .headline = "{where} bent by {um_per_m2_degC} between {sensor} and {sensor2}",
       .parameters = {{"um_per_m2_degC", "um/m2/degC", "bending"}},
       .carrier = Carrier::none,

@@ -12,9 +12,7 @@ EffectDefinition thermal_drift() {
       .formula = "c (T - T0)",
       .cause = "spindle or column grows with temperature",
       .tells_apart = "the same at every position; follows one sensor",
-      .check =
-          "run the spindle or the heat source with the axes standing still and watch the drift with a gauge at the "
-          "tool",
+      .check = "run the spindle or the heat source with the axes at rest and watch the drift with a gauge at the tool",
       .headline = "{where} all drifting by {um_per_degC} with the temperature at {sensor}",
       .parameters = {{"um_per_degC", "um/degC", "growth"}},
       .carrier = Carrier::none,

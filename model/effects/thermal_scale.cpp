@@ -13,7 +13,7 @@ EffectDefinition thermal_scale() {
       .cause = "screw or scale expands with temperature",
       .tells_apart = "a slope that follows the material's temperature",
       .check =
-          "compare the temperature of screw or scale with the sensor that stands for the material, and its coefficient "
+          "compare the temperature of screw or scale with the sensor used for the material, and check its coefficient "
           "in the machine file",
       .headline = "{where} with an expansion of {um_per_m_degC} with the material's temperature",
       .parameters = {{"um_per_m_degC", "um/m/degC", "expansion"}},

@@ -12,7 +12,7 @@ EffectDefinition time_drift() {
       .cause = "laser head or fixture creeps",
       .tells_apart = "steady in time, whatever the position",
       .check =
-          "leave the axis standing and watch the laser for the length of a run; let its head warm up, shield the beam, "
+          "keep the axis at rest and watch the laser for the length of a run; let its head warm up, shield the beam, "
           "tighten fixtures",
       .headline = "{where} all drifting in time by {um_per_h}",
       .parameters = {{"um_per_h", "um/h", "rate"}},

@@ -12,7 +12,7 @@ EffectDefinition user() {
       .formula = "formulas of the model file",
       .cause = "as the user says",
       .tells_apart = "as the user says",
-      .check = "what the formula stands for",
+      .check = "check the cause described by the formula",
       .headline = "{name} as the model file writes it, {sizes}",
       .how = "only effects of the library compile into a map",
       .separated_by = separations::kFinerTargets,

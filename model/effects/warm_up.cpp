@@ -49,7 +49,8 @@ EffectDefinition warm_up() {
       .cause = "self-heating without a sensor",
       .tells_apart = "fast at first, then it levels off",
       .check =
-          "switch on from cold, leave the axis standing and watch the drift; give the nearest source of heat a sensor",
+          "switch on from cold, keep the axis at rest and watch the drift; mount a sensor at the nearest source of "
+          "heat",
       .headline = "{where} drifting as the machine warms up, towards {sizes} with a time constant of {tau_s}",
       .parameters = {{"tau_s", "s", "time constant", Coding::searched},
                      {"c_um", "um", "final shift"},

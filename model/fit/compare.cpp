@@ -199,7 +199,7 @@ Result<Breakdown> breakdown_at(const Model& fitted, const std::optional<params::
     breakdown.total_um += value.front();
     if (value.front() == 0.0)
       breakdown.notes.push_back(
-          fmt::format("{}: gives nothing here, or the query lacks what it needs", to_text(effect)));
+          fmt::format("{}: no contribution here, or the query lacks a quantity that it needs", to_text(effect)));
   }
   return breakdown;
 }

@@ -79,11 +79,10 @@ std::vector<Problem> undetermined_beside_others(const Model& fitted,
     });
     if (outside.empty()) continue;
     problems.push_back(
-        problem(
-            ProblemKind::refused,
-            fmt::format("{}: the readings that the model was fitted to cannot tell it from {}, which no map carries; "
-                        "measure what separates them (ecs model next), or remove one of them and fit again",
-                        to_text(*effect), fmt::join(outside, ", ")))
+        problem(ProblemKind::refused,
+                fmt::format("{}: the fitted readings cannot distinguish it from {}, which no map can compensate; make "
+                            "the measurement that separates them (ecs model next), or remove one of them and fit again",
+                            to_text(*effect), fmt::join(outside, ", ")))
             .value());
   }
   return problems;
@@ -112,7 +111,7 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
   std::vector<const EffectInstance*> carried;
   for (const EffectInstance& effect : fitted.effects) {
     if (effect.undetermined && effect.undetermined->empty()) {
-      out.not_carried.push_back(fmt::format("{}: the readings that it was fitted to do not show it", to_text(effect)));
+      out.not_carried.push_back(fmt::format("{}: the fitted readings do not show it", to_text(effect)));
       continue;
     }
     const auto component = table_of_effect(effect);

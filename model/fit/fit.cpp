@@ -348,7 +348,7 @@ void name_undetermined(const Assembly& assembly, const CoreFit& core, Fit& fit) 
     if (!dependent && core.sizes(static_cast<Index>(column)) != 0.0) continue;
     std::string text = to_text(assembly.slots[s].effect);
     text += others.empty() ? ": these data do not show it"
-                           : fmt::format(" cannot be told from {}", fmt::join(others, ", "));
+                           : fmt::format(" cannot be distinguished from {}", fmt::join(others, ", "));
     if (std::ranges::find(fit.undetermined, text) == fit.undetermined.end()) fit.undetermined.push_back(text);
   }
 }
@@ -426,8 +426,8 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
                                       slot.acting.lacking));
     if (!slot.at_limit.empty())
       fit.notes.push_back(fmt::format(
-          "{}: {} is at the limit of its physical range, {:g}{}{}. The readings ask for a size "
-          "beyond it: that part has another cause",
+          "{}: {} is at the limit of its physical range, {:g}{}{}. The readings require a value beyond it: that part "
+          "has another cause",
           to_text(slot.effect), fit.effects[s].parameters.front().name, fit.effects[s].parameters.front().value,
           fit.effects[s].parameters.front().unit.empty() ? "" : " ", fit.effects[s].parameters.front().unit));
     if (slot.acting.rows.empty() && slot.acting.skipped == 0)

@@ -220,7 +220,7 @@ std::string why_not(const OpenGroup& group, const Separations& separations, std:
   const std::string names = fmt::format("{}", fmt::join(group.names, ", "));
   if (apart < kSeparates && seen >= kSeparates)
     return fmt::format(
-        "no run can separate {}: on every line, at every condition that could be set they contribute alike; look at "
+        "no run can separate {}: they contribute equally on every line and at every condition that can be set; check "
         "the cause itself (a setting, a level, a square)",
         names);
   if (apart < kSeparates)
@@ -228,8 +228,8 @@ std::string why_not(const OpenGroup& group, const Separations& separations, std:
                        names, std::max(apart, seen));
   const std::vector<EffectInstance> others(group.rivals.begin() + 1, group.rivals.end());
   return fmt::format(
-      "no single run of up to five repeats is sure to tell one of {} from another; the most that any would do is "
-      "{:.1f} sigma, for some of them. {}",
+      "no single run of up to five repeats is certain to distinguish between {}; the best run achieves {:.1f} sigma, "
+      "for some of them. {}",
       names, apart, separating_measurement(group.rivals.front(), others));
 }
 
@@ -241,11 +241,11 @@ bool can_be_foretold(const EffectInstance& effect, const WithProposals& all, Nex
     known = known && follows != all.extras_follow.end();
     std::string note = fmt::format("{} reads column {}", to_text(effect), column);
     if (follows == all.extras_follow.end())
-      note += ": what a new run would have in it is not known, so no run is weighed by it";
+      note += ": its value in a new run is not known, so runs are not ranked by it";
     else if (follows->second.empty())
-      note += ", which is constant in these data: a new run is taken to have the same value";
+      note += ", which is constant in these data: a new run is assumed to have the same value";
     else
-      note += fmt::format(", which follows {} in these data: a new run is taken to do so too", follows->second);
+      note += fmt::format(", which follows {} in these data: a new run is assumed to do the same", follows->second);
     if (std::ranges::find(next.notes, note) == next.notes.end()) next.notes.push_back(std::move(note));
   }
   return known;
@@ -302,7 +302,8 @@ Result<void> ask_group_by(NextMeasurement& next, const Setting& in, OpenGroup gr
   if (next.proposals.empty())
     next.notes.push_back(why_not(group, separations, options.size()));
   else if (next.proposals.front().separation_sigma < kSeparates)
-    next.notes.push_back(fmt::format("no run of up to five repeats reaches {:.0f} sigma; these do most", kSeparates));
+    next.notes.push_back(
+        fmt::format("no run of up to five repeats reaches {:.0f} sigma; these are the best", kSeparates));
   return {};
 }
 
@@ -351,10 +352,9 @@ Result<void> ask_structure(NextMeasurement& next, const Setting& in, const Diagn
     explanations.push_back(depends_on(dependence, all.data));
     names.push_back(dependence.variable);
   }
-  next.notes.push_back(
-      fmt::format("no effect of the library explains what is left; it depends on {}, and the run is to show whether it "
-                  "does so again",
-                  fmt::join(next.rivals, " or ")));
+  next.notes.push_back(fmt::format(
+      "no effect of the library explains the residual, which depends on {}; the run shows whether it does so again",
+      fmt::join(next.rivals, " or ")));
   // a bad run or an hour of drift foretells nothing: only a repetition shows whether it comes back
   const bool foretold = !diagnosis.where.empty() && says_what_comes(diagnosis.where.front().variable);
   if (foretold) {
@@ -369,7 +369,7 @@ Result<void> ask_structure(NextMeasurement& next, const Setting& in, const Diagn
 
 /// Readings that do not tell whether anything is missing: the same again.
 void ask_again(NextMeasurement& next, const Setting& in, const Diagnosis& diagnosis) {
-  next.notes.push_back(fmt::format("these data cannot tell whether anything is missing: {}", diagnosis.cannot_tell));
+  next.notes.push_back(fmt::format("these data cannot show whether an effect is missing: {}", diagnosis.cannot_tell));
   take_repetition(next, in);
 }
 
@@ -384,19 +384,18 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
   const std::vector<Explanation> unseen = unseen_causes(belief, all, regressors, in.model, kMostUnseen);
   const double noise_um = belief.noise.pure.noise_um;
   if (unseen.empty()) {
-    next.notes.push_back(
-        fmt::format("nothing to separate: any cause of one size as large as the noise of one reading ({:.2g} {}) would "
-                    "have been seen",
-                    noise_um, part.reading_unit()));
+    next.notes.push_back(fmt::format(
+        "no causes to separate: any cause as large as the noise of one reading ({:.2g} {}) would have been detected",
+        noise_um, part.reading_unit()));
     return {};
   }
   std::vector<std::string> names;
   for (const Explanation& one : unseen) names.push_back(one.name);
   next.rivals = names;
   next.notes.push_back(
-      fmt::format("{} these could be there unseen, as large as the noise of one reading ({:.2g} {}): {}",
-                  few ? "too few readings to say whether anything is missing;" : "the model is adequate, but", noise_um,
-                  part.reading_unit(), fmt::join(names, ", ")));
+      fmt::format("{} these could be present but undetected, as large as the noise of one reading ({:.2g} {}): {}",
+                  few ? "too few readings to decide whether an effect is missing;" : "the model is adequate, but",
+                  noise_um, part.reading_unit(), fmt::join(names, ", ")));
   const bool zero_matters = true;
   const Separations separations(all, options, belief, unseen, zero_matters);
   take_proposals(next, weighed(options, separations, names, Question::see, in.times), Question::see);
@@ -416,9 +415,9 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
          candidate.e_value.value_or(0.0) < kProved ||
          std::ranges::any_of(candidate.parameters, [](const ParameterEstimate& one) { return one.undetermined; })))
       return std::nullopt;
-  return "Nothing is in doubt that a measurement could settle: what is named is proved, and nothing else of the "
-         "library fits these data as well. Add it to the model, compensate, and measure the same lines again." +
-         (diagnosis.reservation.empty() ? "" : " What these data cannot show: " + diagnosis.reservation);
+  return "No further measurement is needed: the named cause is proved, and no other effect of the library fits these "
+         "data as well. Add it to the model, compensate, and measure the same lines again." +
+         (diagnosis.reservation.empty() ? "" : " These data cannot show: " + diagnosis.reservation);
 }
 
 NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis,
@@ -442,12 +441,12 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
                                  const MeasuringTimes& times) {
   NextMeasurement next;
   if (data.size() == 0) {
-    next.notes.emplace_back("no readings: nothing to go on from");
+    next.notes.emplace_back("no readings: no basis for a proposal");
     return next;
   }
   if (data.rotary) {
     next.notes.emplace_back(
-        "plans are of linear axes; of a rotary axis measure the turn again both ways, at targets of another step");
+        "plans cover linear axes only; for a rotary axis measure the turn again both ways, at targets of another step");
     return next;
   }
   MeasuringTimes own = times;
@@ -455,8 +454,8 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
   const Observations present = own.ball_bar ? data : without_paths(data);
   if (present.size() == 0) {
     next.notes.emplace_back(
-        "plans are of lines along one axis and of circles, and these readings are of diagonals: measure a line along "
-        "each axis of the volume and give both files together");
+        "plans cover lines along one axis and circles, but these readings are of diagonals: measure a line along each "
+        "axis of the volume and give both files together");
     return next;
   }
   const Setting setting{model, present, own};

@@ -141,7 +141,7 @@ class ProgramWriter {
       if (limited(first - d * plan_.overrun_mm) == first)
         note(fmt::format("no room before {}: its first reading has the approach of the way there", word(first)));
     }
-    for (const double target : left_out_) note(fmt::format("target {} left out: beyond the travel", word(target)));
+    for (const double target : left_out_) note(fmt::format("target {} omitted: beyond the travel", word(target)));
     note("check that the optics clear every motion before starting");
   }
 
@@ -252,7 +252,7 @@ std::string part_program(const MeasurementProposal& proposal, const params::Mach
 
 laser::MeasurementSet target_set(const MeasurementProposal& proposal) {
   laser::MeasurementSet set;
-  set.metadata = {{"content", "target list: to be measured, every reading is 0 until then"},
+  set.metadata = {{"content", "target list to be measured; every reading is 0 until then"},
                   {"condition", proposal.condition}};
   for (const Stop& stop : stops_of(proposal)) {
     set.readings.push_back(row_of(proposal, stop));

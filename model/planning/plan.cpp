@@ -214,8 +214,8 @@ class PlanJudge {
       if (std::ranges::find(others, owner) == others.end()) others.push_back(owner);
     }
     check.undetermined.push_back(
-        others.empty() ? fmt::format("{}: nothing in the plan depends on its {}", to_text(slot.effect), parameter)
-                       : fmt::format("{}: its {} cannot be told from {}", to_text(slot.effect), parameter,
+        others.empty() ? fmt::format("{}: no reading of the plan depends on its {}", to_text(slot.effect), parameter)
+                       : fmt::format("{}: its {} cannot be distinguished from {}", to_text(slot.effect), parameter,
                                      fmt::join(others, ", ")));
   }
 

@@ -84,7 +84,7 @@ std::string what_it_tells(const MeasurementProposal& p, Question question) {
     return fmt::format("shows {}, as large as the noise: {:.1f} sigma, {}", listed(apart), p.separation_sigma, minutes);
   if (question == Question::confirm) return fmt::format("confirms {}: {:.1f} sigma, {}", listed(apart), least, minutes);
   if (apart.empty()) return fmt::format("rules out one of the group: {:.1f} sigma, {}", p.separation_sigma, minutes);
-  std::string text = fmt::format("tells {}: {:.1f} sigma, {}", listed(apart), least, minutes);
+  std::string text = fmt::format("distinguishes {}: {:.1f} sigma, {}", listed(apart), least, minutes);
   if (!together.empty()) text += fmt::format("; not {}", listed(together));
   return text;
 }
@@ -116,7 +116,7 @@ std::string sentence_of(const MeasurementProposal& p) {
   constexpr double kWorthSaying_mm = 0.1;
   if (const double off_mm = off_equal_steps_mm(p.targets_mm); off_mm > kWorthSaying_mm)
     text += fmt::format(
-        "; the targets lie up to {:.1f} mm off equal steps, so that no short period passes for a long one", off_mm);
+        "; the targets lie up to {:.1f} mm off equal steps, so that no short period appears as a long one", off_mm);
   return text + ".";
 }
 

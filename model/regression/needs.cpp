@@ -165,9 +165,10 @@ void add_tied_to_runs(const Observations& data, std::vector<std::string>& notes)
     }
   }
   for (const auto& [columns, effects] : effects_of)
-    notes.push_back(fmt::format(
-        "{} changes only from run to run, with fewer than {} levels: {} cannot be told from the offset of a run",
-        columns, kFewestLevels, fmt::join(effects, " and ")));
+    notes.push_back(
+        fmt::format("{} changes only from run to run, with fewer than {} levels: {} cannot be distinguished from the "
+                    "offset of a run",
+                    columns, kFewestLevels, fmt::join(effects, " and ")));
 }
 
 }  // namespace
@@ -207,7 +208,7 @@ std::vector<std::string> untried_effects(const Observations& all) {
     note(data, facts.what, concerned, notes);
   }
   if (data.time_s.empty() && data.size() > 0)
-    notes.emplace_back("no time_s: the order of the rows serves as time in the tests of what is left (row)");
+    notes.emplace_back("no time_s: the tests of the residual use the order of the rows as time (row)");
   add_tied_to_runs(data, notes);
   if (std::ranges::all_of(data.approach, [](int d) { return d == 0; }))
     notes.emplace_back("no approach: effects of approach cannot be tried");
