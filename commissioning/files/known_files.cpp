@@ -48,7 +48,7 @@ FileLook look_at_measurements(const fs::path& path) {
   else if (!file.format.empty())
     look.what = file.format + ": no readings";
   else
-    look.what = file.wants_answers ? "does not say enough: take it, then Enter answers" : "not read";
+    look.what = file.wants_answers ? "incomplete: select it, then press Enter to add data" : "not read";
   return look;
 }
 
@@ -63,7 +63,7 @@ FileLook looked_at(const fs::path& path) {
   }
   std::error_code fault;
   if (fs::file_size(path, fault) > kMostLookedAt)
-    return {FileKind::measurements, "large: read when it is chosen", false, {}};
+    return {FileKind::measurements, "large: read when selected", false, {}};
   look = look_at_measurements(path);
   if (look.kind != FileKind::other || beginning.find('\0') == std::string::npos) return look;
   if (read_dump(path)) return {FileKind::memory, "memory image", false, {}};

@@ -71,12 +71,12 @@ void LaserController::open_map(const std::string& file) {
     if (std::filesystem::exists(beside, error)) c.params_file = beside;
   });
   message_.say(choices().params_file.empty()
-                   ? "map opened; p takes the parameters of the unit, step 8 sends both"
+                   ? "map opened; press p to choose the parameters of the unit; step 8 sends both"
                    : fmt::format("map opened, with the parameters {}; step 8 sends both", choices().params_file));
 }
 
-void LaserController::undo() { stepped("taken back: ", edited_.undo(), "nothing to undo"); }
-void LaserController::redo() { stepped("done again: ", edited_.redo(), "nothing to do again"); }
+void LaserController::undo() { stepped("undone: ", edited_.undo(), "nothing to undo"); }
+void LaserController::redo() { stepped("redone: ", edited_.redo(), "nothing to redo"); }
 
 void LaserController::stepped(const char* how, const std::optional<std::string>& what, const char* nothing) {
   if (!what) return message_.say(nothing, Tone::warning);
@@ -97,7 +97,7 @@ void LaserController::keep() {
 void LaserController::take_up_offered() {
   if (!offered_) return;
   edited_.take_up(choices_in(offered_->text).value_or(LaserChoices{}), {});
-  message_.say("taken up: work of " + offered_->kept);
+  message_.say("restored: work of " + offered_->kept);
   warn_of_newer_files(offered_->kept);
   offered_.reset();
   changed_ = true;
@@ -131,7 +131,7 @@ void LaserController::warn_of_newer_files(const std::string& than) {
     if (line.readings.empty()) continue;
     for (const LaserFileChoice& file : choices().files)
       if (written_at(file.path) > than) {
-        message_.say(fmt::format("{} was written after readings were left out: look at step 3 again", file.path),
+        message_.say(fmt::format("{} was written after readings were excluded: check step 3 again", file.path),
                      Tone::warning);
         return;
       }
@@ -153,7 +153,7 @@ void LaserController::work_out() {
   const auto work = [choices = choices(), before = work_](JobControl& control) {
     return worked_out(choices, before, control);
   };
-  working_out_.start("working out", work, [this](LaserWorkPtr done) {
+  working_out_.start("computing", work, [this](LaserWorkPtr done) {
     work_ = std::move(done);
     const auto& parameters = work_->map.parameters;
     mismatch_ = parameters ? mismatch_of(*parameters, work_->lines) : "";
@@ -229,7 +229,7 @@ bool LaserController::would_overwrite() const {
 
 bool LaserController::idle() {
   if (!task_.running()) return true;
-  message_.say(fmt::format("{}: wait, or Esc stops it", task_.label()), Tone::warning);
+  message_.say(fmt::format("{}: wait, or press Esc to stop", task_.label()), Tone::warning);
   return false;
 }
 
@@ -238,9 +238,9 @@ bool LaserController::can_save() {
   if (working())
     message_.say("The map is still being computed. Try again in a moment.", Tone::warning);
   else if (!work_->map.made)
-    message_.say("there is no map to save yet: step 6 says what is missing", Tone::bad);
+    message_.say("no map to save yet: step 6 lists the missing components", Tone::bad);
   else if (choices().map_file.empty())
-    message_.say("the map needs the name of a file", Tone::bad);
+    message_.say("enter a file name for the map", Tone::bad);
   else
     return true;
   return false;
@@ -338,9 +338,10 @@ void LaserController::take_sent(const SendAttempt& attempt, const ReadyMap& read
   }
   next_look_ = Clock::now() + kBetweenLooks;
   failed_ = ready;
-  after_failure_ = attempt.begun ? "The unit keeps the map it had until a new one is whole. As soon as it answers, it "
-                                   "is asked which map is active."
-                                 : "Nothing was sent: the unit keeps the map it had.";
+  after_failure_ =
+      attempt.begun
+          ? "The unit keeps its old map until a new one is complete. As soon as it answers, the active map is checked."
+          : "Not sent: the unit keeps its old map.";
   say_failed("not sent", attempt.sent.error());
 }
 
@@ -348,7 +349,7 @@ void LaserController::look_after_failure() {
   if (!failed_ || task_.running() || Clock::now() < next_look_ || !unit_->snapshot().open) return;
   next_look_ = Clock::now() + kBetweenLooks;
   const auto work = [unit = unit_](JobControl& control) { return holding_of_unit(*unit, control); };
-  task_.start("looking at the unit", work, [this](const Result<UnitHolding>& holding) {
+  task_.start("reading the unit", work, [this](const Result<UnitHolding>& holding) {
     next_look_ = Clock::now() + kBetweenLooks;
     if (holding) take_active_after_failure(holding->check);
   });
@@ -357,13 +358,13 @@ void LaserController::look_after_failure() {
 void LaserController::take_active_after_failure(const std::optional<std::uint32_t>& active) {
   const std::string now = active ? fmt::format("block check {:08X}", *active) : "none";
   if (active && failed_ && *active == failed_->check)
-    after_failure_ = "The unit has taken the new map after all (" + now + "). Step 9 compares it byte by byte.";
+    after_failure_ = "The unit has accepted the new map (" + now + "). Step 9 compares it byte by byte.";
   else if (failed_ && active == failed_->active)
     after_failure_ =
-        active ? "The unit answers: the map it had before is still active and whole (" + now + "). Enter sends again."
-               : "The unit answers: it holds no map, as before. Enter sends again.";
+        active ? "The unit answers: the old map is still active and complete (" + now + "). Press Enter to send again."
+               : "The unit answers: it contains no map, as before. Press Enter to send again.";
   else
-    after_failure_ = "The unit answers; it holds another map than before (" + now + "). Enter sends again.";
+    after_failure_ = "The unit answers; its map has changed (" + now + "). Press Enter to send again.";
   message_.say(after_failure_, Tone::warning);
   failed_.reset();
 }
@@ -371,7 +372,7 @@ void LaserController::take_active_after_failure(const std::optional<std::uint32_
 void LaserController::verify() {
   if (!idle()) return;
   if (saved_file_.empty()) {
-    message_.say("there is nothing to compare with yet: step 8 saves and sends the map", Tone::warning);
+    message_.say("no map to compare with yet: save and send it in step 8", Tone::warning);
     return;
   }
   const auto work = [files = files_of_map(saved_file_), unit = unit_](JobControl& control) {
@@ -384,7 +385,7 @@ void LaserController::verify() {
         note_on_unit(*unit_, {"map", "verify", path_word(files.map), "--params", path_word(files.parameters)},
                      found_->verdict.same() ? 0 : 1);
         message_.say(
-            found_->verdict.same() ? "the unit holds this map and its parameters" : "the unit does not hold this map",
+            found_->verdict.same() ? "the unit contains this map and its parameters" : "this map is not in the unit",
             found_->verdict.same() ? Tone::good : Tone::bad);
       });
 }
@@ -392,9 +393,10 @@ void LaserController::verify() {
 bool LaserController::may_compensate() {
   if (!idle()) return false;
   if (!found_ && !sent_)
-    message_.say("not known which map the unit holds: Enter compares it with the file first", Tone::bad);
+    message_.say("the map in the unit is not known: press Enter to compare it with the file first", Tone::bad);
   else if (found_ && !found_->verdict.same())
-    message_.say("the unit does not hold the map of the file: step 8 sends it, then Enter compares again", Tone::bad);
+    message_.say("the map of the file is not in the unit: send it in step 8, then press Enter to compare again",
+                 Tone::bad);
   else
     return true;
   return false;
@@ -410,8 +412,8 @@ void LaserController::compensate() {
     if (!switched) return say_failed("compensation mode", switched.error());
     note_on_unit(*unit_, {"utility", "mode", "compensate", "--wait", "0"});
     message_.say(
-        "the unit watches: reference every axis at the control now; ECS UTILITY, DISPLAY ECS STATUS shows how far it "
-        "is (emulator: g there)");
+        "reference every axis at the control now; the unit is waiting. ECS UTILITY, DISPLAY ECS STATUS shows the "
+        "progress (emulator: press g there)");
   });
 }
 
@@ -433,7 +435,7 @@ void LaserController::take_verdict(const VerifiedMap& verified) {
 void LaserController::say_stale(const std::string& why) {
   stale_ = why;
   if (!message_.is_problem() || message_.text().empty())  // an error stays until the next action
-    message_.say("the unit has changed since it was compared: " + why + "; step 9, Enter compares again",
+    message_.say("the unit has changed since the comparison: " + why + "; press Enter in step 9 to compare again",
                  Tone::warning);
 }
 
@@ -457,7 +459,7 @@ void LaserController::watch_verdict() {
   if (!found_ || !stale_.empty() || task_.running() || looking_.running()) return;
   if (Clock::now() < next_verdict_look_ || !unit_->snapshot().open) return;
   const auto look = [unit = unit_](JobControl& control) { return holding_of_unit(*unit, control); };
-  looking_.start("looking at the unit", look, [this, comparison = comparison_](const Result<UnitHolding>& now) {
+  looking_.start("reading the unit", look, [this, comparison = comparison_](const Result<UnitHolding>& now) {
     next_verdict_look_ = Clock::now() + kBetweenUnitLooks;
     if (comparison != comparison_ || !now || !found_ || !stale_.empty()) return;
     if (const std::string why = changed_since(found_->holding, *now); !why.empty()) say_stale(why);

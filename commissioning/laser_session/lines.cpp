@@ -207,7 +207,7 @@ Part part_of(const LaserFile& file, const laser::Group& group, bool square, bool
   const auto corrected = file.choice.places.find(part.stated);
   if (corrected == file.choice.places.end()) return part;
   put_at(part, corrected->second);
-  part.note = fmt::format("place corrected to {}; {} says {}", corrected->second,
+  part.note = fmt::format("position corrected to {}; {} states {}", corrected->second,
                           std::filesystem::path(part.file).filename().string(), parked_text(group));
   return part;
 }
@@ -284,7 +284,7 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
   file.format = imported->format->title;
   file.format = file.format.substr(0, file.format.find(" ("));
   if (imported->set.readings.empty()) {
-    file.problem = "it holds no readings";
+    file.problem = "it contains no readings";
     return file;
   }
   file.position_known = take_places(*imported, answered);
@@ -335,7 +335,7 @@ std::string missing_place_of(const LaserLine& line) {
   if (line.place_unknown.empty()) return {};
   std::string axes;
   for (const Axis a : line.place_unknown) axes += fmt::format("{}{}", axes.empty() ? "" : " and ", letter_of(a));
-  return fmt::format("parked place of {} not in the file: taken as 0 until Enter tells it", axes);
+  return fmt::format("parked position of {} not in the file: 0 is assumed; press Enter to set it", axes);
 }
 
 std::string name_of_line(const LaserLine& line) {
@@ -382,9 +382,9 @@ const LaserLine* line_stated(const std::vector<LaserLine>& lines, const std::str
 tl::unexpected<Problem> no_such_line(const std::vector<LaserLine>& lines, const std::string& sought) {
   std::vector<std::string> keys;
   for (const LaserLine& line : lines) keys.push_back(fmt::format("\"{}\"", line.key));
-  return problem(ProblemKind::usage, fmt::format("--line: expected one of the lines that were measured, {}; found {}",
-                                                 fmt::join(keys, ", "),
-                                                 sought.empty() ? std::string("none") : fmt::format("\"{}\"", sought)));
+  return problem(ProblemKind::usage,
+                 fmt::format("--line: expected one of the measured lines, {}; found {}", fmt::join(keys, ", "),
+                             sought.empty() ? std::string("none") : fmt::format("\"{}\"", sought)));
 }
 
 /// What is left out must be there: else it is probably a typing error.
@@ -436,11 +436,11 @@ laser::MeasurementSet prepared_set(const LaserLine& line, const LaserLineChoice&
 
 cli::Fields<PrepareRequest> PrepareRequest::fields() {
   using R = PrepareRequest;
-  return {{"FILE", &R::files, "files that measured the line; joined", cli::Need::required},
-          {"--line", &R::line, "which line, where they hold several: \"EX along X at Y -1400, Z 0\""},
-          {"--place", &R::place, "where the other axes stood, where the files state it wrongly: y=-1400,z=0"},
-          {"--leave-out-run", &R::runs, "a run to leave out, with the reason: 3=vibration"},
-          {"--leave-out-reading", &R::readings, "a reading of the line to leave out, from 1: \"17=beam broken\""},
+  return {{"FILE", &R::files, "measurement files of the line; they are joined", cli::Need::required},
+          {"--line", &R::line, "line to use if the files contain several: \"EX along X at Y -1400, Z 0\""},
+          {"--place", &R::place, "position of the other axes, to correct the files: y=-1400,z=0"},
+          {"--leave-out-run", &R::runs, "run to exclude, with the reason: 3=vibration"},
+          {"--leave-out-reading", &R::readings, "reading of the line to exclude, counted from 1: \"17=beam broken\""},
           {"-o,--output", &R::output, "measurement CSV to write", cli::Is::output, cli::Need::required},
           &R::import};
 }

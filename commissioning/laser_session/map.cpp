@@ -400,7 +400,7 @@ void note_saved_map(const SavedMap& saved, const LaserChoices& choices, const st
     return;
   }
   if (saved.opened != saved.csv) {
-    note_remark("no command changes a map that was opened: this is what the screen made of it");
+    note_remark("no command changes an opened map: this is the map made by the screen");
     note_file(files.map, saved.csv);
   } else if (path_word(choices.opened_map) != path_word(files.map)) {
     NotedCommand copy;

@@ -64,7 +64,7 @@ LaserLineResult line_result(const LaserLine& line, const LaserLineChoice& choice
   result.panel = {title, fmt::format("{} [mm]", letter_of(line.group.axis)), y_label_of(line.group.sense), {}};
   const auto groups = laser::groups_of(result.chosen);
   if (groups.empty()) {
-    result.problem = "every reading is left out";
+    result.problem = "every reading is excluded";
     return result;
   }
   result.group = groups.front();

@@ -51,7 +51,7 @@ Result<fs::path> machine_or_sample(std::string_view machine) {
   if (!sample)
     return problem(
         ProblemKind::link,
-        "no link is given or stored, and the sample machine samples/mill/machine.toml of the bundled emulator is not "
+        "no link is given or stored, and the sample machine of the bundled emulator, samples/mill/machine.toml, is not "
         "found: give --link rtu:/dev/ttyUSB0:115200, --link tcp:HOST:PORT or --link emulator:machine.toml");
   return *sample;
 }
@@ -174,11 +174,11 @@ LinkForm::LinkForm(const LinkChoice& choice) {
 }
 
 std::vector<LinkField> LinkForm::fields(const std::vector<std::string>& ports) const {
-  std::vector<LinkField> rows{{"link", kKinds[static_cast<std::size_t>(kind_)], kKinds, "how the unit is reached"}};
+  std::vector<LinkField> rows{{"link", kKinds[static_cast<std::size_t>(kind_)], kKinds, "connection to the unit"}};
   switch (kind_) {
     case LinkKind::serial:
-      rows.push_back({"port", device_, ports, "the serial port; the list below shows those of this computer"});
-      rows.push_back({"baud", baud_, kBaudChoices, "as set in the unit; most have 115200 or 9600"});
+      rows.push_back({"port", device_, ports, "the serial port; the ports of this computer are listed below"});
+      rows.push_back({"baud", baud_, kBaudChoices, "as set in the unit; usually 115200 or 9600"});
       rows.push_back({"format", format_, kFormats, "data bits, parity (N none, E even, O odd), stop bits"});
       rows.push_back({"unit", unit_, {}, kUnitHelp});
       break;

@@ -120,22 +120,22 @@ std::optional<PortTrouble> trouble_with(const std::string& device) {
   const auto ports = serial_ports();
   switch (lock.error().failure) {
     case protocol::LinkFailure::no_such_port:
-      trouble.action =
-          ports.empty() ? std::string("this computer has no serial port now: plug the adapter in and look at `dmesg`")
-                        : fmt::format("ports there are: {}", fmt::join(ports, ", "));
+      trouble.action = ports.empty()
+                           ? std::string("this computer has no serial port now: plug in the adapter and check `dmesg`")
+                           : fmt::format("available ports: {}", fmt::join(ports, ", "));
       break;
     case protocol::LinkFailure::no_permission:
       trouble.action = way_to_permission(device);
       break;
     case protocol::LinkFailure::not_a_serial_port:
       trouble.action = ports.empty() ? std::string("give the name of a serial port, such as /dev/ttyUSB0")
-                                     : fmt::format("serial ports are: {}", fmt::join(ports, ", "));
+                                     : fmt::format("available serial ports: {}", fmt::join(ports, ", "));
       break;
     case protocol::LinkFailure::port_in_use:
-      trouble.action = "one program at a time can use a port";
+      trouble.action = "only one program at a time can use a port";
       break;
     default:
-      trouble.action = "look at `dmesg` for what the system says about this port";
+      trouble.action = "check the messages about this port in `dmesg`";
   }
   return trouble;
 }
@@ -194,7 +194,7 @@ bool judge_other_hosts(const UnitClient& client, Examination& work) {
   const auto foreign = client.link().statistics().foreign_replies;
   if (foreign == 0) return false;
   add(work, "another host", FindingState::problem, fmt::format("{} answers were to another host's requests", foreign),
-      "end the other program, or take it off the link: one host at a time may use it");
+      "end the other program or disconnect it: only one host at a time may use the link");
   return true;
 }
 
@@ -209,12 +209,13 @@ void judge_quality(UnitClient& client, Examination& work) {
   static_cast<void>(judge_other_hosts(client, work));
   if (s.stale_replies > 0)
     add(work, "late answers", FindingState::problem,
-        fmt::format("{} answers came after the request had been given up", s.stale_replies),
-        "look for a slow converter or network between here and the unit; lower the latency timer of a USB adapter");
+        fmt::format("{} answers came after the time-out of the request", s.stale_replies),
+        "check for a slow converter or network between this computer and the unit; lower the latency timer of a USB "
+        "adapter");
   if (s.crc_errors > 0)
     add(work, "disturbed", FindingState::problem, fmt::format("{} answers were garbled", s.crc_errors),
         client.link().address().is_serial() ? "check shield, ground and length of the cable, and the parity"
-                                            : "see that no other program listens at this port");
+                                            : "make sure that no other program listens at this port");
   if (s.timeouts > 0)
     add(work, "lost answers", FindingState::problem, fmt::format("{} requests had no answer", s.timeouts),
         "check plugs and cable");
@@ -309,11 +310,12 @@ bool echoes(const LinkAddress& address, Examination& work) {
     return true;
   }
   if (raw->received.empty())
-    add(work, "silence", FindingState::note, "not one byte came back",
-        "is the unit on, is the cable crossed (null modem), is it the right port?");
+    add(work, "silence", FindingState::note, "no byte was received",
+        "check that the unit is on, that the cable is crossed (null modem) and that the port is right");
   else
-    add(work, "noise", FindingState::note, fmt::format("{} bytes came back that are no answer", raw->received.size()),
-        "speed or parity are wrong, or another device is on this link");
+    add(work, "noise", FindingState::note,
+        fmt::format("{} bytes were received that are no answer", raw->received.size()),
+        "speed or parity is wrong, or another device is on this link");
   return false;
 }
 
@@ -330,7 +332,7 @@ void examine_serial(const LinkAddress& address, Examination& work) {
   if (work.cancelled || heard_another_host(address, work) || echoes(address, work)) return;
   if (other_unit_number(address, work) || other_speed(address, work) || work.cancelled) return;
   add(work, "unit", FindingState::problem, "no unit answers at any of the usual speeds, parities and unit numbers",
-      "check power and cable; see that no other program uses the link");
+      "check power and cable; make sure that no other program uses the link");
 }
 
 void examine_tcp(const LinkAddress& address, Examination& work) {
@@ -343,7 +345,7 @@ void examine_tcp(const LinkAddress& address, Examination& work) {
       "check host and port; `ping` the host; a firewall may be in between");
   const auto link = Link::open(address, {&work.cancelled, std::nullopt});
   if (!link) return;
-  add(work, "connection", FindingState::ok, "the connection is accepted, only the unit does not answer");
+  add(work, "connection", FindingState::ok, "the connection is accepted, but the unit does not answer");
   static_cast<void>(other_unit_number(address, work));
 }
 
@@ -416,7 +418,7 @@ DoctorFinding sample_finding() {
 }
 
 DoctorFinding gnuplot_finding() {
-  if (on_path("gnuplot")) return {"gnuplot", FindingState::ok, "gnuplot is there", {}};
+  if (on_path("gnuplot")) return {"gnuplot", FindingState::ok, "gnuplot is installed", {}};
   return {"gnuplot", FindingState::note, "gnuplot is not found: no plots as SVG or PNG",
           "install the package gnuplot-nox"};
 }
@@ -425,7 +427,8 @@ DoctorFinding terminal_finding() {
   const char* kind = std::getenv("TERM");
   if (::isatty(STDOUT_FILENO) == 1 && kind != nullptr && std::string_view(kind) != "dumb")
     return {"terminal", FindingState::ok, fmt::format("a terminal of kind {}", kind), {}};
-  return {"terminal", FindingState::note, "stdout is no terminal, or TERM is not set: no screens, no progress bar", {}};
+  return {
+      "terminal", FindingState::note, "stdout is not a terminal, or TERM is not set: no screens, no progress bar", {}};
 }
 
 }  // namespace

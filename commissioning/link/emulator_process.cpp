@@ -159,14 +159,14 @@ Result<void> EmulatorProcess::read_greeting() {
   std::string line;
   for (const auto end = Clock::now() + kStartLimit; line.find('\n') == std::string::npos;) {
     if (interrupted()) return failed("stopped while it started");
-    if (Clock::now() > end) return failed("it did not name its link within 15 s");
+    if (Clock::now() > end) return failed("it did not report its link within 15 s");
     pollfd readable{output_, POLLIN, 0};
     if (::poll(&readable, 1, 100) <= 0) continue;
     char piece[512];
     const ssize_t length = ::read(output_, piece, sizeof piece);
     if (length <= 0) {
       const std::string said = content_of(errors_);
-      return failed(said.empty() ? "it ended at once and said nothing" : said);
+      return failed(said.empty() ? "it ended at once without a message" : said);
     }
     line.append(piece, static_cast<std::size_t>(length));
   }
@@ -320,7 +320,7 @@ Result<Json> WorkshopClient::ask(const Json& request, const std::function<void(d
     if (!text && *cancelled_) return problem(ProblemKind::refused, "the work was stopped before its end");
     if (!text) return no_link("the workshop closed the connection before it answered");
     const Json answer = Json::parse(*text, nullptr, false);
-    if (!answer.is_object()) return no_link("the workshop answered something that is no JSON object");
+    if (!answer.is_object()) return no_link("the answer of the workshop is not a JSON object");
     if (answer.contains("progress")) {
       if (progress) progress(answer.value("progress", 0.0));
       continue;

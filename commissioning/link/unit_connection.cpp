@@ -103,7 +103,7 @@ UnitConnection::Turn::Turn(UnitConnection& connection, JobControl& control) : co
 }
 
 Problem UnitConnection::link_was_busy() {
-  return {ProblemKind::refused, "given up while other work had the link to the unit", {}, 0, 0, {}};
+  return {ProblemKind::refused, "cancelled while the link to the unit was in use", {}, 0, 0, {}};
 }
 
 UnitConnection::Turn::~Turn() {
@@ -201,10 +201,10 @@ Result<void> UnitConnection::same_unit(const std::optional<protocol::Identity>& 
     return tl::unexpected(now.error());
   }
   if (!shown || now->serial_number == shown->serial_number) return {};
-  const auto other =
-      problem(ProblemKind::refused, fmt::format("another unit answers on this link: {} in place of {}; nothing was "
-                                                "done. Look what it is and holds, then ask again",
-                                                now->serial_number, shown->serial_number));
+  const auto other = problem(ProblemKind::refused,
+                             fmt::format("another unit answers on this link: {} instead of {}; the command was not "
+                                         "carried out. Check this unit and its contents, then repeat the command",
+                                         now->serial_number, shown->serial_number));
   log_event(Tone::bad, other.value().message);
   close();  // whoever shows the unit takes it for a new link, and reads everything again
   next_try_ = {};

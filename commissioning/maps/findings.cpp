@@ -62,10 +62,11 @@ std::string completeness(const std::vector<laser::MapFinding>& findings) {
 
 std::string verdict_text(const std::vector<laser::MapFinding>& findings, bool of_two_machines) {
   if (of_two_machines)
-    return fmt::format("the map is {}, but `ecs map send` refuses it: map and parameters are of two machines\n",
-                       completeness(findings));
-  if (findings.empty()) return "nothing is missing: the map can be sent\n";
-  if (has_objections(findings)) return "the map is not complete: `ecs map send` will refuse it until this is mended\n";
+    return fmt::format(
+        "the map is {}, but `ecs map send` refuses it: map and parameters belong to different machines\n",
+        completeness(findings));
+  if (findings.empty()) return "the map is complete and can be sent\n";
+  if (has_objections(findings)) return "the map is not complete: `ecs map send` refuses it until this is corrected\n";
   return fmt::format("the map is {}: it can be sent, but read {} first\n", completeness(findings),
                      findings.size() == 1 ? "it" : "them");
 }
@@ -203,11 +204,11 @@ Cell squareness_cell(const std::vector<std::pair<Component, double>>& values, st
                      const std::string& params_out) {
   Cell cell = squareness_cell(values, "  ");
   if (values.empty()) return cell;
-  cell.text = (params_out.empty() ? fmt::format("squareness {}; without --params-out add these to the parameters by "
-                                                "hand:\n",
-                                                origin)
-                                  : fmt::format("squareness {}, in {}:\n", origin, params_out)) +
-              cell.text;
+  cell.text =
+      (params_out.empty()
+           ? fmt::format("squareness {}; without --params-out add these values to the parameters manually:\n", origin)
+           : fmt::format("squareness {}, in {}:\n", origin, params_out)) +
+      cell.text;
   return cell;
 }
 

@@ -75,7 +75,7 @@ void add_source(MapFromModel& built, Component component, const std::string& fil
   const auto bytes = read_file(file);
   const std::string name = std::filesystem::path(file).filename().string();
   if (!bytes) {
-    const std::string note = fmt::format("{} is not there any more: the header names it without its checksum", file);
+    const std::string note = fmt::format("{} no longer exists: the header lists it without its checksum", file);
     if (std::find(built.notes.begin(), built.notes.end(), note) == built.notes.end()) built.notes.push_back(note);
     return;
   }
@@ -102,7 +102,7 @@ void trace(MapFromModel& built, const Model& model, const std::vector<model::Own
     if (places.empty()) continue;
     const std::string name = to_text(effect);
     if (const std::string tied = name_with_alternatives(effect); tied != place_text(effect)) {
-      built.notes.push_back(tied + ": the data could not tell them apart");
+      built.notes.push_back(tied + ": the data could not distinguish them");
       built.compiled.map.header.processing.push_back(built.notes.back());
       const auto largest = built.compiled.largest.find(name);
       if (largest != built.compiled.largest.end() && !measurement_alternatives(effect).empty())
@@ -123,7 +123,7 @@ void trace(MapFromModel& built, const Model& model, const std::vector<model::Own
   }
   if (!untraced.empty())
     built.notes.push_back(fmt::format(
-        "{}: the model does not say which data they were fitted to; `ecs model fit -o` and `ecs model add` keep that",
+        "{}: the model does not state the data of its fit; `ecs model fit -o` and `ecs model add` store them",
         fmt::join(untraced, ", ")));
 }
 
@@ -137,8 +137,9 @@ Result<void> complete_header(MapFromModel& built, const FromModelArguments& argu
   for (const std::string& word : arguments.zero) {
     ECS_TRY(zero, declared_zero_in(word));
     if (built.effects.contains(zero.component))
-      return problem(ProblemKind::usage,
-                     fmt::format("--zero {}: the model has a value for it: keep one", name_of(zero.component)));
+      return problem(
+          ProblemKind::usage,
+          fmt::format("--zero {}: the model has a value for this component; keep only one", name_of(zero.component)));
     header.declared_zero.push_back(zero);
   }
   return {};
@@ -191,10 +192,9 @@ void find_unmeasured_directions(MapFromModel& built, const Model& model, const p
         directions.emplace_back(1, letter_of(term.observed));
     if (!directions.empty())
       built.findings.push_back(
-          {false,
-           fmt::format("{} moves {} too, where nothing was measured, and the readings do not determine its value: "
-                       "measure there before and after sending it",
-                       to_text(effect), fmt::join(directions, " and "))});
+          {false, fmt::format("{} also moves {}, where no readings were taken, and the readings do not determine its "
+                              "value: measure there before and after sending the map",
+                              to_text(effect), fmt::join(directions, " and "))});
   }
 }
 
@@ -205,8 +205,8 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
     return tl::unexpected(
         Problem{ProblemKind::refused,
                 fmt::format("the model was fitted to readings of which {} were taken with compensation active "
-                            "(compensated = 1): it holds what the active map leaves, and a map made from it would "
-                            "replace that map; measure in integration mode and fit the model to those readings",
+                            "(compensated = 1): it describes the residual of the active map, and a map made from it "
+                            "would replace that map. Measure in integration mode and fit the model to those readings",
                             model->compensated_readings),
                 arguments.model,
                 0,
@@ -241,8 +241,12 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
 }
 
 Problem nothing_carried(const MapFromModel& b, const std::string& model) {
-  std::vector<Problem> problems{
-      {ProblemKind::refused, "no effect of this model can be carried by a map; nothing was written", model, 0, 0, {}}};
+  std::vector<Problem> problems{{ProblemKind::refused,
+                                 "no effect of this model can be compensated by a map; no file was written",
+                                 model,
+                                 0,
+                                 0,
+                                 {}}};
   for (const std::string& one : b.compiled.not_carried)
     problems.push_back({ProblemKind::refused, one, model, 0, 0, {}});
   return folded(std::move(problems));
@@ -271,7 +275,7 @@ double table_increment_mm(const Model& model, const params::Machine& machine) {
 
 Result<MapFromModel> planned_map_from_model(MessageSink& messages, const FromModelArguments& arguments) {
   if (arguments.machine.empty())
-    return problem(ProblemKind::usage, "--from-model needs --machine: its file holds the travels of the axes");
+    return problem(ProblemKind::usage, "--from-model needs --machine: the machine file gives the travels of the axes");
   auto built = built_from(messages, arguments);
   if (built && built->effects.empty()) return tl::unexpected(nothing_carried(*built, arguments.model));
   return built;
@@ -332,7 +336,7 @@ Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments)
   return record_cell(
       "{components}most: largest compensation; n: points per table, every {increment_mm} mm\n{squareness}{not_carried}"
       "{declared}{notes}{findings}{verdict}{map}{params_out}",
-      "map"_is(written_cell("map", arguments.output, "nothing written: give -o map.csv to keep it\n")),
+      "map"_is(written_cell("map", arguments.output, "not saved: give -o map.csv to save it\n")),
       "params_out"_is(written_cell("parameters", arguments.params_out)), "model"_is(arguments.model),
       "increment_mm"_is(b.increment_mm, shortest(b.increment_mm)), "complete"_is(b.complete()),
       "carried"_is(lines_cell(b.compiled.carried, "")),

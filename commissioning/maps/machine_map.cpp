@@ -82,10 +82,9 @@ std::vector<std::string> objections_to_owner(const laser::MapHeader& header, con
   std::vector<std::string> objections = other_machine(header, with.identity);
   if (arguments.params.empty() && !arguments.unit && machine && !header.machine.empty() && !machine->name.empty() &&
       header.machine != machine->name)
-    objections.push_back(
-        fmt::format("the map was made for machine \"{}\", {} is of \"{}\": take the right file, or give "
-                    "--other-machine if this is meant",
-                    header.machine, arguments.machine, machine->name));
+    objections.push_back(fmt::format(
+        "the map was made for machine \"{}\", {} is of \"{}\": use the right file, or give --other-machine to confirm",
+        header.machine, arguments.machine, machine->name));
   return objections;
 }
 
@@ -96,9 +95,10 @@ void note_squareness_left_behind(ExportWork& work) {
     const auto named = [&](const laser::SourceFile& file) { return file.component == name_of(square); };
     const auto& sources = work.source.map.header.sources;
     if (values[index_of(square)] == 0.0 && std::any_of(sources.begin(), sources.end(), named))
-      work.notes.push_back(fmt::format(
-          "{} was measured for this map, yet the parameters hold 0: give those that `map build --params-out` wrote",
-          name_of(square)));
+      work.notes.push_back(
+          fmt::format("{} was measured for this map, but its parameter is 0: give the parameters written by `map build "
+                      "--params-out`",
+                      name_of(square)));
   }
 }
 
@@ -106,14 +106,15 @@ void note_squareness_left_behind(ExportWork& work) {
 
 cli::Fields<ExportArguments> ExportArguments::fields(const std::string& output_help) {
   using A = ExportArguments;
-  return {{"FILE", &A::map, "map CSV; or give --unit"},
-          {"--unit", &A::unit, "the map in the unit, with its parameters"},
-          {"--params", &A::params, "parameters the map goes with: squareness, reference positions, lines"},
-          {"--machine", &A::machine, "machine file: the travels"},
-          {"--model", &A::model, "predict what is left from this model instead of from the map; needs --machine"},
-          {"--other-machine", &A::other_machine, "export although map and parameters name different machines"},
-          {"-o,--output", &A::output, output_help},
-          {"--force", &A::force, "overwrites output files that are there"}};
+  return {
+      {"FILE", &A::map, "map CSV; or give --unit"},
+      {"--unit", &A::unit, "use the map in the unit, with its parameters"},
+      {"--params", &A::params, "parameters of the map: squareness, reference positions, measurement lines"},
+      {"--machine", &A::machine, "machine file with the travels of the axes"},
+      {"--model", &A::model, "predict the remaining error from this model instead of from the map; needs --machine"},
+      {"--other-machine", &A::other_machine, "export even if map and parameters name different machines"},
+      {"-o,--output", &A::output, output_help},
+      {"--force", &A::force, "overwrite existing output files"}};
 }
 
 Result<ExportWork> export_work(MessageSink& messages, const ExportArguments& arguments, FoundMap found) {

@@ -18,12 +18,12 @@ namespace ecs::commissioning {
 
 Result<FoundMap> map_in(protocol::UnitClient& client, const protocol::ProgressCallback& progress) {
   ECS_TRY(image, read_active_image(client, progress));
-  if (!image) return problem(ProblemKind::refused, "the unit holds no map: send one with `ecs map send`");
+  if (!image) return problem(ProblemKind::refused, "the unit contains no map: send one with `ecs map send`");
   auto content = laser::content_of(*image);
   if (!content) {
     Problem why = content.error();
     why.kind = ProblemKind::refused;
-    why.message = "the map in the unit is not sound: " + why.message;
+    why.message = "the map in the unit is not valid: " + why.message;
     return tl::unexpected(std::move(why));
   }
   return FoundMap{std::move(content->map), content->parameters, "the unit"};
@@ -84,7 +84,7 @@ void compare_headers(const laser::MapHeader& expected, const laser::MapHeader& f
   const auto take = [&](const auto& lines, const auto& other, const char* where) {
     for (const std::string_view line : lines)
       if (std::find(other.begin(), other.end(), line) == other.end())
-        out.push_back({{}, {}, {}, {}, {}, fmt::format("header: only {} says \"{}\"", where, line)});
+        out.push_back({{}, {}, {}, {}, {}, fmt::format("header: only {} has \"{}\"", where, line)});
   };
   take(lines_a, lines_b, "the file");
   take(lines_b, lines_a, "the unit");

@@ -20,8 +20,9 @@ std::string other_than_emulated(std::string_view what, std::string_view configur
   const auto emulated = file ? params::read_machine(*file) : Result<params::MachineFile>(params::MachineFile{});
   if (!emulated || emulated->machine.configuration.empty() || emulated->machine.configuration == configuration)
     return {};
-  return fmt::format("{} of a machine {}, the emulated machine \"{}\" is {}: its unit refuses a map of another.", what,
-                     configuration, emulated->machine.name, emulated->machine.configuration);
+  return fmt::format(
+      "{} of a machine {}, the emulated machine \"{}\" is {}: its unit refuses a map for another configuration.", what,
+      configuration, emulated->machine.name, emulated->machine.configuration);
 }
 
 }  // namespace
@@ -35,8 +36,9 @@ std::string other_unit_for(const UnitParameters& p, const WatchedUnit& unit) {
   if (std::string other = other_than_emulated("The parameters are", configuration_of(p), unit); !other.empty())
     return other;
   if (unit.identity && unit.identity->configuration != 0 && unit.identity->configuration != configuration_hash(p))
-    return fmt::format("The parameters ({}) have another configuration than the map in the unit, which refuses them.",
-                       configuration_of(p));
+    return fmt::format(
+        "The parameters ({}) have a different configuration from the map in the unit, which refuses them.",
+        configuration_of(p));
   return {};
 }
 
@@ -76,8 +78,8 @@ std::string other_than(const ExpectedMap& expected, const UnitHolding& now) {
     return fmt::format("this is unit {}, but the map was {} unit {}", now.serial_number,
                        expected.compared ? "compared in" : "sent to", expected.serial_number);
   if (expected.check != now.check)
-    return fmt::format("the unit holds {}, but {} was {}: another host has changed it", check_text(now.check),
-                       expected.compared ? "what was compared" : "what was sent", check_text(expected.check));
+    return fmt::format("the unit contains {}, but {} was {}: another host has changed it", check_text(now.check),
+                       expected.compared ? "the compared map" : "the sent map", check_text(expected.check));
   return {};
 }
 
@@ -85,13 +87,13 @@ std::string other_than(const ExpectedMap& expected, const UnitHolding& now) {
 
 std::string changed_since(const UnitHolding& then, const UnitHolding& now) {
   if (now.serial_number != then.serial_number)
-    return fmt::format("unit {} answers in place of {}", now.serial_number, then.serial_number);
+    return fmt::format("unit {} answers instead of {}", now.serial_number, then.serial_number);
   if (now.check != then.check)
-    return fmt::format("another host changed it: it holds {} in place of {}", check_text(now.check),
+    return fmt::format("another host changed it: it contains {} instead of {}", check_text(now.check),
                        check_text(then.check));
-  if (now.activations != then.activations) return "a map or parameters were made active in it by another host";
+  if (now.activations != then.activations) return "another host made a map or parameters active in it";
   if (now.uptime_s < then.uptime_s) return "it was restarted";
-  if (now.opened_at != then.opened_at) return "the link to it was opened again";
+  if (now.opened_at != then.opened_at) return "the link to it was reopened";
   return {};
 }
 
@@ -110,20 +112,20 @@ Question question_before_sending(const ReadyMap& ready, const WatchedUnit& unit,
   if (const auto missing = laser::missing_in(ready.map->header); !missing.empty())
     doubts += fmt::format("The header states no {}. ", fmt::join(missing, ", no "));
   const std::string replaced =
-      ready.active ? fmt::format(
-                         "They replace what the unit holds ({}), which it keeps until the new map is whole and "
-                         "checked",
-                         check_text(ready.active))
-                   : "The unit holds no map yet, and takes this one whole or not at all";
+      ready.active
+          ? fmt::format(
+                "They replace the contents of the unit ({}), which it keeps until the new map is complete and checked",
+                check_text(ready.active))
+          : "The unit contains no map yet, and accepts this one only as a whole";
   return {fmt::format("Send the map to {}?", unit_text(unit)),
-          fmt::format("{}{} bytes with parameters, block check {:08X}. {}; Esc stops the transfer.", doubts,
+          fmt::format("{}{} bytes with parameters, block check {:08X}. {}; press Esc to stop the transfer.", doubts,
                       ready.map->image.bytes.size(), ready.check, replaced),
           "send", "not now"};
 }
 
 std::string sent_text(const SentMap& sent) {
   if (sent.report.already_held)
-    return fmt::format("unit {} holds this map already: nothing was sent, block check {:08X}",
+    return fmt::format("unit {} already contains this map, block check {:08X}: not sent again",
                        sent.identity.serial_number, sent.check);
   return fmt::format("sent to unit {} and verified: {} bytes in {:.1f} s, block check {:08X}",
                      sent.identity.serial_number, sent.report.bytes, sent.seconds, sent.check);
@@ -150,8 +152,8 @@ SendAttempt sent_map(UnitConnection& unit, JobControl& control, const ReadyMap& 
     ECS_TRY(active, active_check(link.client()));
     if (active != ready.active)
       return problem(ProblemKind::refused,
-                     "the unit holds another map now than when it was asked for: another host has changed it. Nothing "
-                     "was sent; Enter asks again");
+                     "the map in the unit changed before the confirmation: another host has changed it. Not sent; "
+                     "press Enter to ask again");
     const auto before = [&begun](std::optional<std::uint32_t>) { begun = true; };
     return send_map(link.client(), *ready.map, ready.files.map, false, before, progress_into(control));
   });
@@ -169,7 +171,8 @@ Result<VerifiedMap> verified_map(UnitConnection& unit, JobControl& control, cons
     ECS_TRY(verdict, verdict_on(found, files.map, files.parameters));
     ECS_TRY(after, holding_over(unit, link));
     if (const std::string why = changed_since(before, after); !why.empty())
-      return problem(ProblemKind::refused, "the unit changed while it was read (" + why + "): Enter compares again");
+      return problem(ProblemKind::refused,
+                     "the unit changed while being read (" + why + "): press Enter to compare again");
     return VerifiedMap{std::move(verdict), after};
   });
 }
@@ -193,8 +196,9 @@ Result<void> switch_to_compensation(UnitConnection& unit, JobControl& control, c
   return unit.with_link(control, [&](UnitLink& link) -> Result<void> {
     ECS_TRY(now, holding_over(unit, link));
     if (const std::string why = other_than(expected, now); !why.empty())
-      return problem(ProblemKind::refused,
-                     why + ". It stays out of compensation; Enter compares again, step 8 sends again");
+      return problem(
+          ProblemKind::refused,
+          why + ". It is not switched to compensation; press Enter to compare again, or send again in step 8");
     return link.client().enter_compensation();
   });
 }

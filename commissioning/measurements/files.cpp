@@ -78,7 +78,7 @@ Result<std::optional<laser::ColumnMapping>> mapping_given(const ImportArguments&
         (!arguments.values.empty() && arguments.channels.empty()))
       return problem(
           ProblemKind::usage,
-          "--skip, --rows, --delimiter, --decimal and --values belong to --columns: give which column is what");
+          "--skip, --rows, --delimiter, --decimal and --values need --columns: give the meaning of the columns");
     return std::optional<laser::ColumnMapping>();
   }
   ECS_TRY(mapping, laser::column_mapping(arguments.columns));
@@ -123,7 +123,7 @@ void renumber(MeasurementSet& more, const MeasurementSet& all, std::vector<std::
     if (same == known.end()) continue;
     const int offset = largest_run(all, *same);
     for (const std::size_t i : group.readings) more.readings[i].run += offset;
-    notes.push_back(fmt::format("{}: its runs of {} are numbered on from {}", more.source,
+    notes.push_back(fmt::format("{}: its runs of {} are renumbered from {}", more.source,
                                 laser::curve_name(group.sense, group.axis, group.rotary), offset + 1));
   }
 }
@@ -144,7 +144,7 @@ Result<void> join_metadata(MeasurementSet& all, const MeasurementSet& more) {
     if (!known)
       all.metadata.push_back(entry);
     else if (*known != entry.value)
-      all.notes.push_back(fmt::format("{}: {} \"{}\" is left out, the first file says \"{}\"", more.source, entry.key,
+      all.notes.push_back(fmt::format("{}: {} \"{}\" is ignored, the first file has \"{}\"", more.source, entry.key,
                                       entry.value, *known));
   }
   return {};
@@ -173,7 +173,7 @@ Result<void> with_environment(MeasurementSet& set, const ImportArguments& argume
   if (log.environment.rows.empty())
     return tl::unexpected(Problem{ProblemKind::usage,
                                   fmt::format("--environment: expected temperatures, pressure or humidity over time (a "
-                                              "SIOS .pos, or a table whose heading names them), found {}",
+                                              "SIOS .pos file, or a table with these headings), found {}",
                                               log.format->title),
                                   arguments.environment,
                                   0,
@@ -201,36 +201,42 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
   using F = cli::Fields<A>;
   using cli::Range, cli::Words;
   return {
-      {"--axis", &A::axis, "the axis that was moved, where the file does not say", Words{"X", "Y", "Z", "A", "B", "C"}},
-      {sense_option, &A::sense, "what was measured, if not in the file", Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
-      {"--parked", &A::parked, "where the other axes stood, as in y=-1400,z=0 [mm]"},
+      {"--axis", &A::axis, "moving axis, if the file does not state it", Words{"X", "Y", "Z", "A", "B", "C"}},
+      {sense_option, &A::sense, "measured component, if the file does not state it",
+       Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
+      {"--parked", &A::parked, "position of the other axes, as in y=-1400,z=0 [mm]"},
       {"--columns", &A::columns,
        "read a table: FIELD=COLUMN[unit]*factor, as in x_mm=1[in],reading=3*0.001,run=2,approach=4"},
-      {"--profile", &A::profile, "import options saved under this name, or a path"},
+      {"--profile", &A::profile, "use the import options saved under this name or path"},
       F{{"--encoding", &A::encoding, "code page; detected if not given",
          Words{"UTF-8", "Windows-1252", "GBK", "ISO-8859-1", "Shift-JIS", "UTF-16"}},
-        {"--target-unit", &A::target_unit, "unit of the targets where it is not the usual one, as in in, arcsec"},
-        {"--reading-unit", &A::reading_unit, "unit of the readings where it is not the usual one, as in um, arcsec"},
-        {"--accept-truncated", &A::accept_truncated, "take what is left of a file that ends too early"},
-        {"--table-holds-errors", &A::table_holds_errors, "a .REN table holds errors, not compensation"}}
+        {"--target-unit", &A::target_unit, "unit of the targets if it is not the usual one, as in in, arcsec"},
+        {"--reading-unit", &A::reading_unit, "unit of the readings if it is not the usual one, as in um, arcsec"},
+        {"--accept-truncated", &A::accept_truncated, "read the complete part of a truncated file"},
+        {"--table-holds-errors", &A::table_holds_errors, "read the values of a .REN table as errors, not compensation"}}
           .under("More about a measurement file"),
-      F{{"--skip", &A::skip, "lines before the table", Range{0, 1'000'000}},
-        {"--rows", &A::rows, "rows of the table to take; 0: all", Range{0, 1'000'000}},
-        {"--delimiter", &A::delimiter, "one character, or blank, tab, comma, semicolon; detected if not given"},
-        {"--decimal", &A::decimal, "decimal sign of the table; both if not given", Words{"point", "comma"}},
-        {"--values", &A::values, "what the readings of the table are; error if not given",
+      F{{"--skip", &A::skip, "number of lines before the table", Range{0, 1'000'000}},
+        {"--rows", &A::rows, "number of table rows to read; 0: all", Range{0, 1'000'000}},
+        {"--delimiter", &A::delimiter,
+         "separator: one character, or blank, tab, comma, semicolon; detected if not given"},
+        {"--decimal", &A::decimal, "decimal sign of the table; both are accepted if not given",
+         Words{"point", "comma"}},
+        {"--values", &A::values, "meaning of the readings of the table; error if not given",
          Words{"error", "actual", "compensation"}},
-        {"--keep-set-up", &A::keep_set_up, "shift and rotation of measured_x_mm, ... stay in"}}
+        {"--keep-set-up", &A::keep_set_up, "keep shift and rotation of the set-up in measured_x_mm, ..."}}
           .under("With --columns"),
-      F{{"--channel", &A::channel, "the channel of a log that holds several"},
-        {"--channels", &A::channels, "several channels joined by time, as in x_mm=ENC[mm],reading=AI1[um]"},
-        {"--join", &A::join, "how channels meet in time; linear if not given", Words{"linear", "nearest", "previous"}},
-        {"--max-gap", &A::max_gap_s, "the greatest gap [s] over which they are joined; 5 usual intervals"},
-        {"--at-rest", &A::at_rest_mm, "only rows whose position stays within this [mm]"},
-        {"--average", &A::average, "readings at rest become one, their mean"},
-        {"--environment", &A::environment, "air and temperatures over time: .pos, or a table with headings"},
-        {"--environment-every", &A::environment_every_s, "between its rows, where it has no time [s]"}}
-          .under("Of a log, and of a run with readings at rest")};
+      F{{"--channel", &A::channel, "channel to read from a log with several"},
+        {"--channels", &A::channels, "channels to join by time, as in x_mm=ENC[mm],reading=AI1[um]"},
+        {"--join", &A::join, "interpolation of channels in time; linear if not given",
+         Words{"linear", "nearest", "previous"}},
+        {"--max-gap", &A::max_gap_s, "largest gap over which channels are joined [s]; default: 5 usual intervals"},
+        {"--at-rest", &A::at_rest_mm, "use only rows whose position is constant within this range [mm]"},
+        {"--average", &A::average, "average the readings at rest to one"},
+        {"--environment", &A::environment,
+         "file with air data and temperatures over time: .pos, or a table with headings"},
+        {"--environment-every", &A::environment_every_s,
+         "interval between the rows of --environment, if it has no time [s]"}}
+          .under("Logs, and runs with readings at rest")};
 }
 
 namespace {
@@ -395,7 +401,7 @@ Result<void> check_output_not_input(const std::string& output, const std::vector
   for (const std::string& input : inputs) {
     std::error_code error;
     if (!output.empty() && std::filesystem::equivalent(input, output, error))
-      return problem(ProblemKind::usage, fmt::format("{} would be replaced: give another name to write to", input));
+      return problem(ProblemKind::usage, fmt::format("{} would be overwritten: give another output name", input));
   }
   return {};
 }
@@ -446,12 +452,12 @@ Result<GivenFiles> given_files(const std::vector<std::string>& words, bool with_
     if (taken.empty()) {
       auto refused = read_file(word);  // names the files of the folder
       if (refused) return problem(ProblemKind::bad_input, word + ": expected a file or a folder");
-      refused.error().message += "; none of them is a measurement file that is known here";
+      refused.error().message += "; none of them is a known measurement file";
       return tl::unexpected(std::move(refused.error()));
     }
     for (const std::string& path : taken) names.push_back(fs::path(path).filename().string());
     given.notes.push_back(fmt::format("{}: a folder; its measurement files are {}{}", word, fmt::join(names, ", "),
-                                      others > 0 ? fmt::format("; {} other files are left out", others) : ""));
+                                      others > 0 ? fmt::format("; {} other files are ignored", others) : ""));
     given.files.insert(given.files.end(), taken.begin(), taken.end());
   }
   return given;

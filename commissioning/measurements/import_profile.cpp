@@ -106,7 +106,7 @@ std::string known_profiles() {
   for (const fs::path& file : profiles_in(own_profile_file("x").parent_path())) names.push_back(file.stem().string());
   for (const fs::path& file : shipped_profiles()) names.push_back(file.stem().string());
   std::sort(names.begin(), names.end());
-  if (names.empty()) return "none is saved yet (--save-profile NAME)";
+  if (names.empty()) return "none is saved yet (use --save-profile NAME)";
   return fmt::format("there are {}", fmt::join(names, ", "));
 }
 
@@ -204,7 +204,7 @@ Result<fs::path> save_profile(const std::string& name, const ImportArguments& ar
         member);
   if (table.empty())
     return problem(ProblemKind::usage,
-                   "--save-profile: expected --columns or another import option to keep, found none");
+                   "--save-profile: expected --columns or another import option to save, found none");
   // A line break as \n: the library loses the first one behind three quotes.
   constexpr auto kOneLine = toml::toml_formatter::default_flags &
                             ~(toml::format_flags::allow_multi_line_strings | toml::format_flags::allow_literal_strings);

@@ -133,8 +133,8 @@ Result<MeasuredPhase> measured(const PlannedMeasurement& planned, const std::fil
                                bool compensated) {
   const std::filesystem::path file = folder / (planned.name + ".csv");
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) return unfit(file, "file missing: measure it, or take it off the plan");
-  if (std::filesystem::is_other(file, error)) return unfit(file, "is no plain file (a pipe or a device): not read");
+  if (!std::filesystem::exists(file, error)) return unfit(file, "file missing: measure it, or remove it from the plan");
+  if (std::filesystem::is_other(file, error)) return unfit(file, "is not a plain file (a pipe or a device): not read");
   ECS_TRY(set, laser::read_measurement_set(file));
   ECS_TRY(group, line_for(planned, compensated, set, file));
   auto readings = laser::processed_readings(set, group, {planned.slope});
@@ -249,8 +249,8 @@ Cell table_cell(const std::vector<TableRow>& rows) {
                                      "unit", " published", "  measured", "A", "E", "x"));
   table.text += fmt::format("\n{}:\n{}", laser::kBandDefinition, slopes_text(rows));
   table.text +=
-      "A, E: ISO 230-2 of the same readings, after compensation (before, where only\n"
-      "that was measured); x: measured band before over after; ! more than published.\n";
+      "A, E: ISO 230-2 of the same readings, after compensation (before, if only\nthat was measured); x: ratio of the "
+      "measured bands; ! more than published.\n";
   for (const TableRow& row : rows)
     for (const Problem& p : row.problems) table.text += fmt::format("{}: {}\n", row.planned.name, to_text(p));
   return table;

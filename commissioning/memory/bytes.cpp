@@ -250,12 +250,12 @@ namespace {
 
 /// Why the host may not write there, and what does instead.
 std::string_view reason_of(const MemoryRegion& region) {
-  if (region.first == kEprom.first) return "it holds the unit's program and cannot be changed over the link";
+  if (region.first == kEprom.first) return "it contains the unit's program and cannot be changed over the link";
   if (region.first == kCommitRecords.first)
-    return "only the unit writes there, when it takes over a map; `map send` and `memory load` lead to that";
+    return "only the unit writes there, when it accepts a map; use `map send` or `memory load`";
   if (in_axis_memory(region.first))
-    return "parameters and maps are written whole, beside the active ones; use `params send`, `map send` or `memory "
-           "load`";
+    return "parameters and maps are written only as a whole, to the inactive bank; use `params send`, `map send` or "
+           "`memory load`";
   return "the host may not write there";
 }
 
@@ -266,7 +266,7 @@ void record_write(const std::string& serial_number, Address address, ByteView by
   if (!written) content["problem"] = to_text(written.error());
   record({.kind = "memory write",
           .serial_number = serial_number,
-          .summary = written ? fmt::format("{} bytes written from {} on", bytes.size(), place)
+          .summary = written ? fmt::format("{} bytes written from {}", bytes.size(), place)
                              : fmt::format("not confirmed: {} bytes from {} on: {}", bytes.size(), place,
                                            to_text(written.error())),
           .content = one_line(content),
@@ -294,8 +294,8 @@ Result<void> may_write(const MemoryBytes& memory, Address address, std::size_t b
 
 Result<void> may_write_in(UnitMode mode) {
   if (mode == UnitMode::integration) return {};
-  return problem(ProblemKind::refused, fmt::format("the unit is {}: it lets memory be written in integration mode "
-                                                   "only; ECS UTILITY, `utility mode integrate` first",
+  return problem(ProblemKind::refused, fmt::format("the unit is {}: memory can be written in integration mode only; "
+                                                   "use ECS UTILITY or `ecs utility mode integrate` first",
                                                    ecs::name_of(mode)));
 }
 
@@ -311,19 +311,19 @@ Result<void> write_checked(protocol::UnitClient& client, const std::string& seri
   ECS_TRY(identity, client.identity());
   if (identity.serial_number != serial_number)
     return problem(ProblemKind::refused,
-                   fmt::format("unit {} answers now, the bytes were of unit {}; nothing was written",
+                   fmt::format("unit {} answers now, but the bytes were read from unit {}; not written",
                                identity.serial_number, serial_number));
   ECS_TRY(status, client.status());
   if (const auto may = may_write_in(status.mode); !may) return may;
   ECS_TRY(present, client.read_memory(write.address, write.after.size()));
   if (present != write.before)
     return problem(ProblemKind::refused,
-                   fmt::format("{} holds {} now, not the bytes that were shown; nothing was written, look again",
+                   fmt::format("{} now contains {}, not the bytes shown; not written. Check again",
                                hex_address(write.address), short_hex(present)));
   if (auto written = write_logged(client, serial_number, write.address, write.after); !written) return written;
   ECS_TRY(back, client.read_memory(write.address, write.after.size()));
   if (back == write.after) return {};
-  return problem(ProblemKind::link, fmt::format("{} holds {} after writing {}: run the RAM test",
+  return problem(ProblemKind::link, fmt::format("{} contains {} after writing {}: run the RAM test",
                                                 hex_address(write.address), short_hex(back), short_hex(write.after)));
 }
 

@@ -38,7 +38,7 @@ std::string value_at(const MemoryBytes& memory, const MemoryNames& names, const 
 void add_missing(const MemoryBytes& a, const MemoryBytes& b, bool in_a, std::vector<DifferenceRow>& rows) {
   for (const MemoryRegion& region : a.regions())
     if (b.region_of(region.first) == nullptr)
-      rows.push_back({region.first, 0, region.name, in_a ? "there" : "not there", in_a ? "not there" : "there"});
+      rows.push_back({region.first, 0, region.name, in_a ? "there" : "missing", in_a ? "missing" : "there"});
 }
 
 }  // namespace
@@ -123,7 +123,7 @@ void compare_values(const std::string& name, const DecodedTable& a, const Decode
   const auto position = [&](std::size_t i) { return a.entry.start_mm + a.entry.increment_mm * static_cast<double>(i); };
   const auto unit = unit_of(a.entry.component);
   out.push_back(
-      {fmt::format("{}: {} differ{}, the first at {} mm ({}), the most at {} mm", name,
+      {fmt::format("{}: {} differ{}, the first at {} mm ({}), the largest at {} mm", name,
                    count == 1 ? "1 value" : fmt::format("{} values", count), count == 1 ? "s" : "", position(first),
                    hex_address(a.values_address + 2 * static_cast<Address>(first)), position(largest)),
        fmt::format("{:.4g} {}", a.values[largest], unit), fmt::format("{:.4g} {}", b.values[largest], unit)});

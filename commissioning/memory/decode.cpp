@@ -50,7 +50,7 @@ const Commit* active_commit_of(const DecodedMemory& memory) {
 // --- tables
 std::string fault_of(const DecodedTable& table, bool within) {
   if (!table.known_codes) return "its component or approach code does not exist";
-  if (table.entry.declared_zero) return table.entry.count == 0 ? "" : "declared zero, yet it has values";
+  if (table.entry.declared_zero) return table.entry.count == 0 ? "" : "declared zero, but it has values";
   if (table.entry.count == 0) return "it has no values";
   if (!(table.entry.increment_mm > 0.0) || !(table.entry.resolution > 0.0))
     return "increment or resolution is not above zero";
@@ -86,7 +86,8 @@ void decode_tables(ByteView image, DecodedImage& out) {
   std::uint32_t count = word(image, prefix_at::table_count);
   const std::uint32_t directory = directory_offset(ImageView(image).format());
   if (count > kMostTables) {
-    out.faults.push_back(fmt::format("the prefix announces {} tables, an image holds at most {}", count, kMostTables));
+    out.faults.push_back(
+        fmt::format("the prefix announces {} tables, but an image has at most {}", count, kMostTables));
     count = 0;
   }
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -141,7 +142,7 @@ DecodedImage decode_image(const DumpRegion& region) {
     out.identity =
         DecodedIdentity{printable(identity->serial_number), printable(identity->machine), identity->configuration};
   out.parameters = decode_parameters(image.subspan(kPrefixBytes, kParameterBytes));
-  if (!out.parameters) out.faults.push_back("the parameters hold a word or number that cannot be");
+  if (!out.parameters) out.faults.push_back("the parameters contain an impossible word or number");
   decode_tables(image, out);
   decode_header(image, out);
   return out;
@@ -154,14 +155,14 @@ void match_commit(const Commit& commit, DecodedMemory& memory) {
     image.active = true;
     if (image.bytes != commit.image_bytes)
       image.faults.push_back(
-          fmt::format("the commit record names {} bytes, the image {}", commit.image_bytes, image.bytes));
+          fmt::format("the commit record states {} bytes, the image {}", commit.image_bytes, image.bytes));
     if (image.verdict.check_expected != commit.image_check)
-      image.faults.push_back(fmt::format("the commit record names block check {:08X}, the image {:08X}",
+      image.faults.push_back(fmt::format("the commit record states block check {:08X}, the image {:08X}",
                                          commit.image_check, image.verdict.check_expected));
     return;
   }
-  memory.faults.push_back(
-      fmt::format("the active commit record names bank {}, which holds no image here", commit.bank == 0 ? "A" : "B"));
+  memory.faults.push_back(fmt::format("the active commit record refers to bank {}, which contains no image here",
+                                      commit.bank == 0 ? "A" : "B"));
 }
 
 }  // namespace
@@ -321,7 +322,7 @@ Cell images_cell(const MemoryDump& dump, const DecodedMemory& memory, bool with_
 Cell status_when_taken(const MemoryDump& dump) {
   if (!dump.status) return null_cell();
   Cell status = status_cell(*dump.status);
-  status.text = "\n== status when it was taken\n" + status.text;
+  status.text = "\n== status at the time of the dump\n" + status.text;
   return status;
 }
 

@@ -154,7 +154,7 @@ Result<MemoryDump> take_dump(protocol::UnitClient& client, const std::string& li
   }
   ECS_TRY(after, client.status());
   if (after.commit_sequence != snapshot.status.commit_sequence)
-    return problem(ProblemKind::refused, "another map became active while memory was read: dump again");
+    return problem(ProblemKind::refused, "another map became active while memory was read: repeat the dump");
   dump.status = std::move(snapshot);
   return dump;
 }
@@ -177,8 +177,7 @@ Result<MemoryDump> dump_in(std::string_view bytes, const std::string& name) {
   const Json header = Json::parse(header_text, nullptr, false);
   if (!has_lines || !header.is_object() || !header.contains("regions") || !header["regions"].is_array()) {
     search_images(bytes, dump);
-    if (dump.regions.empty())
-      return problem_at(name, 0, 0, "expected a dump of `ecs memory dump` or a memory image, found neither");
+    if (dump.regions.empty()) return problem_at(name, 0, 0, "expected a dump of `ecs memory dump` or a memory image");
     dump.damage.push_back("the header of the dump cannot be read; memory images were searched for in its bytes");
     return dump;
   }

@@ -84,7 +84,7 @@ Result<std::unique_ptr<ModelController>> ModelController::begin_new(const ModelA
   (*controller)->commands_.begun();
   Message& message = (*controller)->message_;
   const std::string begun =
-      fmt::format("new model {} with {}; d finds what else there is, a adds it",
+      fmt::format("new model {} with {}; press d to find missing effects, a to add one",
                   std::filesystem::path(files.model).filename().string(), usual_in_words((*controller)->work_->data));
   if (message.text().empty())
     message.say(begun);
@@ -107,8 +107,8 @@ void ModelController::take_draft() {
   if (!kept || busy()) return;
   auto model = model::parse_model(kept->text, "the unsaved work", std::filesystem::path(files_.model).parent_path());
   if (!model) return message_.say(model.error());
-  start_fit("taking up the unsaved work", [model = std::move(*model), work = work_] {
-    auto now = fitted(model, work->data, "unsaved work taken up; s writes it to the model file");
+  start_fit("restoring the unsaved work", [model = std::move(*model), work = work_] {
+    auto now = fitted(model, work->data, "unsaved work restored; press s to save it to the model file");
     if (now) now->done = "unsaved work";
     return now;
   });
@@ -126,7 +126,7 @@ void ModelController::start_diagnosis() {
     found.next = model::planned_next(model, data->data, *found.diagnosis);
     return found;
   };
-  task_.start("looking for what is missing", work, [this](Diagnosed found) {
+  task_.start("looking for missing effects", work, [this](Diagnosed found) {
     if (!task_.cancelled()) take(std::move(found));
   });
 }
@@ -156,7 +156,7 @@ void ModelController::decide(std::size_t effect) {
   keep_alternatives(after.effects[effect], {});
   did("decided for " + name, std::move(after), commands_.decide(name));
   keep_alternatives(fit_.effects[effect].effect, {});
-  message_.say("decided: it is " + name);
+  message_.say("decided for " + name);
   keep();
 }
 
@@ -169,7 +169,7 @@ void ModelController::start_adding(const model::AddRequest& request, const std::
               const std::string effect = name_with_alternatives(added.model.effects.back());
               auto now =
                   fitted(std::move(added.model), work->data,
-                         fmt::format("added {}: {:.3f} -> {:.3f} {} rms; u takes it back, s writes the model", effect,
+                         fmt::format("added {}: {:.3f} -> {:.3f} {} rms; press u to undo, s to save the model", effect,
                                      added.rms_before_um, added.rms_after_um, work->data.reading_unit()));
               if (now) {
                 now->done = effect;
@@ -181,7 +181,7 @@ void ModelController::start_adding(const model::AddRequest& request, const std::
 
 void ModelController::start_removing(std::size_t effect) {
   if (busy() || effect >= model().effects.size()) return;
-  if (model().effects.size() == 1) return message_.say("a model keeps at least one effect", Tone::warning);
+  if (model().effects.size() == 1) return message_.say("a model must keep at least one effect", Tone::warning);
   const std::string name = place_text(model().effects[effect]);
   start_fit(
       "removing " + name,
@@ -191,7 +191,7 @@ void ModelController::start_removing(std::size_t effect) {
             owned_lines_of(comparison_cell(model::compare(without.fit, work->data), work->data.size()).text);
         Fitted now{
             std::move(without.model), std::move(without.fit), std::move(comparison), {}, "removed " + name, words};
-        now.said = fmt::format("removed {}: {:.3f} -> {:.3f} {} rms; u puts it back", name, before.rms_um,
+        now.said = fmt::format("removed {}: {:.3f} -> {:.3f} {} rms; press u to undo", name, before.rms_um,
                                now.fit.rms_um, work->data.reading_unit());
         return now;
       });
@@ -210,7 +210,7 @@ void ModelController::keep() {
 /// @pre there is such a step
 void ModelController::step_over(bool back) {
   const auto& step = back ? *edited_.last() : *edited_.next();
-  const char* const label = back ? "taken back" : "done again";
+  const char* const label = back ? "undone" : "redone";
   message_.clear();
   const auto work = [model = step.state, work = work_, said = fmt::format("{}: {}", label, step.what)](JobControl&) {
     return fitted(model, work->data, said);
@@ -236,7 +236,7 @@ void ModelController::undo() {
 
 void ModelController::redo() {
   if (busy()) return;
-  if (edited_.next() == nullptr) return message_.say("nothing to do again", Tone::warning);
+  if (edited_.next() == nullptr) return message_.say("nothing to redo", Tone::warning);
   step_over(false);
 }
 
@@ -272,7 +272,7 @@ void ModelController::start_after(const std::vector<std::string>& measured_again
     ECS_TRY(answer, what_if_answer(messages, now, files.model, measured_again, files.import));
     return owned_lines_of(what_if_cell(answer).text);
   };
-  task_.start("computing what compensation would leave", compute, [this, measured_again](Result<Lines> lines) {
+  task_.start("computing the error after compensation", compute, [this, measured_again](Result<Lines> lines) {
     if (task_.cancelled()) return;
     if (!lines) return message_.say(lines.error());
     after_ = std::move(*lines);
@@ -291,7 +291,7 @@ void ModelController::cancel() {
   if (added_work_.running()) return added_work_.cancel();
   if (!busy()) return;
   task_.cancel();
-  message_.say("given up", Tone::warning);
+  message_.say("cancelled", Tone::warning);
 }
 
 void ModelController::take(Result<Fitted> fitted) {
@@ -326,7 +326,7 @@ void ModelController::take(const model::DecidedTies& ties) {
   model::Model after = model();
   for (std::size_t i = 0; i < after.effects.size(); ++i)
     after.effects[i].tied_with = fit_.effects[i].effect.tied_with = ties.model.effects[i].tied_with;
-  if (did("what these readings decide", std::move(after), commands_.fit())) keep();
+  if (did("evaluating these readings", std::move(after), commands_.fit())) keep();
 }
 
 bool ModelController::advance() {
@@ -408,17 +408,17 @@ void ModelController::write_map(const std::string& zero_reason) {
     ready_.reset();
     sent_.reset();
     if (written.map->complete())
-      message_.say(fmt::format("map written to {}, its parameters to {}; t sends both to the unit", arguments.output,
-                               arguments.params_out));
+      message_.say(fmt::format("map written to {}, its parameters to {}; press t to send both to the unit",
+                               arguments.output, arguments.params_out));
     else
-      message_.say(fmt::format("map written to {}, but it is not complete: a unit refuses it", arguments.output),
+      message_.say(fmt::format("map written to {}, but it is not complete, and the unit refuses it", arguments.output),
                    Tone::warning);
   });
 }
 
 /// Parameters that came from the unit are received again by a command of their own.
 void ModelController::note_map(const FromModelArguments& arguments) {
-  if (changed()) note_remark("the map is that of the model as it was saved last");
+  if (changed()) note_remark("the map belongs to the last saved model");
   std::string params = path_word(arguments.params);
   if (arguments.received && params.empty()) {
     params = file_between("parameters", ".toml");
@@ -432,7 +432,7 @@ bool ModelController::has_unit() {
   if (!unit_)
     message_.say("no link to a unit", Tone::bad);
   else if (map_file_.empty())
-    message_.say("there is no map to send yet: m builds it from the model", Tone::warning);
+    message_.say("no map to send yet: press m to build it from the model", Tone::warning);
   else
     return true;
   return false;
@@ -463,18 +463,18 @@ void ModelController::send() {
   task_.start("sending the map", work, [this, files = ready_->files](SendAttempt attempt) {
     if (!attempt.sent)
       return message_.say(fmt::format("not sent: {}{}", to_text(attempt.sent.error()),
-                                      attempt.begun ? ". The unit keeps the map it had until a new one is whole." : ""),
+                                      attempt.begun ? ". The unit keeps its old map until a new one is complete." : ""),
                           Tone::bad);
     sent_ = std::move(*attempt.sent);
     note_sent_map(*unit_, files);
-    message_.say(sent_text(*sent_) + "; c switches the unit to compensation");
+    message_.say(sent_text(*sent_) + "; press c to switch the unit to compensation");
   });
   ready_.reset();
 }
 
 bool ModelController::may_compensate() {
   if (!has_unit()) return false;
-  if (!sent_) message_.say("the map was not sent yet: t sends it", Tone::warning);
+  if (!sent_) message_.say("the map has not been sent yet: press t to send it", Tone::warning);
   return sent_.has_value();
 }
 
@@ -486,12 +486,11 @@ void ModelController::compensate() {
   task_.start("switching to compensation", work, [this](const Result<void>& done) {
     if (!done) return message_.say(done.error());
     note_on_unit(*unit_, {"utility", "mode", "compensate", "--wait", "0"});
-    message_.say(
-        unit_->snapshot().emulator
-            ? "the unit watches: g in DISPLAY ECS STATUS (F3) references the emulated machine, e in step 1 of PROCESS "
-              "LASER DATA measures it again; o here opens those files"
-            : "the unit watches: reference every axis at the control now, then it compensates; measure the same lines "
-              "again, o opens those files");
+    message_.say(unit_->snapshot().emulator
+                     ? "the unit is waiting: press g in DISPLAY ECS STATUS (F3) to reference the emulated machine, and "
+                       "e in step 1 of PROCESS LASER DATA to measure it again; press o here to open those files"
+                     : "reference every axis at the control now; the unit is waiting and then compensates. Measure the "
+                       "same lines again and press o to open those files");
   });
 }
 

@@ -65,7 +65,7 @@ class AnswerReader {
   const Json* of(const Json& object, const char* key, const char* expected, Is is) {
     const auto found = object.is_object() ? object.find(key) : object.end();
     if (found != object.end() && is(*found)) return &*found;
-    refuse(fmt::format("{}: expected {}, as `ecs model diagnose --json` writes it", key, expected));
+    refuse(fmt::format("{}: expected {}, as written by `ecs model diagnose --json`", key, expected));
     return nullptr;
   }
   const std::string& file_;
@@ -76,7 +76,7 @@ Candidate candidate_in(const Json& object, AnswerReader& reader) {
   Candidate candidate;
   auto effect = object.is_object() ? effect_in(object) : std::nullopt;
   if (!effect) {
-    reader.refuse("effect: expected one of the library, as `ecs model diagnose --json` writes it");
+    reader.refuse("effect: expected one of the library, as written by `ecs model diagnose --json`");
     return candidate;
   }
   candidate.effect = std::move(*effect);
@@ -129,7 +129,7 @@ Result<KeptAnswer> read_kept_answer(const std::string& file) {
   const Json object = Json::parse(text, nullptr, false);
   std::optional<Problem> problem;
   AnswerReader reader(file, problem);
-  if (!object.is_object()) reader.refuse("expected one JSON object, as `ecs model diagnose --json` writes it");
+  if (!object.is_object()) reader.refuse("expected one JSON object, as written by `ecs model diagnose --json`");
   KeptAnswer kept;
   kept.claim = claim_in(object, reader);
   kept.data_sha256 = reader.word(object, "data_sha256");

@@ -118,15 +118,15 @@ using model::Verdict;
 constexpr double kFarAboveNoise = 2.0;
 
 std::string summary(const Diagnosis& d) {
-  std::string text = fmt::format("{} readings. The model leaves rms {:.3f} {}; the noise of one reading is {}. ",
+  std::string text = fmt::format("{} readings. The residual is {:.3f} {} rms; the noise of one reading is {}. ",
                                  d.observations, d.rms_um, d.noise.unit, noise_text(d.noise));
   if (d.verdict != Verdict::adequate && d.rms_after_um < d.rms_um)
-    text += fmt::format("With {}: rms {:.3f} {}. ", d.add ? "what is proved or likely" : "what is named",
+    text += fmt::format("With {}: rms {:.3f} {}. ", d.add ? "the proved or likely effects" : "the named effects",
                         d.rms_after_um, d.noise.unit);
   const std::string lack_of_fit = lack_of_fit_cell(d.lack_of_fit).text;
   text += "Lack of fit: " + lack_of_fit;
   if (d.rms_um > kFarAboveNoise * d.noise.noise_um && lack_of_fit.ends_with("holds"))
-    text += ", as repeats differ from each other by as much: what is there changes between them";
+    text += ", as repeats differ from each other by as much: the error changes between them";
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)
     text += fmt::format("; afterwards {}", lack_of_fit_cell(d.lack_of_fit_after).text);
   return paragraph(text + ".");
@@ -215,7 +215,7 @@ Cell candidate_cell(const Candidate& c) {
       "rms_after_um"_is(c.rms_after_um, 3), "explained"_is(c.explained, percent(c.explained)),
       "explainable_share"_is(c.explainable_share), "p_value"_is(c.p_value, ""), "false_naming"_is(c.false_naming),
       "probability"_is(c.probability),
-      "set"_is(set_json(c.set), details(c.set.size() > 1, "one of, with 99 %: " + set_text(c.set))),
+      "set"_is(set_json(c.set), details(c.set.size() > 1, "one of these (99 %): " + set_text(c.set))),
       "parameters_set"_is(parameters_set_json(c), details(!c.parameters_set.empty(), values_text(c))),
       "e_value"_is(c.e_value), "found"_is(c.found),
       "tried_at"_is(object_of("value"_is(c.tried_at.value), "coefficients"_is(c.tried_at.coefficients))),
@@ -223,7 +223,7 @@ Cell candidate_cell(const Candidate& c) {
       "skipped"_is(c.skipped, details(c.skipped > 0, fmt::format("{} readings lack a cell that it needs", c.skipped))),
       "indistinguishable_from"_is(
           c.indistinguishable_from,
-          details(!rivals.empty(), fmt::format("cannot be told from: {}", fmt::join(rivals, ", ")))),
+          details(!rivals.empty(), fmt::format("cannot be distinguished from: {}", fmt::join(rivals, ", ")))),
       "because"_is(c.because, details(!c.because.empty(), "because: " + c.because)),
       "next_measurement"_is(c.next_measurement, details(!c.next_measurement.empty(), "next: " + c.next_measurement)));
   if (!c.effect.curve.empty()) fields.push_back("curve"_is(curve_json(c.effect.curve)));
@@ -244,7 +244,7 @@ std::string closest_text(const Diagnosis& d) {
     if (closest.size() < kMostShown)
       closest.push_back({to_text(candidate.effect), candidate.probability, place_text(candidate.effect)});
   if (closest.empty()) return {};
-  return "\n" + paragraph("closest candidates, with their probability beside noise: " + set_text(closest), 0, 2);
+  return "\n" + paragraph("closest candidates, with their probability compared with noise: " + set_text(closest), 0, 2);
 }
 
 /// What adding the likely effects would do, and how.
@@ -252,13 +252,12 @@ std::string add_text(const Diagnosis& d) {
   if (!d.add) return {};
   const bool proved =
       std::any_of(d.candidates.begin(), d.candidates.end(), [](const Candidate& candidate) { return candidate.named; });
-  return "\n" +
-         paragraph(fmt::format("To try it: add {}{} with `ecs model add`. On readings left out of the fit the residual "
-                               "is then expected to {} from {:.3g} to {:.3g} {} rms.",
-                               proved ? "what is proved, then " : "", fmt::join(d.add->effects, ", then "),
-                               d.add->held_out_rms_um < d.add->held_out_rms_before_um ? "fall" : "change",
-                               d.add->held_out_rms_before_um, d.add->held_out_rms_um, d.noise.unit),
-                   0, 2);
+  return "\n" + paragraph(fmt::format("To try it: add {}{} with `ecs model add`. On held-out readings the residual is "
+                                      "then expected to {} from {:.3g} to {:.3g} {} rms.",
+                                      proved ? "proved effects, then " : "", fmt::join(d.add->effects, ", then "),
+                                      d.add->held_out_rms_um < d.add->held_out_rms_before_um ? "fall" : "change",
+                                      d.add->held_out_rms_before_um, d.add->held_out_rms_um, d.noise.unit),
+                          0, 2);
 }
 
 Json add_json(const Diagnosis& d) {
@@ -280,8 +279,8 @@ Cell candidates_cell(const Diagnosis& d) {
   };
   if (d.verdict == Verdict::adequate || d.verdict == Verdict::cannot_tell) return {std::move(list), closest_text(d)};
   return {std::move(list),
-          titled_table(d.verdict == Verdict::missing_effect ? "what is missing" : "what is proved", named) +
-              titled_table("what is likely, but not proved", likely) + add_text(d) +
+          titled_table(d.verdict == Verdict::missing_effect ? "missing effects" : "proved effects", named) +
+              titled_table("likely but not proved effects", likely) + add_text(d) +
               titled_table("rivals and weaker explanations", rivals)};
 }
 
@@ -299,7 +298,8 @@ double largest_in(const std::vector<ShapePoint>& points) {
 }
 
 Cell where_cell(const Diagnosis& d) {
-  Cell where{Json::array(), d.where.empty() ? "" : "\nwhat the residual depends on (share of its variance)\n"};
+  Cell where{Json::array(),
+             d.where.empty() ? "" : "\nvariables that the residual depends on (share of its variance)\n"};
   for (const model::Dependence& one : d.where)
     where.add(record_cell("  {variable} {strength:>8}  in noise alone: p = {p_value}\n",
                           "variable"_is(one.variable, padded(one.variable, 26)),
@@ -320,7 +320,7 @@ Cell where_cell(const Diagnosis& d) {
 
 /// What is told, evidence that several share once; then what is not, and what would tell.
 Cell left_cell(const Diagnosis& d) {
-  Cell left{Json::array(), d.left.empty() ? "" : "\nwhat is told of what is left\n"};
+  Cell left{Json::array(), d.left.empty() ? "" : "\nproperties of the residual\n"};
   std::vector<std::string> withheld;
   std::set<std::string> said, measure;
   for (const model::LeftProperty& one : d.left) {
@@ -335,8 +335,9 @@ Cell left_cell(const Diagnosis& d) {
     if (!one.measure.empty()) measure.insert(one.measure);
   }
   if (!withheld.empty())
-    left.text +=
-        paragraph(fmt::format("no class is told: {}. {}", fmt::join(withheld, ", "), fmt::join(measure, " ")), 2, 4);
+    left.text += paragraph(
+        fmt::format("no property can be established: {}. {}", fmt::join(withheld, ", "), fmt::join(measure, " ")), 2,
+        4);
   return left;
 }
 
@@ -364,10 +365,11 @@ Cell formula_cell(const Diagnosis& d) {
 std::string outliers_text(const Diagnosis& d) {
   if (d.outliers.empty()) return {};
   return "\n" +
-         paragraph(fmt::format("outliers: rows {} ({} of {} readings) differ; they weigh little, and stay in every "
-                               "rms",
-                               rows_text(d.outliers), d.outliers.size(), d.observations),
-                   0, 2);
+         paragraph(
+             fmt::format(
+                 "outliers: rows {} ({} of {} readings) differ; they have little weight and are included in every rms",
+                 rows_text(d.outliers), d.outliers.size(), d.observations),
+             0, 2);
 }
 
 }  // namespace
@@ -376,8 +378,8 @@ std::string formula_text(const Diagnosis& diagnosis) {
   if (!diagnosis.formula) return {};
   const model::ProposedFormula& formula = *diagnosis.formula;
   return fmt::format(
-      "As a formula, {}: {}. `ecs model add MODEL formula` adds it. On readings left out of the fit the "
-      "residual is then expected to fall from {:.3g} to {:.3g} {} rms.",
+      "As a formula, {}: {}. `ecs model add MODEL formula` adds it. On held-out readings the residual is then expected "
+      "to fall from {:.3g} to {:.3g} {} rms.",
       formula.why, formulas_text(formula.effect), formula.held_out_rms_before_um, formula.held_out_rms_um,
       diagnosis.noise.unit);
 }
@@ -391,7 +393,7 @@ std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) 
 
 Cell diagnosis_cell(const Diagnosis& d) {
   const std::string tried =
-      paragraph(fmt::format("{} candidates were tried, and {} simulated data sets of noise alone on the same design",
+      paragraph(fmt::format("{} candidates were tried, and {} simulated noise-only data sets on the same design",
                             d.candidates_tried, d.noise_replicates));
   return record_cell("{headline}\n{summary}{candidates}{where}{left}{formula}{outliers}\n{blanks}{notes}",
                      "observations"_is(d.observations), "rms_um"_is(d.rms_um), "noise_um"_is(d.noise.noise_um),

@@ -52,7 +52,7 @@ std::string_view carrier_text(model::Carrier carrier) {
     case model::Carrier::parameters:
       return "parameters";
     case model::Carrier::set_up:
-      return "put it right";
+      return "how to correct it";
     case model::Carrier::none:
       break;
   }
@@ -73,7 +73,7 @@ std::vector<EffectFact> details_of(const model::Candidate& candidate) {
   for (EffectFact& fact : facts_of(definition)) facts.push_back(std::move(fact));
   facts.push_back({"values", parameters_text(candidate.parameters)});
   const auto rivals = places_of(candidate.rivals);
-  facts.push_back({"could also be", rivals.empty() ? "nothing else of the library fits these data as well"
+  facts.push_back({"could also be", rivals.empty() ? "no other effect of the library fits these data as well"
                                                    : fmt::format("{}", fmt::join(rivals, ", "))});
   if (!candidate.but.empty()) facts.push_back({"not proved", candidate.but});
   if (!candidate.decide.empty()) facts.push_back({"to decide", candidate.decide});
@@ -83,28 +83,28 @@ std::vector<EffectFact> details_of(const model::Candidate& candidate) {
 
 std::vector<EffectFact> evidence_of(const model::Candidate& candidate, const model::Diagnosis& diagnosis) {
   std::vector<EffectFact> facts;
-  facts.push_back({"model as it is", "lack of fit " + lack_of_fit_cell(diagnosis.lack_of_fit).text});
+  facts.push_back({"present model", "lack of fit " + lack_of_fit_cell(diagnosis.lack_of_fit).text});
   if (candidate.in_answer() && diagnosis.lack_of_fit_after)
-    facts.push_back({"with what is named", "lack of fit " + lack_of_fit_cell(diagnosis.lack_of_fit_after).text});
+    facts.push_back({"with the named effects", "lack of fit " + lack_of_fit_cell(diagnosis.lack_of_fit_after).text});
   facts.push_back(
       {"residual", fmt::format("{:.3f} -> {:.3f} {} rms, {:.1f} % explained; noise {:.3f} {}", diagnosis.rms_um,
                                candidate.rms_after_um, diagnosis.noise.unit, 100.0 * candidate.explained,
                                diagnosis.noise.noise_um, diagnosis.noise.unit)});
   if (candidate.held_out_rms_um && candidate.held_out_rms_before_um)
-    facts.push_back({"held out", judged(fmt::format("{:.3f} -> {:.3f} {} on readings it was not fitted to",
-                                                    *candidate.held_out_rms_before_um, *candidate.held_out_rms_um,
-                                                    diagnosis.noise.unit),
-                                        *candidate.held_out_rms_um < *candidate.held_out_rms_before_um)});
+    facts.push_back(
+        {"held out", judged(fmt::format("{:.3f} -> {:.3f} {} on held-out readings", *candidate.held_out_rms_before_um,
+                                        *candidate.held_out_rms_um, diagnosis.noise.unit),
+                            *candidate.held_out_rms_um < *candidate.held_out_rms_before_um)});
   if (model::explains_alone(candidate, diagnosis)) {
-    facts.push_back({"by chance", judged(fmt::format("{} of data sets of noise alone look as good",
+    facts.push_back({"by chance", judged(fmt::format("{} of simulated noise-only data sets fit as well",
                                                      chance_text(candidate, diagnosis)),
                                          candidate.false_naming <= 0.01)});
     facts.push_back({"nominal test", judged(fmt::format("p = {:.1g}", candidate.p_value), candidate.p_value < 0.01)});
   } else {
-    facts.push_back({"by chance", "it explains no more than noise would: fails"});
+    facts.push_back({"by chance", "it explains no more than noise would: not fulfilled"});
   }
   if (candidate.e_value)
-    facts.push_back({"e-value", judged(fmt::format("{:.3g}, {:g} is asked for", *candidate.e_value, kProvingEValue),
+    facts.push_back({"e-value", judged(fmt::format("{:.3g}; {:g} is required", *candidate.e_value, kProvingEValue),
                                        *candidate.e_value >= kProvingEValue)});
   for (const model::ParameterEstimate& one : candidate.parameters)
     if (std::string text = parameter_evidence(one); !text.empty()) facts.push_back({shown_name(one), std::move(text)});
@@ -132,8 +132,7 @@ std::string cost_if_of_measurement(const model::EffectInstance& effect, const st
   std::vector<model::EffectInstance> others;
   for (const auto& [name, other] : alternatives_of_measurement(effect)) others.push_back(other);
   return fmt::format(
-      "{} may be {}, an error of the measurement. If it is, compensating it puts {} into the machine. Decide it first: "
-      "{}",
+      "{} may be {}, an error of the measurement. If it is, compensation adds {} to the machine. Decide this first: {}",
       place_text(effect), measurement_alternatives(effect), amount, model::separating_measurement(effect, others));
 }
 
@@ -152,7 +151,7 @@ Result<std::size_t> effect_in(const model::Model& model, const std::string& name
 
 Result<WithoutEffect> without_effect(const model::Model& model, const model::Observations& data, std::size_t effect,
                                      const model::Fit& before, const std::string& data_name) {
-  if (model.effects.size() == 1) return problem(ProblemKind::refused, "a model keeps at least one effect");
+  if (model.effects.size() == 1) return problem(ProblemKind::refused, "a model must keep at least one effect");
   WithoutEffect without{model, {}, place_text(model.effects[effect]), before.rms_um};
   without.model.effects.erase(without.model.effects.begin() + static_cast<std::ptrdiff_t>(effect));
   ECS_TRY(fit, model::fit(without.model, data));

@@ -88,7 +88,7 @@ Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test) {
   return record_cell("F = {F}, p = {p}: {word}", "F"_is(test->F, few_digits(test->F)),
                      "p"_is(test->p, fmt::format("{:.1g}", test->p)),
                      "word"_shown(test->fails()         ? "fails"
-                                  : test->is_in_doubt() ? "in doubt"
+                                  : test->is_in_doubt() ? "doubtful"
                                                         : "holds"));
 }
 

@@ -181,7 +181,8 @@ Cell shares_cell(const PlaceShares& shares) {
 
 Result<PredictedVolume> volume_of(const model::Model& fitted, const std::optional<params::Machine>& machine,
                                   std::size_t points_per_axis) {
-  if (!machine) return problem(ProblemKind::usage, "--volume needs --machine: its file holds the travels of the axes");
+  if (!machine)
+    return problem(ProblemKind::usage, "--volume needs --machine: the machine file gives the travels of the axes");
   ECS_TRY(forward, model::predicted_volume(fitted, *machine, points_per_axis, 1));
   ECS_TRY(reverse, model::predicted_volume(fitted, *machine, points_per_axis, -1));
   return PredictedVolume{std::move(forward), std::move(reverse)};
@@ -190,7 +191,8 @@ Result<PredictedVolume> volume_of(const model::Model& fitted, const std::optiona
 Cell volume_cell(const PredictedVolume& volume) {
   Cell cell = record_cell("{forward}{reverse}", "forward"_is(volume_cell("forward", volume.forward)),
                           "reverse"_is(volume_cell("reverse", volume.reverse)));
-  cell.text = fmt::format("\npredicted error over the working volume, {} places\n", volume.forward.size()) + cell.text;
+  cell.text =
+      fmt::format("\npredicted error over the working volume, {} positions\n", volume.forward.size()) + cell.text;
   return cell;
 }
 

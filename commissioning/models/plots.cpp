@@ -343,7 +343,7 @@ PlotFigure figure_of_lines(const Fit& fit, const Observations& data, const Expla
     add_readings(measured, drawn, data.reading, "measured");
     for (const int approach : kApproaches)
       take(measured, model_curve(drawn, fit, line.axis, approach, with_direction("model", approach)));
-    PlotPanel left{title_of(line) + ": what the model leaves",
+    PlotPanel left{title_of(line) + ": residual of the model",
                    label_along(data, line),
                    fmt::format("residual [{}]", unit_label(line.sense)),
                    {}};
@@ -376,7 +376,7 @@ void add_variables(PlotFigure& figure, const Fit& fit, const Observations& data,
   for (const model::Dependence& one : diagnosis.where) {
     const Values x = column_named(data, one.variable);
     if (x.empty() || one.strength < kWorthShowing || added == 2) continue;
-    PlotPanel panel{fmt::format("what the model leaves, against {}", one.variable), one.variable, "residual [µm]", {}};
+    PlotPanel panel{fmt::format("residual against {}", one.variable), one.variable, "residual [µm]", {}};
     add_readings(panel, {data, rows, x}, fit.residual, "residual");
     figure.panels.push_back(std::move(panel));
     ++added;
@@ -386,17 +386,17 @@ void add_variables(PlotFigure& figure, const Fit& fit, const Observations& data,
 std::string_view verdict_title(const model::Diagnosis& diagnosis) {
   switch (diagnosis.verdict) {
     case model::Verdict::adequate:
-      return diagnosis.reservation.empty() ? "the model is adequate" : "nothing is missing that these data can show";
+      return diagnosis.reservation.empty() ? "the model is adequate" : "these data show no missing effect";
     case model::Verdict::missing_effect:
       return "an effect is missing";
     case model::Verdict::partly_explained:
-      return "an effect is missing, and more is left";
+      return "an effect is missing, and structure remains";
     case model::Verdict::likely_effect:
-      return "an effect is probably missing, which is not proved";
+      return "an effect is probably missing (not proved)";
     case model::Verdict::cannot_tell:
-      return "these data cannot tell whether anything is missing";
+      return "these data cannot show whether an effect is missing";
     default:
-      return "more is left than noise";
+      return "the residual is more than noise";
   }
 }
 
@@ -433,7 +433,7 @@ PlotPanel measured_panel(const Observations& data, const Fit& fit, const Measure
 
 PlotPanel residual_panel(const Observations& data, const Fit& fit, const MeasuredLine& line,
                          const ShownReadings& shown) {
-  return panel_of(data, line, shown, fit.residual, nullptr, "what the model leaves");
+  return panel_of(data, line, shown, fit.residual, nullptr, "residual");
 }
 
 std::vector<PlotPanel> residual_panels_of_variables(const Observations& data, const Fit& fit,
@@ -454,10 +454,8 @@ std::vector<PlotPanel> residual_panels_of_variables(const Observations& data, co
     const auto differs = [&](std::size_t k) { return std::isfinite(x[k]) && x[k] != x[line.rows.front()]; };
     if (std::none_of(line.rows.begin(), line.rows.end(), differs)) continue;
     const Drawn drawn{data, line.rows, x};
-    PlotPanel panel{fmt::format("what the model leaves, against {}", variable),
-                    variable,
-                    is_rotation(line.sense) ? "um/m" : "um",
-                    {}};
+    PlotPanel panel{
+        fmt::format("residual against {}", variable), variable, is_rotation(line.sense) ? "um/m" : "um", {}};
     for (const int approach : kApproaches) take(panel, readings(drawn, fit.residual, approach, ""));
     for (const int approach : kApproaches)
       if (variable == "run")

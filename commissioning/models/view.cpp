@@ -109,7 +109,7 @@ constexpr std::string_view kLadderRow =
     "{step:>4}  {effect} {rms_um:>9} {peak_um:>9} {noise_um:>9} {held_out_rms_um:>9}\n";
 
 AnswerFields fields_of(const model::Model& model, const LadderStep& step, std::size_t number) {
-  const std::string name = step.effect.empty() ? "(the model as it began)" : name_with_alternatives(model, step.effect);
+  const std::string name = step.effect.empty() ? "(initial model)" : name_with_alternatives(model, step.effect);
   return described("step"_shown(number), "effect"_is(text_or_null(step.effect), padded(name, 34)),
                    "data"_is(text_cell(step.data)), "rms_before_um"_is(step.rms_before_um, 3),
                    "rms_um"_is(step.rms_um, 3), "peak_um"_is(step.peak_um, 3), "noise_um"_is(step.noise_um, 3),
@@ -193,7 +193,7 @@ std::string rows_text(const std::vector<int>& rows, std::size_t most) {
 
 Cell ladder_cell(const model::Model& model) {
   const std::vector<LadderStep>& history = model.history;
-  if (history.empty()) return {Json::array(), "no step was taken yet: `ecs model add` takes one\n"};
+  if (history.empty()) return {Json::array(), "no effect has been added yet: use `ecs model add`\n"};
   Cell ladder{Json::array(), fmt::format("{:>4}  {} {:>9} {:>9} {:>9} {:>9}\n", "step", padded("effect", 34),
                                          rms_heading(unit_of_model(model)), "peak", "noise", "held-out")};
   const LadderStep& first = history.front();
@@ -210,7 +210,7 @@ Cell ladder_cell(const model::Model& model) {
     ladder.text += paragraph(fmt::format("step {} fitted to {}", before + i, history[i].data), 6, 8);
   for (std::size_t i = 0; i < history.size(); ++i)
     if (history[i].outliers > 0)
-      ladder.text += paragraph(fmt::format("rms and peak of step {} are without {} outlier{}", before + i,
+      ladder.text += paragraph(fmt::format("rms and peak of step {} exclude {} outlier{}", before + i,
                                            history[i].outliers, history[i].outliers == 1 ? "" : "s"),
                                6, 8);
   return ladder;

@@ -183,7 +183,7 @@ Result<std::optional<Achieved>> achieved(MessageSink& messages, const ModelWork&
 
 Cell effects_cell(const WhatIfAnswer& answer) {
   Cell effects{Json::array(),
-               fmt::format("{} {:>9}  {}\n", padded("effect", 34), rms_heading(answer.unit), "carried by")};
+               fmt::format("{} {:>9}  {}\n", padded("effect", 34), rms_heading(answer.unit), "compensated by")};
   for (const model::WhatIf::Share& share : answer.what.shares) {
     const AnswerFields fields = described(
         "effect"_is(share.effect, padded(name_with_alternatives(answer.model, share.effect), 34)),
@@ -236,8 +236,8 @@ Cell achieved_cell(const WhatIfAnswer& answer) {
   if (!answer.achieved) return null_cell();
   const Achieved& achieved = *answer.achieved;
   Cell cell = record_cell(
-      "Measured again: {readings} readings, rms {rms_um} {unit} (peak {peak_um} {unit}): {of_predicted} times what was "
-      "predicted.{rest}",
+      "Measured again: {readings} readings, rms {rms_um} {unit} (peak {peak_um} {unit}): {of_predicted} times the "
+      "predicted rms.{rest}",
       "unit"_shown(answer.unit), "rms_um"_is(achieved.rms_um, 3), "peak_um"_is(achieved.peak_um, 3),
       "readings"_is(achieved.data.size()), "rest"_is(rest_cell(answer)),
       "of_predicted"_is(achieved.rms_um / answer.what.rms_after_um,
@@ -253,9 +253,8 @@ std::vector<std::string> made_worse(const std::vector<AfterDirection>& direction
   for (const AfterDirection& one : directions)
     if (one.predicted_um > kWorse * one.now_um)
       notes.push_back(fmt::format(
-          "compensating with this model would make {}, {}, worse, {:.3g} -> {:.3g}: there the effects that "
-          "the "
-          "unit carries cancel others, or errors that the model lacks",
+          "compensation with this model would increase {}, {}, {:.3g} -> {:.3g}: there the effects that the unit can "
+          "compensate cancel other effects, or errors that the model lacks",
           one.path.empty() ? fmt::format("{} along {}", name_of(one.sense), laser::letter_of(one.axis, rotary))
                            : one.path,
           direction_text(one.approach), one.now_um, one.predicted_um));
@@ -274,12 +273,11 @@ std::vector<std::string> notes_on(const ModelWork& work, const model::WhatIf& wh
           fmt::format("{:.3g} {} rms, up to {:.3g} {},", what.shares[i].rms_um, unit, what.shares[i].peak_um, unit)));
   const auto compensated = std::count(work.data.compensated.begin(), work.data.compensated.end(), true);
   if (compensated > 0)
-    notes.push_back(
-        fmt::format("{} of the {} readings were taken with compensation active: for them this is what a "
-                    "further map would leave",
-                    compensated, work.data.size()));
+    notes.push_back(fmt::format(
+        "{} of the {} readings were taken with compensation active: for them this is the error after a further map",
+        compensated, work.data.size()));
   if (after && after->left_out > 0)
-    notes.push_back(fmt::format("{} readings of --after are marked compensated = 0 and left out", after->left_out));
+    notes.push_back(fmt::format("{} readings of --after are marked compensated = 0 and ignored", after->left_out));
   return notes;
 }
 
@@ -299,15 +297,16 @@ Result<WhatIfAnswer> what_if_answer(MessageSink& messages, const ModelWork& work
 
 std::string what_if_summary(const model::WhatIf& what, const model::Model& model, std::string_view unit) {
   std::string text = fmt::format(
-      "Compensating all that the unit can would bring the rms of the readings from {:.3f} to {:.3f} {} (peak {:.3f} "
-      "{}), noise included.",
+      "Compensation by the unit would reduce the rms of the readings from {:.3f} to {:.3f} {} (peak {:.3f} {}), noise "
+      "included.",
       what.rms_now_um, what.rms_after_um, unit, what.peak_after_um, unit);
   std::vector<std::string> machine, measurement;
   for (const model::WhatIf::Share& share : what.shares)
     if (!share.carried)
       (share.of_measurement ? measurement : machine).push_back(name_with_alternatives(model, share.effect));
-  text += fmt::format(" The machine would keep {:.3f} {} rms: {}noise and what the model does not explain.",
-                      what.machine_um, unit, machine.empty() ? "" : fmt::format("{}, ", fmt::join(machine, ", ")));
+  text += fmt::format(
+      " The remaining error of the machine would be {:.3f} {} rms: {}noise and errors that the model does not explain.",
+      what.machine_um, unit, machine.empty() ? "" : fmt::format("{}, ", fmt::join(machine, ", ")));
   if (!measurement.empty())
     text += fmt::format(" {:.3f} {} rms belong to the measurement, not to the machine: {}.", what.measurement_um, unit,
                         fmt::join(measurement, ", "));

@@ -64,7 +64,7 @@ Result<MeasurementSet> joined_with_paths(MeasurementSet lines, std::vector<Measu
     }
     for (const auto& [path, run] : last_of_set) {
       if (last_run[path] > 0)
-        all->notes.push_back(fmt::format("{}: its runs of {} are numbered on from {}", set.source,
+        all->notes.push_back(fmt::format("{}: its runs of {} are renumbered from {}", set.source,
                                          path.substr(0, path.find(" radius")), last_run[path] + 1));
       last_run[path] += run;
     }
@@ -136,8 +136,8 @@ std::optional<Problem> axes_mixed(const laser::MeasurementSet& set, const std::s
   for (const laser::Reading& reading : set.readings)
     if (reading.rotary != rotary)
       return Problem{ProblemKind::bad_input,
-                     fmt::format("expected readings of linear axes or of rotary ones, found both, {} and {}: give each "
-                                 "kind a model of its own",
+                     fmt::format("expected readings of linear axes or of rotary ones, found both, {} and {}: use a "
+                                 "separate model for each kind",
                                  laser::letter_of(set.readings.front().axis, rotary),
                                  laser::letter_of(reading.axis, reading.rotary)),
                      file,
@@ -154,7 +154,7 @@ std::optional<Problem> of_other_axes(const model::Model& model, const laser::Mea
   const auto refused = [&](const std::string& what) {
     return Problem{
         ProblemKind::bad_input,
-        fmt::format("expected a model of {} axes as the readings are, found {}", rotary ? "rotary" : "linear", what),
+        fmt::format("expected a model of {} axes, as in the readings, found {}", rotary ? "rotary" : "linear", what),
         file,
         0,
         0,
@@ -162,7 +162,7 @@ std::optional<Problem> of_other_axes(const model::Model& model, const laser::Mea
   };
   for (const model::EffectInstance& effect : model.effects)
     if (!effect.is_user() && effect.rotary != rotary) return refused(to_text(effect));
-  if (rotary && model.map) return refused("[map]: a map is of linear axes");
+  if (rotary && model.map) return refused("[map]: a map covers linear axes only");
   return std::nullopt;
 }
 
@@ -179,13 +179,12 @@ std::optional<Problem> of_other_machine(const model::Observations& data, const s
   for (const model::Path& path : data.paths)
     for (const Axis axis : kAllAxes)
       if (axes_of(path).find(letter_of(axis)) != std::string::npos && !data.machine.axes[index_of(axis)])
-        return Problem{
-            ProblemKind::bad_input,
-            fmt::format("{}: expected axes of the machine, and it has no {}", name_of(path), letter_of(axis)),
-            files.front(),
-            0,
-            0,
-            {}};
+        return Problem{ProblemKind::bad_input,
+                       fmt::format("{}: expected axes of the machine, which has no {}", name_of(path), letter_of(axis)),
+                       files.front(),
+                       0,
+                       0,
+                       {}};
   return std::nullopt;
 }
 
@@ -194,8 +193,8 @@ std::vector<std::string> warnings_of_ball(const ModelWork& work) {
   std::vector<std::string> warnings;
   if (work.data.rotary && work.data.through_chain.empty())
     warnings.emplace_back(
-        "these readings are taken as errors of the axis itself; of a ball on the table they need x_mm, y_mm, z_mm, and "
-        "--machine FILE with the rotary axes");
+        "these readings are interpreted as errors of the axis itself; readings of a ball on the table need x_mm, y_mm, "
+        "z_mm, and --machine FILE with the rotary axes");
   const auto is_kept = [&](const std::string& name) {
     return std::any_of(work.model.effects.begin(), work.model.effects.end(), [&](const model::EffectInstance& effect) {
       return effect.tied_with.find(name) != std::string::npos;
@@ -203,10 +202,10 @@ std::vector<std::string> warnings_of_ball(const ModelWork& work) {
   };
   for (const model::Exchangeable& one : model::exchangeable_locations(work.data, work.model.effects))
     if (const std::string name = place_text(one.effect); !is_kept(name))
-      warnings.push_back(fmt::format(
-          "{} is not in the model: these readings do not tell it from the place of the ball or of the probe "
-          "(turn the spindle by 180 deg between two readings to know that of the probe)",
-          name));
+      warnings.push_back(
+          fmt::format("{} is not in the model: these readings cannot distinguish it from the position of the ball or "
+                      "of the probe (turn the spindle by 180 deg between two readings to determine that of the probe)",
+                      name));
   return warnings;
 }
 
@@ -215,8 +214,8 @@ std::vector<std::string> warnings_of_ball(const ModelWork& work) {
 cli::Fields<ModelArguments> ModelArguments::fields(cli::Need data_need) {
   using A = ModelArguments;
   return {{"MODEL", &A::model, "model file (.toml)", cli::Need::required},
-          {"DATA", &A::data, "measurement files, any that `laser import` reads, and files of circles and diagonals",
-           data_need},
+          {"DATA", &A::data,
+           "measurement files in any format that `laser import` reads, and files of circles and diagonals", data_need},
           {"--machine", &A::machine, kMachineHelp},
           &A::import};
 }
@@ -237,8 +236,9 @@ Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vect
     ECS_TRY(path, import.columns.empty() && import.profile.empty() ? path_in(bytes, file)
                                                                    : std::optional<laser::MeasurementSet>());
     if (path && files.size() > 1 && !path->notes.empty())
-      return problem_at(file, 0, 0,
-                        path->notes.front() + "; beside other files its readings need their true place: add that line");
+      return problem_at(
+          file, 0, 0,
+          path->notes.front() + "; together with other files its readings need their true position: add that line");
     if (!path) {
       ECS_TRY(imported, measurements_in(bytes, file, any_axis));
       sets.push_back(std::move(imported.set));
@@ -262,9 +262,11 @@ Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vect
 Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& arguments) {
   auto model = model::read_model(arguments.model);
   if (!model && !model_among(arguments.data).empty())
-    return problem(ProblemKind::usage, fmt::format("MODEL and DATA are swapped: {} is a model and {} is none; give the "
-                                                   "model first, then the measurements",
-                                                   model_among(arguments.data), arguments.model));
+    return problem(
+        ProblemKind::usage,
+        fmt::format(
+            "MODEL and DATA are swapped: {} is a model and {} is not; give the model first, then the measurements",
+            model_among(arguments.data), arguments.model));
   if (!model) return tl::unexpected(model.error());
   ECS_TRY(machine, machine_in(messages, arguments.machine));
   std::string sha256;
@@ -290,7 +292,7 @@ Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& argume
 Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& arguments) {
   std::error_code error;
   if (std::filesystem::exists(arguments.model, error))
-    return problem(ProblemKind::usage, arguments.model + " exists already: open it, or give another name");
+    return problem(ProblemKind::usage, arguments.model + " already exists: open it, or give another name");
   ECS_DO(model::write_model(arguments.model, model::Model{}));
   auto work = model_work(messages, arguments);
   if (work) {
@@ -305,11 +307,10 @@ Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& argum
 
 std::string usual_in_words(const model::Observations& data) {
   if (!data.through_chain.empty())
-    return "the place of the ball, location errors of the rotary axes that it shows, and their backlash where both "
-           "approaches "
-           "were";
-  return data.rotary ? "offset of what was measured, backlash where both approaches were"
-                     : "offset and slope of what was measured, backlash where both approaches were";
+    return "position of the ball, the location errors of the rotary axes that it shows, and their backlash where both "
+           "approaches were measured";
+  return data.rotary ? "offset of each measured line, backlash where both approaches were measured"
+                     : "offset and slope of each measured line, backlash where both approaches were measured";
 }
 
 Problem in_file(Problem why, const std::string& file) {

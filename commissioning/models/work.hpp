@@ -38,7 +38,7 @@ struct ModelArguments {
   ImportArguments import;
   static cli::Fields<ModelArguments> fields(cli::Need data_need = cli::Need::required);
 };
-inline constexpr const char* kMachineHelp = "the machine (.toml): datum, travels, lever arms, pitches";
+inline constexpr const char* kMachineHelp = "machine file (.toml): datum, travels, lever arms, pitches";
 
 struct ModelWork {
   model::Model model;

@@ -33,7 +33,8 @@ Result<void> plain_file(const std::string& path) {
   if (path.empty()) return problem(ProblemKind::usage, "expected the name of a file, found nothing");
   std::error_code fault;
   if (std::filesystem::exists(path, fault) && !std::filesystem::is_regular_file(path, fault))
-    return problem(ProblemKind::usage, fmt::format("{}: expected a file, found something else; choose a file", path));
+    return problem(ProblemKind::usage,
+                   fmt::format("{}: expected a file, found a folder or a device; choose a file", path));
   return {};
 }
 
@@ -66,8 +67,7 @@ Result<void> ParametersController::start_from_machine(const std::string& path) {
 Result<void> ParametersController::take_from_unit(const UnitContent& unit) {
   know_unit(unit);
   if (!unit.parameters)
-    return problem(ProblemKind::refused,
-                   fmt::format("nothing received from {}: {}", title_of(unit), unit.none_because));
+    return problem(ProblemKind::refused, fmt::format("not received from {}: {}", title_of(unit), unit.none_because));
   ParameterSet received{*unit.parameters, {set().identity.machine, unit.identity.serial_number}};
   held_ = {file_between("parameters", ".toml"), {}, {*unit.parameters, {{}, unit.identity.serial_number}}, true};
   if (loaded_) {
@@ -93,7 +93,8 @@ std::string ParametersController::owner_of(const Draft& draft) {
 
 Result<void> ParametersController::take_up_draft() {
   const auto kept = draft_of(kParametersDraft);
-  if (!kept) return problem(ProblemKind::refused, "the unsaved work is gone: another program took it up");
+  if (!kept)
+    return problem(ProblemKind::refused, "the unsaved work is no longer available: another program has opened it");
   ECS_TRY(draft, parsed_draft(kept->text));
   if (!draft.machine.empty()) (void)check_with(draft.machine);
   in_file_.reset();
@@ -243,10 +244,10 @@ Result<void> ParametersController::check_with(const std::string& machine_path) {
 std::string ParametersController::overwrites(const std::string& path) const {
   std::error_code fault;
   if (!std::filesystem::exists(path, fault)) return {};
-  if (path != file_) return fmt::format("{} exists already. Its contents will be overwritten.", path);
+  if (path != file_) return fmt::format("{} already exists. Its contents will be overwritten.", path);
   const auto text = read_file(path);
   if (text && *text == file_text_) return {};
-  return fmt::format("{} was changed by another program since it was read here; that change is lost.", path);
+  return fmt::format("{} was changed by another program since it was read here; that change will be lost.", path);
 }
 
 Result<void> ParametersController::save(const std::string& path) {

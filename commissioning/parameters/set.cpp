@@ -115,11 +115,13 @@ Result<void> set_value(std::string_view key, ParameterSet& set, std::string_view
 
 KeyWords words_of(std::string_view key) {
   if (key == kMachineKey)
-    return {"The machine whose parameters these are. A map that names another machine is not kept beside them.",
+    return {"The machine to which these parameters belong. A map for another machine is not kept with them.",
             "any text; empty: not stated", "", ""};
   if (key == kSerialKey)
-    return {"The unit that these parameters are for. Sending them to a unit of another serial number is asked first.",
-            "the serial number that the unit reports; empty: any unit", "", ""};
+    return {
+        "The unit for which these parameters are intended. Sending them to a unit with another serial number needs a "
+        "confirmation.",
+        "the serial number that the unit reports; empty: any unit", "", ""};
   const params::Field* field = params::field_named(key);
   if (field == nullptr) return {};
   return {field->help, params::range_text(*field), value_with_unit(key, params::default_text(*field)),

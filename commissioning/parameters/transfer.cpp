@@ -25,7 +25,7 @@ Result<UnitContent> unit_content(UnitLink& link) {
     unit.parameters = *parameters;
   } else if (parameters.error().kind == ProblemKind::refused) {
     unit.none_because =
-        status.active_bank == protocol::Bank::none ? "it holds no parameters yet" : to_text(parameters.error());
+        status.active_bank == protocol::Bank::none ? "it contains no parameters yet" : to_text(parameters.error());
   } else {
     return tl::unexpected(parameters.error());
   }
@@ -42,7 +42,8 @@ Result<SentParameters> sent_to_unit(UnitLink& link, const UnitParameters& parame
   ECS_TRY(report, send_parameters(link.client(), parameters, owner, unfit, progress));
   auto after = unit_content(link);
   if (!after) {
-    after.error().message = "the unit has taken the parameters; but looking at it afterwards: " + after.error().message;
+    after.error().message =
+        "the unit has accepted the parameters, but reading it afterwards failed: " + after.error().message;
     return tl::unexpected(std::move(after.error()));
   }
   return SentParameters{std::move(report), std::move(*after)};
@@ -69,10 +70,11 @@ std::string value_or_nothing(const std::string& value) { return value.empty() ? 
 
 /// "7 parameters of the unit are overwritten: X deadband 5 > 2.5, … and 3 more."
 std::string overwritten(const ParametersController& controller) {
-  if (!controller.has_unit_values()) return fmt::format("Nothing is overwritten: {}.", controller.unit()->none_because);
+  if (!controller.has_unit_values())
+    return fmt::format("No parameters will be overwritten: {}.", controller.unit()->none_because);
   const auto differing = controller.differs_from_unit();
   std::string text =
-      fmt::format("Overwritten there: {} parameter{}:", differing.size(), differing.size() == 1 ? "" : "s");
+      fmt::format("{} parameter{} will be overwritten:", differing.size(), differing.size() == 1 ? "" : "s");
   for (std::size_t k = 0; k < std::min(kNamed, differing.size()); ++k)
     text += fmt::format("\n- {}: {} > {}", full_label_of(differing[k].key), value_or_nothing(differing[k].unit),
                         value_with_unit(differing[k].key, differing[k].screen));
@@ -95,8 +97,8 @@ std::string taken_in_words(const SentParameters& sent, std::size_t differing) {
   std::string text =
       fmt::format("sent to {} and read back: {}; commit {}", title_of(sent.after),
                   differing == 0 ? "no difference" : fmt::format("{} differ", differing), sent.report.commit_sequence);
-  if (sent.report.map_kept) text += "; its map fits and stays";
-  if (sent.report.map_dropped) text += "; it has no map now";
+  if (sent.report.map_kept) text += "; its map fits and is kept";
+  if (sent.report.map_dropped) text += "; it now has no map";
   return text;
 }
 
@@ -108,7 +110,7 @@ void ParametersTransfer::receive() {
   };
   task_.start(kReading, read, [this](const Result<UnitContent>& unit) {
     if (!unit) return say_no_exchange(unit.error());
-    const char* undo = controller_->loaded() ? "; u brings back what was here" : "";
+    const char* undo = controller_->loaded() ? "; press u to restore the previous parameters" : "";
     if (auto taken = controller_->take_from_unit(*unit); !taken) return message_->say(taken.error());
     note_on_unit(*connection_, {"params", "receive", "-o", controller_->file_between_commands()});
     message_->say(fmt::format("received from {}{}", title_of(*unit), undo));
@@ -155,7 +157,7 @@ bool ParametersTransfer::advance() {
 }
 
 void ParametersTransfer::say_no_exchange(const Problem& why) {
-  message_->say("No exchange with the unit. Nothing was changed here: " + to_text(why) +
+  message_->say("No exchange with the unit. The parameters here are unchanged: " + to_text(why) +
                     ". The link reopens automatically. Try again then.",
                 Tone::bad);
 }
@@ -165,13 +167,14 @@ void ParametersTransfer::take_read_to_send(UnitContent unit) {
   if (unit.mode == UnitMode::datuming || unit.mode == UnitMode::compensating) {
     ask_to_switch(unit);
   } else if (unit.mode != UnitMode::integration) {
-    message_->say(fmt::format("nothing was sent: {} is {}, it takes parameters only in integration mode; see its "
-                              "status under ECS UTILITY",
-                              title_of(unit), ecs::name_of(unit.mode)),
-                  Tone::bad);
+    message_->say(
+        fmt::format(
+            "not sent: {} is {} and accepts parameters only in integration mode; see its status under ECS UTILITY",
+            title_of(unit), ecs::name_of(unit.mode)),
+        Tone::bad);
   } else if (controller_->has_unit_values() && controller_->differs_from_unit().empty()) {
     controller_->sent(to_send_, std::move(unit));
-    message_->say("nothing to send: the unit holds these parameters already");
+    message_->say("not sent: the unit already has these parameters");
   } else {
     ask_to_send();
   }
@@ -179,10 +182,10 @@ void ParametersTransfer::take_read_to_send(UnitContent unit) {
 
 void ParametersTransfer::ask_to_switch(const UnitContent& unit) {
   asking_.ask({fmt::format("Switch {} to integration mode?", title_of(unit)),
-               fmt::format("It is {} now and takes no parameters there. In integration mode it stops compensating: "
-                           "outputs go to 0, relays open. The machine must not be cutting.",
+               fmt::format("It is {} now and accepts no parameters in this mode. In integration mode it stops "
+                           "compensating: outputs go to 0, relays open. The machine must not be cutting.",
                            ecs::name_of(unit.mode)),
-               "switch", "leave it"},
+               "switch", "cancel"},
               [this] { read_to_send(true); });
 }
 
@@ -227,12 +230,12 @@ void ParametersTransfer::take_sent(Result<SentParameters> sent) {
   }
   std::string objections;
   for (const Problem& objection : why.also) objections += "\n- " + objection.message;
-  message_->say("nothing was sent: the map in the unit does not fit these parameters", Tone::warning);
+  message_->say("not sent: the map in the unit does not fit these parameters", Tone::warning);
   asking_.ask({"Send them without the map?",
-               "The map in the unit does not fit these parameters and would be dropped: the unit does not compensate "
+               "The map in the unit does not fit these parameters and will be deleted: the unit does not compensate "
                "until a map is sent." +
                    objections,
-               "send, drop the map", "send nothing"},
+               "send, delete the map", "do not send"},
               [this] { start_sending(owner_, UnfitMap::drop); });
 }
 

@@ -21,8 +21,7 @@ void export_picture(TaskRunner& task, PlotFigure figure, const std::string& stem
   task.start("drawing", draw, [&message, name, drawn = std::move(drawn)](const Result<void>& written) {
     if (!written) return message.say(written.error());
     message.say("written: " + name + ".svg and .png");
-    if (!drawn)
-      return note_remark(fmt::format("the pictures {0}.svg and {0}.png: no command draws what was seen", name));
+    if (!drawn) return note_remark(fmt::format("the pictures {0}.svg and {0}.png: no command draws this view", name));
     for (const char* extension : {".svg", ".png"}) drawn(name + extension);
   });
 }

@@ -291,7 +291,7 @@ std::string file_between(const std::string& stem, const std::string& extension) 
 
 std::string command_text(const NotedCommand& command) {
   if (!command.file.empty())
-    return fmt::format("cat >{}  # the file as the screens wrote it", shell_word(command.file));
+    return fmt::format("cat >{}  # the file as written by the screens", shell_word(command.file));
   return command.words.empty() ? as_remark(command.text) : line_of_words(command.words, {});
 }
 
@@ -304,7 +304,7 @@ std::string script_of(const std::vector<NotedCommand>& commands) {
       "and overwrites none.\n"
       "# What writes to a unit needs it armed: ECS_ARM_CODE=… in front of the script.\nset -e\nset -C\n",
       fmt::localtime(std::time(nullptr)), folder_text());
-  text += preset_line("LINK", names.link, "the unit; LINK=… in front of the script names another one");
+  text += preset_line("LINK", names.link, "the unit; LINK=… before the script name selects another one");
   text +=
       preset_line("WORKSHOP", names.workshop, "socket of the emulated machine: `ecs-emulator serve --workshop SOCKET`");
   ScriptWriter writer(names);

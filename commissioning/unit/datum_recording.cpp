@@ -149,8 +149,7 @@ Result<DatumRecording> parse_recording(std::string_view text, const std::string&
   }
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
   if (recording.samples.empty())
-    return problem_at(name, 0, 0,
-                      "expected a datum record as `ecs utility datum record -o` writes it, found no samples");
+    return problem_at(name, 0, 0, "expected a datum record written by `ecs utility datum record -o`, found no samples");
   return recording;
 }
 

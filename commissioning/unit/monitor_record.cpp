@@ -60,15 +60,15 @@ Result<MonitorRecording> MonitorRecording::begun(const std::string& file) {
   made.target_ = led_to(file);
   std::error_code ignored;
   const auto status = fs::status(made.target_, ignored);
-  if (fs::is_directory(status)) return output_problem(file, "cannot write: a folder of that name is there");
+  if (fs::is_directory(status)) return output_problem(file, "cannot write: a folder of that name exists");
   const bool device = fs::is_other(status);
   if (!device) made.part_ = made.target_.string() + ".part";
   const int flags = O_WRONLY | O_CLOEXEC | O_NOCTTY | (device ? 0 : O_CREAT | O_EXCL);
   made.handle_ = ::open(device ? made.target_.c_str() : made.part_.c_str(), flags, 0666);
   if (made.handle_ < 0 && errno == EEXIST)
     return output_problem(made.part_.string(),
-                          "is there already: another recording runs, or this holds what one recorded that was broken "
-                          "off; rename or remove it");
+                          "already exists: another recording is running, or this file contains an interrupted "
+                          "recording; rename or remove it");
   if (made.handle_ < 0) return output_problem(file, fmt::format("cannot write: {}", std::strerror(errno)));
   ECS_DO(made.write(kMonitorColumns));
   return made;
@@ -91,7 +91,7 @@ Result<void> MonitorRecording::broken(int error) {
   if (!part_.empty() && !kept) fs::remove(part_, ignored);
   return output_problem(
       name_, fmt::format("cannot write: {}{}", std::strerror(error),
-                         kept ? fmt::format("; {} holds {} samples", part_.string(), samples_) : std::string()));
+                         kept ? fmt::format("; {} contains {} samples", part_.string(), samples_) : std::string()));
 }
 
 Result<void> MonitorRecording::write(std::string_view text) {

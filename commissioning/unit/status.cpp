@@ -167,7 +167,7 @@ Result<StatusSnapshot> parse_snapshot(std::string_view text, const std::string& 
   if (auto why = why_no_text(text, name)) return tl::unexpected(std::move(*why));
   const Json object = Json::parse(text, nullptr, false);
   if (object.is_discarded() || !object.is_object() || !object.contains("ecs_status"))
-    return problem_at(name, 0, 0, "expected a status file as `ecs utility status --save` writes it (JSON)");
+    return problem_at(name, 0, 0, "expected a status file (JSON) written by `ecs utility status --save`");
   if (object["ecs_status"] != kFormat)
     return problem_at(name, 0, 0,
                       fmt::format("expected a status file of format {}, found format {}: use a newer ecs", kFormat,

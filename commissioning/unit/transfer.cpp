@@ -19,11 +19,11 @@ struct Stated {
 void take_difference(std::vector<std::string>& objections, const Stated& ours, const std::string& other,
                      std::string_view where, std::string_view advice = kTakeTheRightOne) {
   if (ours.value.empty() || other.empty() || ours.value == other) return;
-  objections.push_back(fmt::format("{} \"{}\", {} says \"{}\": {}", ours.origin, ours.value, where, other, advice));
+  objections.push_back(fmt::format("{} \"{}\", but {} has \"{}\": {}", ours.origin, ours.value, where, other, advice));
 }
 
 constexpr std::string_view kWhoseMap =
-    "nobody can check whose map it is; `ecs map build` writes these lines. If it is meant for this unit, give "
+    "its machine cannot be checked; `ecs map build` writes these lines. If the map is for this unit, give "
     "--other-machine";
 constexpr std::string_view kMapSerial = "the map was made for serial number";
 constexpr std::string_view kOfParameters = "[identity] of the parameters";
@@ -50,8 +50,8 @@ std::vector<std::string> objections_to_map(const laser::ErrorMap& map, const Uni
                                       [&](const laser::SourceFile& source) { return source.component == name; });
     if (measured && squareness_um_per_m(parameters, component) == 0.0)
       objections.push_back(
-          fmt::format("{} was measured for this map, but the parameters hold 0: use the parameters that `ecs map build "
-                      "--params-out` wrote",
+          fmt::format("{} was measured for this map, but its parameter is 0: use the parameters written by `ecs map "
+                      "build --params-out`",
                       name));
   }
   return objections;
@@ -62,15 +62,15 @@ std::vector<std::string> other_machine(const laser::MapHeader& header, const par
 }
 
 std::vector<std::string> made_for_two_machines(const laser::MapHeader& header, const params::Identity& identity) {
-  return two_machines(header, identity, "as they stand, `ecs map send` refuses the map with these parameters");
+  return two_machines(header, identity, "`ecs map send` refuses the map with the present parameters");
 }
 
 std::vector<std::string> other_unit(const laser::MapHeader& header, const std::string& serial_number) {
   std::vector<std::string> objections;
   if (header.machine.empty() && header.serial_number.empty())
-    objections.push_back(fmt::format("its header names neither machine nor serial number: {}", kWhoseMap));
+    objections.push_back(fmt::format("its header states neither machine nor serial number: {}", kWhoseMap));
   if (header.configuration.empty())
-    objections.push_back(fmt::format("its header names no configuration: {}", kWhoseMap));
+    objections.push_back(fmt::format("its header states no configuration: {}", kWhoseMap));
   take_difference(objections, {kMapSerial, header.serial_number}, serial_number, "the unit");
   return objections;
 }
@@ -88,8 +88,9 @@ std::vector<std::string> other_unit(const std::string& dumped_from, std::span<co
   take_difference(objections, {"the dump was taken from serial number", dumped_from}, serial_number, "the unit");
   const auto content = laser::content_of(image);
   if (!content) {
-    objections.push_back(fmt::format("whose map it is cannot be read: {}; give --other-machine to load it nonetheless",
-                                     to_text(content.error())));
+    objections.push_back(
+        fmt::format("the machine of the map cannot be read: {}; give --other-machine to load it nevertheless",
+                    to_text(content.error())));
     return objections;
   }
   for (std::string& differs : other_unit(content->map.header, serial_number)) objections.push_back(std::move(differs));
@@ -102,20 +103,19 @@ std::vector<std::string> no_room_for(std::span<const std::uint8_t> image, const 
   const auto parameters = view.parameters();
   if (parameters && parameters->memory_modules > identity.memory_modules)
     objections.push_back(
-        fmt::format("the parameters count on {} axis memory modules, the unit has {}: put more modules into its rack, "
-                    "or set memory_modules in the parameters to {}",
+        fmt::format("the parameters require {} axis memory modules, the unit has {}: add modules to its rack, or set "
+                    "memory_modules in the parameters to {}",
                     parameters->memory_modules, identity.memory_modules, identity.memory_modules));
   if (view.value_count() > identity.capacity_values)
     objections.push_back(
-        fmt::format("the map holds {} values, the unit holds at most {}: use a larger increment, or put more axis "
-                    "memory modules into its rack",
+        fmt::format("the map has {} values, the unit stores at most {}: use a larger increment, or add axis memory "
+                    "modules to its rack",
                     view.value_count(), identity.capacity_values));
   const std::size_t room = bank_bytes(static_cast<std::uint8_t>(std::min<int>(identity.memory_modules, kMostModules)));
   if (image.size() > room)
-    objections.push_back(
-        fmt::format("the map has {} bytes, a bank of the unit {}: use a larger increment, or put more axis memory "
-                    "modules into its rack",
-                    image.size(), room));
+    objections.push_back(fmt::format(
+        "the map has {} bytes, a bank of the unit {}: use a larger increment, or add axis memory modules to its rack",
+        image.size(), room));
   return objections;
 }
 
@@ -134,7 +134,7 @@ using Image = std::vector<std::uint8_t>;
 Result<void> has_image(const protocol::UnitStatus& status) {
   if (status.active_bank == Bank::none) return {};
   if (status.image_length_bytes >= kPrefixBytes + kParameterBytes && status.image_length_bytes <= kBankBytes) return {};
-  return problem(ProblemKind::link, fmt::format("unit: expected an active image of {} to {} bytes, it names {}",
+  return problem(ProblemKind::link, fmt::format("unit: expected an active image of {} to {} bytes, it reports {}",
                                                 kPrefixBytes + kParameterBytes, kBankBytes, status.image_length_bytes));
 }
 
@@ -152,7 +152,7 @@ KeptMap map_to_keep(const std::optional<Image>& active, const UnitParameters& pa
   const auto content = laser::content_of(*active);
   if (!content) {
     kept.had_one = true;
-    kept.objections.push_back("the map in the unit is not sound: " + to_text(content.error()));
+    kept.objections.push_back("the map in the unit is not valid: " + to_text(content.error()));
     return kept;
   }
   if (content->map.tables.empty() && content->map.header.declared_zero.empty()) return kept;
@@ -166,8 +166,8 @@ KeptMap map_to_keep(const std::optional<Image>& active, const UnitParameters& pa
 tl::unexpected<Problem> refused_for_map(const std::vector<std::string>& objections) {
   std::vector<Problem> problems{
       {ProblemKind::refused,
-       "the map in the unit does not fit these parameters; nothing was sent. Send a map for them (`ecs map send MAP "
-       "--params FILE` sends both), or give --force to send the parameters and drop the map",
+       "the map in the unit does not fit these parameters; not sent. Send a map for them (`ecs map send MAP --params "
+       "FILE` sends both), or give --force to send the parameters and delete the map",
        {},
        0,
        0,
@@ -193,14 +193,14 @@ Result<std::optional<Image>> read_active_image(protocol::UnitClient& client,
 Result<UnitParameters> receive_parameters(protocol::UnitClient& client) {
   ECS_TRY(status, client.status());
   if (status.active_bank == Bank::none)
-    return problem(ProblemKind::refused, "the unit holds no parameters yet: send some with `ecs params send FILE`");
+    return problem(ProblemKind::refused, "the unit contains no parameters yet: send some with `ecs params send FILE`");
   const Address first = address_of(status.active_bank);
   ECS_TRY(bytes, client.read_memory(first, kPrefixBytes + kParameterBytes));
   const auto parameters = decode_parameters(ByteView(bytes).subspan(kPrefixBytes, kParameterBytes));
   if (load_big<std::uint32_t>(bytes, prefix_at::magic) != kImageMagic || !parameters)
     return problem(ProblemKind::refused,
                    fmt::format("the parameters in the unit at 0x{:06X} cannot be read: the axis memory is corrupt; "
-                               "look at it with `ecs memory show --unit`, and send parameters and map again",
+                               "inspect it with `ecs memory show --unit`, and send parameters and map again",
                                first));
   return *parameters;
 }
@@ -275,12 +275,12 @@ Result<std::string> difference_in_unit(protocol::UnitClient& client, const Image
   ECS_TRY(now, client.active_map());
   if (!active || now.commit_sequence != commit)
     return problem(ProblemKind::refused,
-                   fmt::format("the unit has taken the map (commit {}), but meanwhile the active map is another one "
-                               "(commit {}): another host uses the unit; compare before compensating",
+                   fmt::format("the unit accepted the map (commit {}), but another map is now active (commit {}): "
+                               "another host uses the unit; compare before compensating",
                                commit, now.commit_sequence));
-  if (!*active) return std::string("the unit holds none");
+  if (!*active) return std::string("the unit contains none");
   const Image& held = **active;
-  if (held.size() != sent.size()) return fmt::format("it has {} bytes in place of {}", held.size(), sent.size());
+  if (held.size() != sent.size()) return fmt::format("it has {} bytes instead of {}", held.size(), sent.size());
   const auto [first, its] = std::mismatch(held.begin(), held.end(), sent.begin());
   if (first == held.end()) return std::string();
   std::size_t differ = 0;
@@ -309,18 +309,19 @@ Upload upload(protocol::UnitClient& client, const Image& image, const protocol::
         why.message = fmt::format(
             "the unit {}, it is active (commit {}); its values could not be compared: {}; "
             "compare them with `ecs map verify`",
-            sent->already_held ? "holds this map by its checks" : "has taken the new map", sent->commit_sequence,
-            why.message);
+            sent->already_held ? "contains this map according to its checks" : "has accepted the new map",
+            sent->commit_sequence, why.message);
       return {std::move(sent), std::move(why)};
     }
     if (difference->empty()) return {std::move(sent)};
     differs = *difference;
   }
-  return {problem(ProblemKind::link,
-                  fmt::format("the active map in the unit is another one, although all of the map was sent and the "
-                              "checks agree: {}; another host uses the unit, or its memory is damaged. Do not "
-                              "compensate with it; run the RAM test and send again",
-                              differs))};
+  return {problem(
+      ProblemKind::link,
+      fmt::format(
+          "the active map in the unit differs, although the whole map was sent and the checks agree: {}. Another host "
+          "uses the unit, or its memory is damaged. Do not compensate with it; run the RAM test and send again",
+          differs))};
 }
 
 }  // namespace

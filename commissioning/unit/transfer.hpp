@@ -21,7 +21,8 @@ namespace ecs::commissioning {
 
 /// What to do about a file that is for another machine.
 inline constexpr std::string_view kTakeTheRightOne =
-    "take the right file; if this is meant, map send, params send, memory load and export take it with --other-machine";
+    "use the right file. To confirm the other machine, give --other-machine (map send, params send, memory load, "
+    "export)";
 
 /// Every objection of findings_for(), and each squareness that the map's header says was measured while the parameters
 /// hold 0 (the value lives in the parameters: `map build --params-out` writes it there).

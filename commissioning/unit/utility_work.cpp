@@ -45,19 +45,19 @@ std::string um_text(double um) { return um == 0.0 ? "0 um" : fmt::format("{:+g} 
 
 Result<ScaleProposal> scale_from(const AxisParameters& axis, Axis name, double um, double measured_um) {
   if (um == 0.0)
-    return problem(ProblemKind::usage, "first put a value out with the relay closed: 0 um tells nothing about a scale");
-  if (std::abs(measured_um) < kLeastMeasured * std::abs(um))
     return problem(ProblemKind::usage,
-                   fmt::format("{} put out and {} measured: the axis does not follow. Check that the relay is closed, "
-                               "the connection to the servo, and the D/A converter",
-                               um_text(um), um_text(measured_um)));
+                   "first output a value with the relay closed: 0 um gives no information about the scale");
+  if (std::abs(measured_um) < kLeastMeasured * std::abs(um))
+    return problem(ProblemKind::usage, fmt::format("output {}, measured {}: the axis does not follow. Check the relay, "
+                                                   "the connection to the servo, and the D/A converter",
+                                                   um_text(um), um_text(measured_um)));
   ScaleProposal proposal;
   proposal.counts_per_um = axis.output_scale_counts_per_um * std::abs(um / measured_um);
   const bool turned = (um > 0.0) != (measured_um > 0.0);
   proposal.polarity = turned ? -axis.compensation_polarity : axis.compensation_polarity;
-  const std::string seen = fmt::format("{} put out moved {} by {}", um_text(um), letter_of(name), um_text(measured_um));
+  const std::string seen = fmt::format("output {} moved {} by {}", um_text(um), letter_of(name), um_text(measured_um));
   if (!turned && std::abs(proposal.counts_per_um / axis.output_scale_counts_per_um - 1.0) < kScaleHolds)
-    proposal.sentence = seen + ": scale and polarity are right.";
+    proposal.sentence = seen + ": scale and polarity are correct.";
   else
     proposal.sentence = fmt::format(
         "{}: set the compensation output value scaling factor of {} to {:.4g} counts/um (it is {:.4g}){} in E.C.S. "

@@ -137,13 +137,13 @@ std::vector<std::string> datuming_hints(const ShownRecord& record) {
                                  [](const DatumEvent& event) { return event.what == "motion begins"; });
   const params::ObservedDatum seen =
       params::observed_datum({record.recording.samples, record.speeds_mm_min, record.recording.um_per_count, moved});
-  if (seen.lack == Lack::motion) return {"The axis did not move in this record: reference it while the record runs."};
+  if (seen.lack == Lack::motion) return {"The axis did not move in this record: reference it during the recording."};
   if (seen.lack == Lack::switch_change)
-    return {"The switch did not change: the axis did not reach it, or it is not connected. Begin nearer to it."};
+    return {"The switch did not change: the axis did not reach it, or it is not connected. Start nearer to it."};
   if (seen.lack == Lack::clear_start)
     return {
-        fmt::format("The switch changed {} times: the record began near it or on it, and the axis was moved off first. "
-                    "Nothing is read from that. Move the axis well away from the switch and record again.",
+        fmt::format("The switch changed {} times: the record began near it or on it, and the axis was first moved off. "
+                    "Such a record cannot be evaluated. Move the axis well away from the switch and record again.",
                     seen.switch_changes)};
   std::vector<std::string> hints{fmt::format("Reference switch approach direction: {}. Approach speed: {:.0f} mm/min; "
                                              "the routine allows half as much again.",
@@ -151,7 +151,7 @@ std::vector<std::string> datuming_hints(const ShownRecord& record) {
                                  fmt::format("Reference switch initial state: the contact was {} before.",
                                              seen.initially_closed ? "closed" : "open")};
   if (seen.lack == Lack::marker) {
-    hints.emplace_back("No marker came after the switch: check the marker signal, or the ten seconds were over.");
+    hints.emplace_back("No marker after the switch: check the marker signal; possibly the ten seconds were over.");
     return hints;
   }
   hints.push_back(fmt::format("Reference switch final state: the contact was {} at the last marker, {:.3f} s.",

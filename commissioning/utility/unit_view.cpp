@@ -27,9 +27,10 @@ int shown_age(double age_s) { return age_s < 1.0 ? 0 : static_cast<int>(age_s); 
 
 std::string refusal_in(UnitMode mode) {
   if (mode == UnitMode::integration) return {};
-  if (mode == UnitMode::halted) return "The unit is halted after a fatal fault: only switching it off and on helps.";
-  return fmt::format("The unit is {} and does this in integration mode only: m in DISPLAY ECS STATUS (F3) switches it.",
-                     ecs::name_of(mode));
+  if (mode == UnitMode::halted) return "The unit is halted after a fatal fault: switch it off and on.";
+  return fmt::format(
+      "The unit is {} and does this in integration mode only: press m in DISPLAY ECS STATUS (F3) to switch it.",
+      ecs::name_of(mode));
 }
 
 bool UnitView::look(const UnitConnection& connection) {
@@ -83,7 +84,7 @@ std::string age_text(double age_s) { return age_s < 1.0 ? "" : fmt::format("seen
 void say_failed(Message& message, const Problem& problem, bool given_up) {
   const bool unit_knows = problem.message.find(protocol::kStopNotReceived) == std::string::npos;
   if (given_up && unit_knows)
-    message.say("Given up.", Tone::warning);
+    message.say("Cancelled.", Tone::warning);
   else
     message.say(problem);
 }
@@ -192,13 +193,13 @@ void drive_machine(TaskRunner& task, const std::string& workshop, const std::str
     if (!done && control.cancelled) return std::string("The emulated machine was stopped.");
     if (!done) return tl::unexpected(done.error());
     const auto state = WorkshopClient(workshop, control.cancelled).ask({{"action", "state"}});
-    return fmt::format("The emulated machine stands at {}.", state ? place_in(*state) : place_in(*done));
+    return fmt::format("The emulated machine is at {}.", state ? place_in(*state) : place_in(*done));
   };
   task.start("the emulated machine moves", work, [&message, &task, workshop, request](const Result<std::string>& done) {
     if (!done) return message.say(done.error());
     message.say(*done);
     if (task.cancelled())
-      note_remark("the emulated machine was driven and stopped on its way");
+      note_remark("the emulated machine was stopped on its way");
     else
       note_workshop(workshop, words_of_request(Json::parse(request)));
   });

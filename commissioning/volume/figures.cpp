@@ -145,7 +145,7 @@ PlotPanel cube_panel(const std::string& title, const std::string& at_corners, co
                      const VolumeError& error, double larger, std::vector<std::string> labels) {
   PlotPanel panel{title, "", "", {}, {}, true};
   PlotSeries nominal{"nominal", Mark::wire, {}},
-      bent{fmt::format("errors drawn {:.0f} times, {}", larger, at_corners), Mark::bent_wire, {}};
+      bent{fmt::format("errors enlarged {:.0f} times, {}", larger, at_corners), Mark::bent_wire, {}};
   for_each_wire(grid, [&](const GridIndex& from, const GridIndex& to) {
     for (const GridIndex& end : {from, to}) {
       nominal.points.push_back(projected(grid.at(end)));
@@ -180,7 +180,7 @@ PlotPanel slice_panel(const std::string& title, const VolumeSlice& slice, const 
   const Grid& grid = slice.grid;
   const auto name = [](std::size_t a) { return fmt::format("{} mm", letter_of(static_cast<Axis>(a))); };
   PlotPanel panel{title, name(slice.across), name(slice.up), {}};
-  PlotSeries arrows{fmt::format("error in the plane, drawn {:.0f} times", larger), Mark::arrow, {}};
+  PlotSeries arrows{fmt::format("error in the plane, enlarged {:.0f} times", larger), Mark::arrow, {}};
   GridIndex index{};
   for (index[slice.across] = 0; index[slice.across] < grid.mm[slice.across].size(); ++index[slice.across])
     for (index[slice.up] = 0; index[slice.up] < grid.mm[slice.up].size(); ++index[slice.up]) {
@@ -212,7 +212,7 @@ PlotPanel bounded_slice_panel(const VolumeWork& work, const std::string& title, 
   constexpr double kFiner = 4.0;  ///< the arms of one cross do not reach those of the next
   const double larger = enlargement(kFiner * largest_um, longest_of(work.prepared.machine.travel_mm));
   PlotPanel panel = slice_panel(title, slice, slice.errors.after, larger);
-  PlotSeries crosses{fmt::format("95 % bound of the error, drawn {:.0f} times", larger), Mark::bent_wire, {}};
+  PlotSeries crosses{fmt::format("95 % bound of the error, enlarged {:.0f} times", larger), Mark::bent_wire, {}};
   for (std::size_t i = 0; i < places.size(); ++i)
     for (const std::size_t axis : {slice.across, slice.up})
       for (const double sign : {-1.0, 1.0}) {

@@ -107,10 +107,10 @@ Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& 
     const std::size_t r = index_of(*one.effect.axis), s = static_cast<std::size_t>(*one.effect.sense);
     out.errors.location_u[r][s] = one.stands_for;
     out.errors.location_given[r][s] = true;
-    out.not_told.push_back(fmt::format(
-        "{}: these readings do not tell it from what was fitted in its place; written as 0 with a standard uncertainty "
-        "of {:.2g} {}, which is what it would be if that were it",
-        place_text(one.effect), one.stands_for, is_rotation(*one.effect.sense) ? "um/m" : "um"));
+    out.not_told.push_back(
+        fmt::format("{}: these readings cannot distinguish it from the effect fitted instead; written as 0 with a "
+                    "standard uncertainty of {:.2g} {}, its value if that effect were the cause",
+                    place_text(one.effect), one.stands_for, is_rotation(*one.effect.sense) ? "um/m" : "um"));
   }
   if (any) return out;
   return problem(

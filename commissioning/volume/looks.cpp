@@ -121,7 +121,7 @@ Result<void> cut(const std::string& plane, VolumeWork& work) {
 Result<void> look_between(VolumeWork& work) {
   const volume::CompensatedMachine& machine = work.prepared.machine;
   if (machine.rotary)
-    return problem(ProblemKind::usage, "--between: of linear axes only; the machine file has rotary axes");
+    return problem(ProblemKind::usage, "--between: for linear axes only; the machine file has rotary axes");
   ECS_TRY(before, largest_between(machine, work.answer.before.all, &volume::BeforeAfter::before));
   ECS_TRY(after, largest_between(machine, work.answer.after.all, &volume::BeforeAfter::after));
   work.between = {before, after};

@@ -175,9 +175,10 @@ void note_doubts(RepairAnswer& answer, const std::vector<std::string>& steps) {
   if (doubts.empty()) return;
   std::string note;
   if (!steps.empty())
-    note = fmt::format("{}: where it is decides, and these readings do not tell; measure there in fine steps. ",
-                       fmt::join(steps, ", "));
-  note += "Not sure (chance of being right within 10 % or 1 um): ";
+    note = fmt::format(
+        "{}: its position is decisive, and these readings do not determine it; measure there in fine steps. ",
+        fmt::join(steps, ", "));
+  note += "Uncertain (probability of being right within 10 % or 1 um): ";
   const std::size_t more = doubts.size() > kMost ? doubts.size() - kMost : 0;
   doubts.resize(doubts.size() - more);
   note += fmt::format("{}", fmt::join(doubts, "; "));
@@ -210,7 +211,7 @@ std::string_view remedy_text(Remedy remedy) {
     case Remedy::repair:
       return "repair";
     case Remedy::set_up:
-      return "put the measurement right";
+      return "correct the measurement";
     case Remedy::nothing:
       break;
   }
@@ -323,9 +324,10 @@ Result<Contribution> contribution_in_map(const model::EffectFit& effect, const M
 }  // namespace
 
 Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& model_file, std::size_t places) {
-  if (!work.machine) return problem(ProblemKind::usage, "expected --machine: its file holds the travels of the axes");
+  if (!work.machine)
+    return problem(ProblemKind::usage, "expected --machine: the machine file gives the travels of the axes");
   if (work.data.rotary)
-    return problem(ProblemKind::refused, "the volume is of linear axes: `ecs model what-if` takes rotary ones");
+    return problem(ProblemKind::refused, "the volume covers linear axes: use `ecs model what-if` for rotary ones");
   ECS_TRY(fit, in_file(model::fit(work.model, work.data), model_file));
   model::Model in_map = work.model;
   in_map.effects.clear();
@@ -401,28 +403,28 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
                    [](const CauseCost& a, const CauseCost& b) { return largest_cost_um(a) > largest_cost_um(b); });
   if (!fit.undetermined.empty())
     answer.notes.push_back(
-        fmt::format("{}: these readings do not determine them, and what is predicted may be far off; "
-                    "first measure what separates them (ecs model next)",
+        fmt::format("{}: these readings do not determine them, and the prediction may be far off; first make the "
+                    "measurement that separates them (ecs model next)",
                     fmt::join(fit.undetermined, "; ")));
   note_doubts(answer, steps);
   if (unseen)
     answer.notes.emplace_back(
-        "volume and circle are those of a machine at rest, unloaded, without a change of temperature: what depends on "
-        "a condition shows in the readings only");
+        "volume and circle are computed for a machine at rest, unloaded, at constant temperature: effects of a "
+        "condition appear in the readings only");
   return answer;
 }
 
 Cell repair_cell(const RepairAnswer& answer) {
   const bool has_circle = answer.diameter_mm > 0.0;
   std::string head = fmt::format(
-      "What is left [um] if one cause is left as it is, compensated or repaired, everything else that the unit can "
-      "compensate being compensated; in brackets at most, with 95 %. {} readings (noise of one {:.2f} um), {} places "
-      "of the volume from both sides",
+      "Remaining error [um] with one cause unchanged, compensated or repaired, and all other causes compensated as far "
+      "as the unit can; in brackets the 95 % bound. {} readings (noise of one {:.2f} um), {} positions of the volume "
+      "from both sides",
       answer.readings, answer.noise_um, answer.places);
   if (has_circle)
     head += fmt::format(", a circle of {:.0f} mm in {} through the middle", answer.diameter_mm, answer.plane);
   return record_cell(
-      "{head}\n                                left       compensated          repaired\n{causes}{notes}",
+      "{head}\n                           unchanged       compensated          repaired\n{causes}{notes}",
       "head"_shown(paragraph(head + ".")), "readings"_is(answer.readings), "points"_is(answer.places),
       "noise_um"_is(answer.noise_um),
       "circle_diameter_mm"_is(has_circle ? number_or_null(answer.diameter_mm) : Json(nullptr)),

@@ -128,8 +128,8 @@ Result<TrueErrors> true_errors(const std::string& errors_file, const std::string
   const auto program = emulator_program();
   if (!program)
     return problem(ProblemKind::output,
-                   "--errors: the bundled emulator `ecs-emulator` is not found beside `ecs` nor "
-                   "on PATH: only it reads errors files");
+                   "--errors: the bundled emulator `ecs-emulator` is not found beside `ecs` nor on PATH: it is "
+                   "required to read errors files");
   std::shared_ptr<TemporaryFile> made;
   if (machine_file.empty()) {
     ECS_TRY(file, TemporaryFile::with(machine_toml(machine)));

@@ -139,11 +139,11 @@ std::string bound_text(const VolumeWork& work) {
     if (shares.size() < 3)
       shares.push_back(
           fmt::format("{} {:.0f} %", one.rotary.empty() ? name_of(one.component) : one.rotary, 100.0 * one.share));
-  return paragraph(fmt::format(
-      "With the uncertainty of the map{} the unit leaves at most {:.1f} um anywhere and {:.1f} um rms (95 %; "
-      "50 %: {:.1f} and {:.1f} um). Most of it: {}.",
-      work.prepared.machine.rotary ? " and of the rotary axes" : "", u.largest_95_um, u.rms_95_um, u.largest_50_um,
-      u.rms_50_um, fmt::join(shares, ", ")));
+  return paragraph(
+      fmt::format("With the uncertainty of the map{} the remaining error is at most {:.1f} um anywhere and {:.1f} um "
+                  "rms (95 %; 50 %: {:.1f} and {:.1f} um). Largest contribution: {}.",
+                  work.prepared.machine.rotary ? " and of the rotary axes" : "", u.largest_95_um, u.rms_95_um,
+                  u.largest_50_um, u.rms_50_um, fmt::join(shares, ", ")));
 }
 
 Cell side_of_place_cell(const PlaceAnswer& at, std::size_t side) {
@@ -233,7 +233,7 @@ Cell between_cell(const VolumeWork& work) {
   const volume::ErrorSize &before = work.between->before, &after = work.between->after;
   return {
       {{"before", json(before)}, {"after", json(after)}},
-      paragraph(fmt::format("Between the places, on lines along each axis through the largest: {:.1f} um before "
+      paragraph(fmt::format("Between the positions, on lines along each axis through the largest: {:.1f} um before "
                             "({}), {:.1f} um after ({}).",
                             before.largest_um, place_text(before, work), after.largest_um, place_text(after, work)))};
 }
@@ -267,7 +267,7 @@ std::string heading_of(const VolumeWork& work) {
   const volume::CompensatedMachine& machine = work.prepared.machine;
   const std::string rotary = rotary_in_words(work);
   const std::size_t settings = std::max<std::size_t>(1, work.answer.settings.size());
-  return paragraph(fmt::format("{} ({}): {}{}, {} places from both sides",
+  return paragraph(fmt::format("{} ({}): {}{}, {} positions from both sides",
                                work.machine_name.empty() ? "machine" : work.machine_name,
                                configuration_of(machine.parameters), travels_in_words(machine.travel_mm),
                                work.prepared.travels_of_machine ? "" : " (as far as the map reaches)",

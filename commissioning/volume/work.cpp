@@ -49,7 +49,7 @@ Result<void> take_model(const model::Model& model, const params::Machine& machin
   evaluated_machine.errors =
       components_of_model(compiled, evaluated_machine.parameters, machine, evaluated_machine.tool_offset_mm);
   for (const std::string& left_out : compiled.not_carried)
-    work.notes.push_back(fmt::format("left out of the volume: {}", left_out));
+    work.notes.push_back(fmt::format("not included in the volume: {}", left_out));
   return {};
 }
 
@@ -104,8 +104,8 @@ void note_rotary(VolumeWork& work) {
   const auto& rotary = work.prepared.machine.rotary;
   if (!rotary) return;
   work.notes.push_back(
-      "the unit compensates X, Y and Z as with the rotary axes at 0: errors of the rotary axes, and what rotations of "
-      "linear axes do through them, remain");
+      "the unit compensates X, Y and Z as with the rotary axes at 0: errors of the rotary axes, and the effects of "
+      "rotations of linear axes through them, remain");
   std::vector<std::string> missing;
   for (const kinematics::ChainJoint& one : rotary->machine.chain) {
     if (!is_rotary(one.joint)) continue;
@@ -115,8 +115,8 @@ void note_rotary(VolumeWork& work) {
   }
   if (!missing.empty() && !work.true_rotary)
     work.notes.push_back(
-        fmt::format("not given: {} (--rotary); taken as without error, with a standard uncertainty of "
-                    "{:g} um or um/m (--zero-uncertainty)",
+        fmt::format("not given: {} (--rotary); assumed to be zero with a standard uncertainty of {:g} um or um/m "
+                    "(--zero-uncertainty)",
                     fmt::join(missing, ", "), work.settings.declared_zero));
   std::vector<std::string> unstated;
   for (const kinematics::ChainJoint& one : rotary->machine.chain) {
@@ -127,10 +127,9 @@ void note_rotary(VolumeWork& work) {
         unstated.push_back(volume::location_name(r, s));
   }
   if (!unstated.empty() && !work.true_rotary)
-    work.notes.push_back(fmt::format(
-        "{}: no standard uncertainty is given (column u); {:g} um or um/m is taken, as of what is not given "
-        "(--zero-uncertainty)",
-        fmt::join(unstated, ", "), work.settings.declared_zero));
+    work.notes.push_back(
+        fmt::format("{}: no standard uncertainty is given (column u); {:g} um or um/m is assumed (--zero-uncertainty)",
+                    fmt::join(unstated, ", "), work.settings.declared_zero));
 }
 
 }  // namespace
@@ -220,8 +219,8 @@ Result<void> take_errors(const VolumeArguments& arguments, const std::string& ma
   work.prepared.machine.errors = std::move(errors.source);
   if (!errors.left_out.empty())
     work.notes.push_back(
-        fmt::format("the true errors are those of the machine at rest, cold and without load; the errors file holds "
-                    "more, which is left out: {}",
+        fmt::format("the true errors are those of the machine at rest, cold and without load; further errors of the "
+                    "file are not included: {}",
                     errors.left_out));
   work.prepared.errors_from = "the errors file";
   return {};
@@ -241,8 +240,7 @@ void note_missing(VolumeWork& work) {
     if (is_squareness(z.component)) zero.emplace_back(name_of(z.component));
   if (!missing.empty())
     work.notes.push_back(
-        fmt::format("{} {} neither in the map nor declared zero: taken as zero, the volume is "
-                    "incomplete",
+        fmt::format("{} {} neither in the map nor declared zero: assumed to be zero, the volume is incomplete",
                     fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are"));
   if (!zero.empty())
     work.notes.push_back(fmt::format("{} {} declared zero: standard uncertainty {:g} um or um/m (--zero-uncertainty)",
@@ -311,38 +309,43 @@ cli::Fields<VolumeArguments> VolumeArguments::fields() {
   using cli::Is, cli::Need, cli::Range;
   const cli::Fields<S> uncertainty{
       {"--repeatability", &S::repeatability,
-       "standard uncertainty of every map value [um, um/m]; by default as the header states, else from the roughness "
-       "of each table"},
-      {"--instrument", &S::instrument_um_per_m, "of positioning, standard uncertainty [um/m]", Range{0.0}},
-      {"--temperature", &S::temperature_degC, "of the scale while it was measured, standard uncertainty [degC]",
+       "standard uncertainty of every map value [um, um/m]; default: from the header, else from the roughness of each "
+       "table"},
+      {"--instrument", &S::instrument_um_per_m, "standard uncertainty of positioning [um/m]", Range{0.0}},
+      {"--temperature", &S::temperature_degC,
+       "standard uncertainty of the scale temperature during the measurement [degC]", Range{0.0}},
+      {"--expansion", &S::expansion_um_per_m_degC, "expansion coefficient that converts it to a length [um/m/degC]",
        Range{0.0}},
-      {"--expansion", &S::expansion_um_per_m_degC, "that makes a length of it [um/m/degC]", Range{0.0}},
-      {"--zero-uncertainty", &S::declared_zero, "of a component declared zero, standard [um, um/m]", Range{0.0}},
-      {"--square-uncertainty", &S::squareness_um_per_m, "of the squareness reference, standard [um/m]", Range{0.0}},
-      {"--draws", &S::draws, "maps drawn for the 95 % bound", Range{20, 100'000}},
-      {"--seed", &S::seed, "of the draws", Range{0, 1'000'000'000}}};
-  return {{"MAP", &A::map, "error map (.csv)", Need::required},
-          {"--params", &A::params, "parameters that the map goes with", Need::required},
-          {"--errors", &A::errors,
-           "true errors of an emulated machine (errors file of ecs-emulator) in place of the map's"},
-          {"--model", &A::model, "a fitted error model in place of the map's errors; needs the machine"},
-          {"--machine", &A::machine, "machine file: travels, datum; by default machine.toml beside the parameters"},
-          {"--other-machine", &A::other_machine, "although map and parameters name different machines"},
-          {"--points", &A::places, "places in the volume, at most", Range{8, static_cast<double>(volume::kMostPlaces)}},
-          {"--tool-length", &A::tool_length_mm,
-           "along -Z from the point at which the curves were measured [mm]; the unit compensates for the tool of its "
-           "parameters"},
-          {"--tool-offset", &A::tool_offset, "the same along X, Y, Z: 0,0,-250"},
-          {"--rotary", &A::rotary,
-           "errors of the rotary axes of the machine file (.csv: component, approach, p_deg, error)"},
-          {"--at", &A::at, "one place as well: -1000,-200,-350; with rotary axes angles behind it"},
-          {"--slice", &A::plane, "the error in a plane through the place of the largest, as numbers",
-           cli::Words{"XY", "XZ", "YZ"}},
-          {"--between", &A::between,
-           "the largest error between the places as well, on lines along each axis through the largest"},
-          {"-o,--output", &A::picture, "picture (.svg or .png)", Is::output},
-          {"--values", &A::values, "CSV of every value of the map with its standard uncertainty", Is::output},
-          {&A::settings, uncertainty}};
+      {"--zero-uncertainty", &S::declared_zero, "standard uncertainty of a component declared zero [um, um/m]",
+       Range{0.0}},
+      {"--square-uncertainty", &S::squareness_um_per_m, "standard uncertainty of the squareness reference [um/m]",
+       Range{0.0}},
+      {"--draws", &S::draws, "number of random maps for the 95 % bound", Range{20, 100'000}},
+      {"--seed", &S::seed, "seed of the random maps", Range{0, 1'000'000'000}}};
+  return {
+      {"MAP", &A::map, "error map (.csv)", Need::required},
+      {"--params", &A::params, "parameters of the map", Need::required},
+      {"--errors", &A::errors,
+       "true errors of an emulated machine (errors file of ecs-emulator), used instead of the map's"},
+      {"--model", &A::model, "fitted error model to use instead of the map's errors; needs the machine file"},
+      {"--machine", &A::machine, "machine file: travels, datum; default: machine.toml in the folder of the parameters"},
+      {"--other-machine", &A::other_machine, "continue even if map and parameters name different machines"},
+      {"--points", &A::places, "maximum number of positions in the volume",
+       Range{8, static_cast<double>(volume::kMostPlaces)}},
+      {"--tool-length", &A::tool_length_mm,
+       "tool length along -Z from the point where the curves were measured [mm]; the unit compensates for the tool of "
+       "its parameters"},
+      {"--tool-offset", &A::tool_offset, "tool offset along X, Y, Z from that point: 0,0,-250"},
+      {"--rotary", &A::rotary,
+       "errors of the rotary axes of the machine file (.csv: component, approach, p_deg, error)"},
+      {"--at", &A::at, "also show one position: -1000,-200,-350; for rotary axes followed by their angles"},
+      {"--slice", &A::plane, "also show the error in a plane through the position of the largest error, as numbers",
+       cli::Words{"XY", "XZ", "YZ"}},
+      {"--between", &A::between,
+       "also search for the largest error between the positions, on lines along each axis through the largest"},
+      {"-o,--output", &A::picture, "picture to write (.svg or .png)", Is::output},
+      {"--values", &A::values, "CSV file for every value of the map with its standard uncertainty", Is::output},
+      {&A::settings, uncertainty}};
 }
 
 PreparedVolume prepared_volume(const laser::ErrorMap& map, const UnitParameters& parameters,
@@ -385,11 +388,10 @@ Result<VolumeWork> volume_work(MessageSink& messages, const VolumeArguments& arg
   if (!arguments.model.empty() && !arguments.errors.empty())
     return problem(ProblemKind::usage, "expected --errors or --model, got both");
   if (!arguments.model.empty() && has_tool)
-    return problem(ProblemKind::usage, "--model knows no tool: leave --tool-length and --tool-offset out");
+    return problem(ProblemKind::usage, "--model does not support a tool: omit --tool-length and --tool-offset");
   if (!arguments.model.empty() && arguments.places > kMostPlacesOfModel)
     return problem(ProblemKind::usage,
-                   fmt::format("--points: expected at most {} with --model, which predicts place by "
-                               "place",
+                   fmt::format("--points: expected at most {} with --model, which predicts position by position",
                                kMostPlacesOfModel));
   std::string machine_file = machine_file_for(arguments);
   ECS_TRY(machine, machine_in(messages, machine_file));

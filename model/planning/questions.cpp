@@ -68,7 +68,7 @@ std::vector<Apart> pairs_once(const MeasurementProposal& p) {
 
 std::string what_it_tells(const MeasurementProposal& p, Question question) {
   const std::string minutes = fmt::format("{:.0f} min", p.minutes);
-  if (question == Question::repeat) return "tells whether what is left comes back: " + minutes;
+  if (question == Question::repeat) return "shows whether the residual repeats: " + minutes;
   std::vector<std::string> apart, together;
   double least = kBeyondAll;
   for (const Apart& pair : pairs_once(p)) {

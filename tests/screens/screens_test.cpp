@@ -175,8 +175,8 @@ TEST_CASE("the form of laser table is filled in with what was measured before an
 TEST_CASE("the model screen finds the missing effect, adds it on one key, and the error visibly falls") {
   const ModelCase one;
   ModelScreen screen = one.screen();
-  CHECK(contains(picture(screen), "what the model leaves"));
-  CHECK(contains(after(screen, "d"), "looking for what is missing"));
+  CHECK(contains(picture(screen), "residual"));
+  CHECK(contains(after(screen, "d"), "looking for missing effects"));
   finish(screen);
   CHECK(contains(picture(screen), "> cyclic:X:EX"));
   check_reads(after(screen, "\n"), {"pitch of screw, rack, gear or grating", "compare the period with pitches"});

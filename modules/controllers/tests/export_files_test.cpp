@@ -35,7 +35,7 @@ TEST_CASE("where one of the names is a folder, no file is changed") {
   const auto written = must_fail(write_together(three(folder)));
   CHECK(written.kind == ProblemKind::output);
   CHECK(written.file == folder / "z.comp");
-  CHECK(written.message == "cannot write: a folder of that name is there; no file was changed");
+  CHECK(written.message == "cannot write: a folder of that name exists; no file was changed");
   CHECK(content_of(folder / "x.comp") == "old x");
   CHECK_FALSE(std::filesystem::exists(folder / "y.comp"));
   CHECK(entries_in(folder) == 2);

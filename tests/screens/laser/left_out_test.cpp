@@ -112,7 +112,7 @@ TEST_CASE("a line of which every reading is left out still shows them") {
   driver.type("3");
   const std::string seen = driver.seen(24, 80, Glyphs::ascii);
   INFO(seen);
-  CHECK(contains(seen, "every reading is left out"));
+  CHECK(contains(seen, "every reading is excluded"));
   CHECK(count_of(seen, 'x') > 15);
 }
 

@@ -20,7 +20,7 @@ TEST_CASE("a map is saved, checked, sent, verified; the verb finds the same map 
     CHECK(contains(driver.seen(), "Send the map to"));
     REQUIRE(driver.shows_after("y", "and verified"));
     CHECK(driver.controller().mark(LaserStep::send) == LaserMark::done);
-    REQUIRE(driver.shows_after("9\n", "the unit holds this map and its parameters"));
+    REQUIRE(driver.shows_after("9\n", "the unit contains this map and its parameters"));
     CHECK(driver.controller().mark(LaserStep::verify) == LaserMark::done);
     driver.controller().change(
         "smoothing", [](LaserChoices& c) { laser::settings_in(c.recipe, Component::EXX).smoothing_mm = 300.0; });
@@ -153,7 +153,7 @@ TEST_CASE(
   CHECK(changed_since(then, now) == "it was restarted");
   now = then;
   now.opened_at += std::chrono::seconds(5);
-  CHECK(changed_since(then, now) == "the link to it was opened again");
+  CHECK(changed_since(then, now) == "the link to it was reopened");
 }
 
 TEST_CASE("another host makes another map active: the verdict is said to be stale, and compensation is refused") {

@@ -33,7 +33,7 @@ TEST_CASE("what is sent is asked first, read back without a difference, and rece
   auto line = std::make_shared<UnitConnection>("emulator");
   ParametersScreen screen(line);
   CHECK(shows(screen, "EMULATOR, unit MCM-0107 answers"));
-  CHECK(shows_after(screen, "r", "it holds no parameters yet"));
+  CHECK(shows_after(screen, "r", "it contains no parameters yet"));
   open_file(screen, one);
   edit(screen, "deadband", "7.5");
   REQUIRE(shows_after(screen, "t", "Send the parameters to EMULATOR, unit MCM-0107?"));
