@@ -9,29 +9,28 @@ namespace ecs {
 namespace {
 
 constexpr std::array<FaultText, kFaultCount> kFaults{{
-    {"none", "no fault", "nothing to do"},
-    {"ram_test", "a location of the axis memory does not hold what is written to it",
+    {"none", "no fault", "no action needed"},
+    {"ram_test", "a location of the axis memory does not store the written value",
      "note the address, replace that axis memory module, then send parameters and map again"},
     {"block_check", "the axis memory is corrupt: its block check does not agree with its contents",
-     "send parameters and map again; if it comes back, replace the battery or the module"},
+     "send parameters and map again; if the fault returns, replace the battery or the module"},
     {"no_map", "the axis memory holds no complete error map", "send parameters and map"},
     {"map_not_for_parameters", "the error map lacks a component of this scope, or is for another chain",
-     "build the map for the scope and configuration that the parameters name, and send both"},
+     "build the map for the scope and configuration of the parameters, and send both"},
     {"bad_parameters", "a parameter in the axis memory is out of its range",
      "run `ecs params check` and send them again"},
     {"compensation_output", "the compensation output stayed at its limit",
      "check the output scaling factor, the size limit and the map's largest value"},
     {"axis_module", "an axis module, or its transducer's signal, is lost or of the wrong kind",
-     "check the transducer cable, the axis module, and the transducer that the parameters name"},
-    {"datum_sequence", "the datum routine saw something that its parameters do not allow",
+     "check the transducer cable, the axis module, and the transducer type in the parameters"},
+    {"datum_sequence", "the datum sequence did not match the datuming parameters",
      "record the datum sequence and compare it with the datuming parameters"},
     {"loop_overrun", "the compensation loop did not finish within its period", "lengthen the loop iteration time"},
     {"watchdog", "the processor stopped serving the watchdog",
-     "switch the unit off and on; if it comes back, replace the "
-     "microprocessor module"},
-    {"position_jump", "an axis position changed further in one period than any axis can move",
+     "switch the unit off and on; if the fault returns, replace the microprocessor module"},
+    {"position_jump", "an axis position changed more in one period than any axis can move",
      "check the transducer wiring and the position feedback scaling factor"},
-    {"user_software", "the user software left its memory or its time", "check the program and its start address"},
+    {"user_software", "the user software exceeded its memory or its time", "check the program and its start address"},
     {"commit_record", "a commit record in the axis memory is damaged: a map may be lost",
      "send parameters and map again, or compare the unit with its map"},
 }};
@@ -43,11 +42,11 @@ constexpr WordTable<DatumFailure, kDatumFailureCount> kFailures{{"none", "wrong 
                                                                  "too fast", "wrong final state", "no reversal",
                                                                  "no marker", "stopped early"}};
 constexpr WordTable<DatumFailure, kDatumFailureCount> kAdvice{
-    {"nothing to do",
+    {"no action needed",
      "move the axis off the reference switch before datuming, or change switch polarity or initial state",
      "change the approach direction, or reference the axis from the other side",
      "lower the reference feed of the controller, or raise the approach speed",
-     "change the final state of the switch, or the datum type: the marker came at another place of the sequence",
+     "change the final state of the switch, or the datum type: the marker came at another point of the sequence",
      "the controller does not turn back off the switch: choose another datum type",
      "check the marker signal of the transducer",
      "choose another datum type: the controller ends its reference motion before this one is complete"}};
@@ -56,7 +55,7 @@ constexpr WordTable<DatumFailure, kDatumFailureCount> kAdvice{
 
 FaultText text_of(Fault fault) noexcept {
   const auto i = static_cast<std::size_t>(fault);
-  return i < kFaults.size() ? kFaults[i] : FaultText{"unknown", "a fault this program does not know", "update ecs"};
+  return i < kFaults.size() ? kFaults[i] : FaultText{"unknown", "a fault unknown to this program", "update ecs"};
 }
 std::string_view name_of(UnitMode mode) noexcept { return kModes.of(mode); }
 std::string_view name_of(DatumStage stage) noexcept { return kStages.of(stage); }

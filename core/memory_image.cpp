@@ -116,11 +116,12 @@ void write_header(Bytes image, std::string_view text) noexcept {
 void seal_image(Bytes image) noexcept { store_big(image, prefix_at::check, block_check(image)); }
 
 std::string_view text_of(ImageFault fault) noexcept {
-  return WordTable<ImageFault, 10>{{"sound", "holds no image", "has a format that this program does not know",
-                                    "is cut short, or its lengths contradict each other",
-                                    "is corrupt: the block check does not agree", "holds impossible parameters",
+  return WordTable<ImageFault, 10>{{"sound", "contains no image", "has a format unknown to this program",
+                                    "is truncated, or its lengths are inconsistent",
+                                    "is corrupt: the block check does not agree", "contains impossible parameters",
                                     "has a table directory of impossible numbers", "has a table of impossible numbers",
-                                    "holds a table twice", "holds more values than the axis memory modules"}}
+                                    "contains a table twice",
+                                    "contains more values than the axis memory modules can store"}}
       .of(fault);
 }
 
@@ -247,7 +248,7 @@ std::string_view text_of(IdentityFault fault) noexcept {
     case IdentityFault::none:
       return "is for this unit";
     case IdentityFault::not_stated:
-      return "does not say which unit it is for";
+      return "does not state its unit";
     case IdentityFault::other_serial_number:
       return "is for the unit with another serial number";
     case IdentityFault::other_machine:

@@ -10,7 +10,7 @@ std::optional<std::string> fault_of(std::string_view configuration) {
   for (const char letter : configuration)
     if (letter != 'T' && !joint_of(letter)) return "one T and different letters of XYZABC, such as \"XYACTZ\"";
   if (std::ranges::count(configuration, 'T') != 1)
-    return "exactly one T: letters before it carry the workpiece, letters after it the tool";
+    return "exactly one T: letters before it are on the workpiece side, letters after it on the tool side";
   std::size_t linear = 0, rotary = 0;
   for (std::size_t i = 0; i < configuration.size(); ++i) {
     const auto joint = joint_of(configuration[i]);

@@ -133,7 +133,7 @@ std::vector<std::string> columns_in(const CsvLine& header, int line, std::span<c
     if (std::ranges::find(columns, needed) != columns.end()) continue;
     const std::string near = nearest_word(needed, columns);
     findings.add(line, 1, "header: expected a column {}, found none{}", needed,
-                 near.empty() ? "" : fmt::format("; is {} meant to be it?", in_quotes(near)));
+                 near.empty() ? "" : fmt::format("; is {} meant?", in_quotes(near)));
   }
   return columns;
 }
@@ -150,7 +150,7 @@ std::vector<CsvRow> rows_in(const std::vector<std::string_view>& lines, std::siz
       findings.add(line, cut.fault_column, cut.fault);
     } else if (trimmed(lines[i]).starts_with('#')) {
       findings.add(line, 1,
-                   "expected a row of readings, found a line beginning with #: these belong before the header");
+                   "expected a row of readings, found a line beginning with #: such lines belong before the header");
     } else if (cut.fields.size() != width) {
       const std::size_t at = std::min(width, cut.fields.size() - 1);
       findings.add(line, cut.fields[at].column, "expected {} fields as in the header, found {}{}", width,

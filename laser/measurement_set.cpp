@@ -168,7 +168,7 @@ std::vector<std::string> notes_on(const std::vector<std::string>& columns, const
   for (const std::string& column : columns) {
     const std::string near = is_known_column(column) ? "" : nearest_word(column, known);
     if (!near.empty() && std::ranges::find(columns, near) == columns.end())
-      notes.push_back(fmt::format("column {} is kept but has no meaning here: is {} meant?", column, near));
+      notes.push_back(fmt::format("column {} is kept but not used: is {} meant?", column, near));
   }
   for (const bool rotary : {false, true})
     for (const Axis axis : kAllAxes) {
@@ -176,7 +176,7 @@ std::vector<std::string> notes_on(const std::vector<std::string>& columns, const
           readings, [&](const Reading& reading) { return reading.axis == axis && reading.rotary == rotary; });
       const std::string_view column = target_column(axis, rotary);
       if (moved && std::ranges::find(columns, column) == columns.end())
-        notes.push_back(fmt::format("{} is moved but there is no column {}: its target is taken as 0 everywhere",
+        notes.push_back(fmt::format("{} moves but there is no column {}: its target is assumed to be 0 everywhere",
                                     letter_of(axis, rotary), column));
     }
   return notes;
@@ -188,8 +188,8 @@ constexpr double kMost_mm = 1e6, kMostError_um = 1e7, kMostError_um_per_m = 1e7,
 /// What is implausible about a reading; empty: nothing.
 std::string implausible_in(const Reading& reading) {
   const auto beyond = [](std::string_view what, double value, double limit, std::string_view unit) {
-    return fmt::format("{}: expected at most {:g} {} either way, found {:g}: no machine has that; is the unit right?",
-                       what, limit, unit, value);
+    return fmt::format("{}: expected at most {:g} {} either way, found {:g}: implausibly large. Check the unit", what,
+                       limit, unit, value);
   };
   const double most = is_rotation(reading.sense) ? kMostError_um_per_m : kMostError_um;
   if (!(std::abs(reading.error) <= most)) return beyond("reading", reading.error, most, unit_of(reading.sense));
@@ -238,7 +238,7 @@ std::optional<Problem> target_misnamed(const MeasurementSet& set, const std::str
       if (!meant.empty())
         return Problem{ProblemKind::bad_input,
                        fmt::format("header: expected a column {}, the target of {}, which moves; found none; is {} "
-                                   "meant to be it? Name it {} (in {}), or give {} where the axis stood still",
+                                   "meant? Name it {} (in {}), or give {} where the axis stood still",
                                    own, letter_of(axis, rotary), in_quotes(meant), own, target_unit(rotary), own),
                        file_name,
                        header_line,
@@ -259,7 +259,7 @@ std::string note_on_size(const std::vector<Reading>& readings) {
     largest = std::max(largest, std::abs(reading.error));
   }
   if (readings.size() < kLeastToAsk || largest == 0.0 || largest >= kLeastLargest_um) return {};
-  return fmt::format("all readings are below {:g} um, the largest is {:.3g}: are they in mm? They are taken as um",
+  return fmt::format("all readings are below {:g} um, the largest is {:.3g}: are they in mm? They are read as um",
                      kLeastLargest_um, largest);
 }
 
@@ -351,15 +351,15 @@ Result<MeasurementSet> parsed(std::string_view text, const std::string& file_nam
       set.columns.emplace_back("approach");  // written as 0: it was said to be unknown
     } else if (const std::size_t given = take_approach_from_order(set); given > 0) {
       set.notes.push_back(
-          fmt::format("no column approach: it is taken from the order of the targets, for {} of {} readings; "
-                      "--columns approach=none leaves it unknown",
+          fmt::format("no column approach: it is deduced from the order of the targets for {} of {} readings; "
+                      "--columns approach=none keeps it unknown",
                       given, set.readings.size()));
     }
   }
   if (std::string note = note_on_size(set.readings); !note.empty()) set.notes.push_back(std::move(note));
   for (std::string& note : notes_on(set.columns, set.readings)) set.notes.push_back(std::move(note));
   if (table.separator != ',')
-    set.notes.push_back(fmt::format("{} between the fields, decimal commas taken as points",
+    set.notes.push_back(fmt::format("{} between the fields, decimal commas read as points",
                                     table.separator == ';' ? "semicolons" : "tabs"));
   if (table.encoding != Encoding::utf8)
     set.notes.push_back(fmt::format("not UTF-8: read as {}", name_of(table.encoding)));
@@ -385,15 +385,14 @@ std::string curve_name(Sense sense, Axis axis, bool rotary) {
 std::optional<Problem> rotary_refused(const MeasurementSet& set, const std::string& file_name) {
   const auto found = std::ranges::find_if(set.readings, [](const Reading& reading) { return reading.rotary; });
   if (found == set.readings.end()) return std::nullopt;
-  return Problem{
-      ProblemKind::bad_input,
-      fmt::format("expected readings of linear axes, found the rotary axis {}: the unit and its maps are of linear "
-                  "axes; `ecs laser stats` and `ecs model` take it",
-                  letter_of(found->axis, true)),
-      file_name,
-      std::max(1, found->line),
-      1,
-      {}};
+  return Problem{ProblemKind::bad_input,
+                 fmt::format("expected readings of linear axes, found the rotary axis {}: the unit and its maps cover "
+                             "linear axes; use `ecs laser stats` and `ecs model`",
+                             letter_of(found->axis, true)),
+                 file_name,
+                 std::max(1, found->line),
+                 1,
+                 {}};
 }
 
 Result<MeasurementSet> read_measurement_set(const std::filesystem::path& path) {

@@ -123,7 +123,7 @@ std::string_view name_of(Encoding encoding) {
 Result<DecodedText> decoded(std::string_view bytes, const std::string& file_name, Encoding wanted) {
   if (const auto order = utf16_order(bytes); order && (wanted == Encoding::automatic || wanted == Encoding::utf16)) {
     const auto plain = from_utf16(bytes, *order);
-    if (!plain) return problem_at(file_name, 0, 0, "expected UTF-16 text, found bytes that it lacks");
+    if (!plain) return problem_at(file_name, 0, 0, "expected UTF-16 text, found invalid bytes");
     auto text = decoded(*plain, file_name, Encoding::utf8);
     if (text) text->encoding = Encoding::utf16;
     return text;
@@ -138,8 +138,7 @@ Result<DecodedText> decoded(std::string_view bytes, const std::string& file_name
   if (taken == Encoding::windows_1252) text = from_windows_1252(bytes);
   if (taken == Encoding::latin1) text = converted(bytes, "ISO-8859-1");
   if (taken == Encoding::shift_jis) text = converted(bytes, "SHIFT-JIS");
-  if (!text)
-    return problem_at(file_name, 0, 0, fmt::format("expected {} text, found bytes that it lacks", name_of(taken)));
+  if (!text) return problem_at(file_name, 0, 0, fmt::format("expected {} text, found invalid bytes", name_of(taken)));
   return DecodedText{std::move(*text), taken};
 }
 

@@ -59,8 +59,8 @@ void check_chain(const UnitParameters& p, const Chain& chain, Findings& findings
   for (const Axis a : kAllAxes) {
     if (p.axis_present[index_of(a)] && !chain.has(a))
       findings.error({"configuration.chain", "configuration.axes"},
-                     fmt::format("axis {0} is present, but the chain \"{1}\" has no letter {0}: add it where the axis "
-                                 "stands, or take {0} out of configuration.axes",
+                     fmt::format("axis {0} is present, but the chain \"{1}\" has no letter {0}: add it at the position "
+                                 "of the axis, or remove {0} from configuration.axes",
                                  letter_of(a), configuration_of(p)));
   }
 }
@@ -81,7 +81,7 @@ void check_scope(const UnitParameters& p, Findings& findings) {
     if (index_of(a) < kAxes && !p.axis_present[index_of(a)] && axes >= 2)
       findings.error({"compensation.plane", "configuration.axes"},
                      fmt::format("the plane names axis {}, which is not present (the unit has {}): choose the plane of "
-                                 "two axes that are",
+                                 "two axes that are present",
                                  letter_of(a), present));
 }
 
@@ -99,8 +99,8 @@ void check_rack(const UnitParameters& p, Findings& findings) {
     if (p.axis_present[index_of(a)]) (p.axes[index_of(a)].transducer == Transducer::resolver ? resolvers : encoders)++;
   if (rack_holds(p.memory_modules, encoders, resolvers)) return;
   findings.error({"compensation.memory_modules"},
-                 fmt::format("one rack does not hold {} memory, {} encoder and {} resolver modules (a resolver module "
-                             "takes two slots): use fewer memory modules",
+                 fmt::format("one rack has no space for {} memory, {} encoder and {} resolver modules (a resolver "
+                             "module needs two slots): use fewer memory modules",
                              p.memory_modules, encoders, resolvers));
 }
 
@@ -112,7 +112,7 @@ void check_squareness(const UnitParameters& p, Findings& findings) {
     const double um_per_m = squareness_um_per_m(p, component);
     const std::string key = fmt::format("compensation.squareness.{}_um_per_m", name_of(component));
     if (std::abs(um_per_m) > kSteepSquareness_um_per_m)
-      findings.error({key}, fmt::format("{} um/m is more than 1 mm in 1 m: look for a wrong unit (arc seconds are "
+      findings.error({key}, fmt::format("{} um/m is more than 1 mm in 1 m: check for a wrong unit (one arc second is "
                                         "4.848 um/m) or a wrong decimal point",
                                         shortest(um_per_m)));
     if (sound && um_per_m != 0.0 && !used.contains(component))
@@ -144,11 +144,10 @@ void check_lines(const UnitParameters& p, Findings& findings) {
 void check_loop(const UnitParameters& p, Findings& findings) {
   const double work_us = loop_work_us(p);
   if (!(p.loop_period_us < work_us)) return;
-  findings.warning(
-      {"compensation.loop_period_us"},
-      fmt::format("{} us may be too short for the unit's processor: these terms need about {:.0f} us; take "
-                  "a longer period or a narrower scope",
-                  shortest(p.loop_period_us), work_us));
+  findings.warning({"compensation.loop_period_us"},
+                   fmt::format("{} us may be too short for the unit's processor: these terms need about {:.0f} us; use "
+                               "a longer period or a narrower scope",
+                               shortest(p.loop_period_us), work_us));
 }
 
 /// Chain against axes, scope and plane against both, convention against chain, modules against rack.
@@ -180,10 +179,11 @@ void check_compensation(const UnitParameters& p, Findings& findings) {
   check_lines(p, findings);
   check_loop(p, findings);
   if (p.angular_scale == 0.0 && p.scope != Scope::linear)
-    findings.warning({"compensation.angular_scale"}, "0 switches every angular term off: set 1 unless that is meant");
+    findings.warning({"compensation.angular_scale"},
+                     "0 switches every angular term off: set 1 unless this is intended");
   if (p.angular_scale < 0.0)
     findings.warning({"compensation.angular_scale"},
-                     "a negative factor turns the sign of every angular curve: right only for curves measured "
+                     "a negative factor inverts the sign of every angular curve: correct only for curves measured "
                      "clockwise positive; else set it above 0");
 }
 
@@ -199,12 +199,12 @@ void check_deadband(const AxisParameters& a, Axis axis, Findings& findings) {
   const std::string key = key_of(axis, "deadband_um");
   if (a.deadband_um < resolution_um)
     findings.error({key, key_of(axis, "position_scale_um_per_count")},
-                   fmt::format("{} um is less than one position count ({} um): a standing axis would change between "
-                               "the forward and the reverse table; take at least two counts",
+                   fmt::format("{} um is less than one position count ({} um): an axis at rest would change between "
+                               "the forward and the reverse table; use at least two counts",
                                shortest(a.deadband_um), shortest(resolution_um)));
   if (a.deadband_um > kWideDeadband_um)
-    findings.warning({key}, fmt::format("{} um is more than 1 mm: after a reversal the unit uses the wrong table for "
-                                        "all that way; take a few position counts",
+    findings.warning({key}, fmt::format("{} um is more than 1 mm: after a reversal the unit uses the wrong table over "
+                                        "this distance; use a few position counts",
                                         shortest(a.deadband_um)));
 }
 
@@ -219,11 +219,11 @@ void check_output_size(const AxisParameters& a, Axis axis, Findings& findings) {
                                shortest(a.output_limit_um), shortest(a.output_scale_counts_per_um), counts,
                                std::floor(kMostCounts / a.output_scale_counts_per_um)));
   if (a.output_limit_um == 0.0)
-    findings.warning({key}, "0 um lets no compensation out of this axis: set it above the largest error of the map");
+    findings.warning({key}, "0 um disables the compensation of this axis: set it above the largest error of the map");
   else if (counts < 1.0)
-    findings.error({key, scale_key},
-                   "the limit is less than one D/A count, so nothing is ever put out: raise the "
-                   "limit or correct the output scale");
+    findings.error(
+        {key, scale_key},
+        "the limit is less than one D/A count, so the output is always 0: raise the limit or correct the output scale");
 }
 
 void check_slew(const UnitParameters& p, const AxisParameters& a, Axis axis, Findings& findings) {
@@ -232,14 +232,14 @@ void check_slew(const UnitParameters& p, const AxisParameters& a, Axis axis, Fin
   const double needed_um_per_s = kRapid_mm_min / 60.0 * kSteepest_um_per_mm;
   if (a.output_slew_um_per_s < needed_um_per_s)
     findings.warning({key}, fmt::format("{} um/s cannot follow an error that changes by {} um per mm at a feed of {} "
-                                        "mm/min: take at least {:.0f} um/s, or keep the feed lower",
+                                        "mm/min: use at least {:.0f} um/s, or a lower feed",
                                         shortest(a.output_slew_um_per_s), shortest(kSteepest_um_per_mm),
                                         shortest(kRapid_mm_min), std::ceil(needed_um_per_s)));
   const double step_um = a.output_slew_um_per_s * p.loop_period_us * 1e-6;
   if (a.output_limit_um > 0.0 && step_um > 2.0 * a.output_limit_um)
     findings.warning({key, "compensation.loop_period_us"},
-                     fmt::format("one loop lets the output jump by {:.6g} um, from limit to limit: the slew limit "
-                                 "protects nothing; lower it",
+                     fmt::format("the output can jump by {:.6g} um, from limit to limit, in one loop: the slew limit "
+                                 "has no effect; lower it",
                                  step_um));
 }
 
@@ -251,11 +251,11 @@ struct SwitchRule {
 std::optional<SwitchRule> rule_of(DatumKind kind) {
   switch (kind) {
     case DatumKind::fanuc:
-      return SwitchRule{true, "fanuc takes the marker after leaving the switch"};
+      return SwitchRule{true, "fanuc uses the marker after leaving the switch"};
     case DatumKind::allen_bradley:
-      return SwitchRule{true, "allen_bradley takes the marker after backing off the switch"};
+      return SwitchRule{true, "allen_bradley uses the marker after backing off the switch"};
     case DatumKind::siemens:
-      return SwitchRule{false, "siemens takes the marker while still on the switch"};
+      return SwitchRule{false, "siemens uses the marker while still on the switch"};
   }
   return std::nullopt;  // no such kind: its range says so
 }
@@ -269,10 +269,11 @@ void check_switch(const DatumParameters& d, Axis axis, Findings& findings) {
   const std::string initial_key = key_of(axis, "datum.switch_initially_active");
   const bool wanted = rule->same == d.switch_initially_active;
   if (d.switch_finally_active != wanted)
-    findings.error({final_key, initial_key, key_of(axis, "datum.kind")},
-                   fmt::format("{}, so from the initial state {} the final state is {}: set it so, or the routine "
-                               "always fails",
-                               rule->why, state_word(d.switch_initially_active), state_word(wanted)));
+    findings.error(
+        {final_key, initial_key, key_of(axis, "datum.kind")},
+        fmt::format(
+            "{}, so from the initial state {} the final state is {}: set this value, or the routine always fails",
+            rule->why, state_word(d.switch_initially_active), state_word(wanted)));
   if (d.switch_initially_active)
     findings.warning({initial_key, key_of(axis, "datum.switch_polarity")},
                      "the switch would be active before the axis reaches it: if it is wired to open on the cam, set "
@@ -283,19 +284,19 @@ void check_null_offset(const DatumParameters& d, Axis axis, const MachineAxis& o
   const double travel_mm = on.travel_mm[1] - on.travel_mm[0];
   if (std::abs(d.null_offset_mm) > travel_mm)
     findings.error({key_of(axis, "datum.null_offset_mm")},
-                   fmt::format("{} mm is more than the whole travel of {} mm: take the value set in the control",
+                   fmt::format("{} mm is more than the whole travel of {} mm: use the value set in the control",
                                shortest(d.null_offset_mm), shortest(travel_mm)));
   if (d.reference_position_mm < on.travel_mm[0] || d.reference_position_mm > on.travel_mm[1])
     findings.error(
         {key_of(axis, "datum.reference_position_mm")},
-        fmt::format("{} mm lies outside the machine's travel of {} to {} mm: every compensation would be "
-                    "taken from the wrong place; read the position from the control after datuming",
+        fmt::format("{} mm lies outside the machine's travel of {} to {} mm: every compensation would be for the wrong "
+                    "position; read the position from the control after datuming",
                     shortest(d.reference_position_mm), shortest(on.travel_mm[0]), shortest(on.travel_mm[1])));
   else if (d.reference_position_mm != on.datum_mm)
-    findings.warning({key_of(axis, "datum.reference_position_mm")},
-                     fmt::format("{} mm, but the machine file has its datum at {} mm: make them agree, or the map is "
-                                 "shifted",
-                                 shortest(d.reference_position_mm), shortest(on.datum_mm)));
+    findings.warning(
+        {key_of(axis, "datum.reference_position_mm")},
+        fmt::format("{} mm, but the machine file has its datum at {} mm: correct one of them, or the map is shifted",
+                    shortest(d.reference_position_mm), shortest(on.datum_mm)));
 }
 
 /// A switch at the end of the travel is reached by driving towards that end.
@@ -314,11 +315,10 @@ void check_approach_direction(const DatumParameters& d, Axis axis, const Machine
 void check_transducer(const AxisParameters& a, Axis axis, const MachineAxis& on, Findings& findings) {
   if (a.transducer != on.transducer)
     findings.error({key_of(axis, "transducer")},
-                   "differs from the machine file: the axis module would not fit the "
-                   "signals; correct the one that is wrong");
+                   "differs from the machine file: the axis module would not fit the signals; correct the wrong one");
   if (std::abs(a.position_scale_um_per_count) != on.resolution_um)
     findings.warning({key_of(axis, "position_scale_um_per_count")},
-                     fmt::format("{} um/count, but the machine file says {} um: positions would be read at the wrong "
+                     fmt::format("{} um/count, but the machine file states {} um: positions would have the wrong "
                                  "scale; move a known distance and compare with the control",
                                  shortest(a.position_scale_um_per_count), shortest(on.resolution_um)));
 }
@@ -336,25 +336,25 @@ void check_datum(const UnitParameters& p, Axis axis, Findings& findings) {
   check_switch(d, axis, findings);
   constexpr double kFastApproach_mm_min = 5000.0;
   if (d.approach_speed_mm_min > kFastApproach_mm_min)
-    findings.warning({key_of(axis, "datum.approach_speed_mm_min")},
-                     fmt::format("{} mm/min onto the switch is a rapid: record a datum sequence and take its speed",
-                                 shortest(d.approach_speed_mm_min)));
+    findings.warning(
+        {key_of(axis, "datum.approach_speed_mm_min")},
+        fmt::format("{} mm/min onto the switch is a rapid traverse: record a datum sequence and use its speed",
+                    shortest(d.approach_speed_mm_min)));
 }
 
 /// Parameters against the machine they are meant for.
 void check_against(const UnitParameters& p, const Machine& machine, Findings& findings) {
   if (configuration_of(p) != machine.configuration)
-    findings.error({"configuration.chain"},
-                   fmt::format("\"{}\", but the machine file says \"{}\": angular errors would act over the wrong "
-                               "levers; correct the one that is wrong",
-                               configuration_of(p), machine.configuration));
+    findings.error({"configuration.chain"}, fmt::format("\"{}\", but the machine file states \"{}\": angular errors "
+                                                        "would act over the wrong levers; correct the wrong one",
+                                                        configuration_of(p), machine.configuration));
   for (const Axis axis : kAllAxes) {
     const auto& on = machine.axes[index_of(axis)];
     const bool present = p.axis_present[index_of(axis)];
     if (present != on.has_value())
       findings.error({"configuration.axes"},
-                     fmt::format("axis {} is {} here, but the machine file {}: correct the one that is wrong",
-                                 letter_of(axis), present ? "present" : "absent", on ? "has it" : "has none"));
+                     fmt::format("axis {} is {} here, but the machine file {}: correct the wrong one", letter_of(axis),
+                                 present ? "present" : "absent", on ? "has it" : "has none"));
     if (!present || !on) continue;
     check_transducer(p.axes[index_of(axis)], axis, *on, findings);
     check_null_offset(p.axes[index_of(axis)].datum, axis, *on, findings);
@@ -367,8 +367,8 @@ Finding no_keys_of(Axis axis) {
   for (const Field& field : fields())
     if (field.axis == axis) finding.keys.push_back(field.key);
   finding.message = fmt::format(
-      "axis {0} is present, but the file gives nothing of [axis.{0}]: it may have lost its end; give the table, or "
-      "remove {0} from configuration.axes",
+      "axis {0} is present, but the file has no [axis.{0}]: its end may be missing; add the table, or remove {0} from "
+      "configuration.axes",
       letter_of(axis));
   return finding;
 }

@@ -135,18 +135,19 @@ Field plane_field() {
 }
 
 void add_configuration(std::vector<Field>& table) {
-  Field chain = row({"configuration.chain", Group::configuration,
-                     "How the machine is built: letters after T carry the tool, letters before it the workpiece, both "
-                     "from the base outward. TXYZ = moving column mill, XYTZ = compound table; a lathe is XTYZ without "
-                     "axis X. Walk from the bed to the tool and to the table and write down what you meet.",
-                     "axis configuration"},
-                    FieldType::text);
+  Field chain = row(
+      {"configuration.chain", Group::configuration,
+       "How the machine is built: letters after T are the axes on the tool side, letters before it those on the "
+       "workpiece side, both from the base outward. TXYZ = moving column mill, XYTZ = compound table; a lathe is XTYZ "
+       "without axis X. Follow the axes from the bed to the tool and to the table and write them down in order.",
+       "axis configuration"},
+      FieldType::text);
   chain.accepts = "one T and different letters of XYZ, such as \"TXYZ\"";
   chain.get_text = [](const UnitParameters& p) { return std::string(configuration_of(p)); };
   chain.put_text = put_chain;
   table.push_back(chain);
   Field axes = row({"configuration.axes", Group::configuration,
-                    "The axes that the machine has and the unit is wired to: one axis module for each letter.",
+                    "The machine axes that are wired to the unit: one axis module for each letter.",
                     "number of machine axes; axes names (X,Y,Z)"},
                    FieldType::text);
   axes.accepts = "one to three different letters of XYZ";
@@ -155,7 +156,7 @@ void add_configuration(std::vector<Field>& table) {
   table.push_back(axes);
   table.push_back(choice(
       {"configuration.measurement_system", Group::configuration,
-       "In which system the control shows positions; the unit itself always reckons in mm.",
+       "The system in which the control shows positions; the unit always calculates in mm.",
        "machine measurement system (imperial or metric)"},
       {"metric", "imperial"}, [](auto& p) -> auto& { return p.measurement_system; }));
 }
@@ -182,21 +183,20 @@ void add_compensation(std::vector<Field>& table) {
   const Group group = Group::compensation;
   table.push_back(integer(
       {"compensation.memory_modules", group,
-       "Axis memory modules in the rack; each holds 32,000 error values. One is enough for most "
-       "machines.",
+       "Axis memory modules in the rack; each stores 32,000 error values. One is enough for most machines.",
        "number of axis memory modules required"},
       {1.0, static_cast<double>(kMostModules)}, [](auto& p) -> auto& { return p.memory_modules; }));
   table.push_back(choice(
       {"compensation.scope", group,
-       "How far the unit corrects: linear = the positioning error of each axis, planar = everything "
-       "in one plane (two axes), volumetric = everything (three axes).",
+       "Errors that the unit corrects: linear = the positioning error of each axis, planar = all errors in one plane "
+       "(two axes), volumetric = all errors (three axes).",
        "compensation required (linear, planar or volumetric)"},
       {"linear", "planar", "volumetric"}, [](auto& p) -> auto& { return p.scope; }));
   table.push_back(plane_field());
   table.push_back(choice(
       {"compensation.interpolation", group,
-       "Between two values of the map: nearest steps half an increment before the next one as the "
-       "original unit does, linear joins them by a straight line.",
+       "Between two values of the map: nearest steps half an increment before the next one, as in the original unit; "
+       "linear interpolates along a straight line.",
        ""},
       {"nearest", "linear"}, [](auto& p) -> auto& { return p.interpolation; }));
   table.push_back(choice(
@@ -207,21 +207,21 @@ void add_compensation(std::vector<Field>& table) {
       {"iso", "as_printed"}, [](auto& p) -> auto& { return p.convention; }));
   table.push_back(number(
       {"compensation.loop_period_us", group,
-       "Fixed time of one compensation loop; take the servo update time of the control.",
+       "Fixed time of one compensation loop; use the servo update time of the control.",
        "compensation loop iteration time"},
       "us", {100.0, 20'000.0}, [](auto& p) -> auto& { return p.loop_period_us; }));
   table.push_back(number(
       {"compensation.angular_scale", group,
-       "Factor on every angular term: 1 when the map holds um/m, 4.8481 when it holds arc seconds, "
-       "0 switches angular correction off.",
+       "Factor on every angular term: 1 for a map in um/m, 4.8481 for a map in arc seconds, 0 switches angular "
+       "correction off.",
        "angular scaling factor"},
       "", {-10.0, 10.0}, [](auto& p) -> auto& { return p.angular_scale; }));
   for (const Axis a : kAllAxes) {
     const auto i = index_of(a);
     table.push_back(number(
         {fmt::format("compensation.tool_offset_mm.{}", small_letter_of(a)), group,
-         fmt::format("Distance along {} from the point where the curves were measured to the tool "
-                     "point; 0 if the optics stood at the tool point.",
+         fmt::format("Distance along {} from the point where the curves were measured to the tool point; 0 if the "
+                     "optics were at the tool point.",
                      letter_of(a)),
          ""},
         "mm", {-10'000.0, 10'000.0}, [i](auto& p) -> auto& { return p.tool_offset_mm[i]; }));
@@ -240,13 +240,13 @@ void add_axis_configuration(std::vector<Field>& table, Axis axis) {
   const auto i = index_of(axis);
   push(table, axis,
        choice(
-           {"transducer", Group::configuration, "What measures the position of the axis; decides the axis module.",
+           {"transducer", Group::configuration, "Position transducer of the axis; determines the axis module.",
             "type of position transducer (encoder or resolver)"},
            {"encoder", "resolver"}, [i](auto& p) -> auto& { return p.axes[i].transducer; }));
   push(table, axis,
        number(
            {"position_scale_um_per_count", Group::configuration,
-            "How far one position count is; negative if the transducer is wired the other way round. Move a known "
+            "Travel per position count; negative if the transducer is wired with the opposite direction. Move a known "
             "distance and compare the monitor with the control.",
             "position feedback scaling factor"},
            "um/count",
@@ -260,7 +260,7 @@ void add_axis_compensation(std::vector<Field>& table, Axis axis) {
        number(
            {"deadband_um", group,
             "Travel that counts as a move in a new direction before the unit changes between the forward and the "
-            "reverse table; a few position counts, more than the standing axis trembles.",
+            "reverse table; a few position counts, more than the vibration of the axis at rest.",
             "minimum distance to qualify as move (encoder deadband)"},
            "um", {0.0, 10'000.0}, [i](auto& p) -> auto& { return p.axes[i].deadband_um; }));
   push(
@@ -274,15 +274,15 @@ void add_axis_compensation(std::vector<Field>& table, Axis axis) {
   push(table, axis,
        integer(
            {"compensation_polarity", group,
-            "1: the values of the map (compensation = -error) are added; -1 if the drive input is inverted. With "
-            "the wrong one errors double.",
+            "1: the values of the map (compensation = -error) are added; -1 if the drive input is inverted. With the "
+            "wrong polarity errors double.",
             "compensation polarity"},
            {-1.0, 1.0, false}, [i](auto& p) -> auto& { return p.axes[i].compensation_polarity; }));
   push(table, axis,
        number(
            {"output_limit_um", group,
-            "Largest compensation put out; beyond it the value is held and flagged. A little above the largest "
-            "error in the map.",
+            "Largest compensation output; beyond it the value is limited and flagged. Set it slightly above the "
+            "largest error in the map.",
             ""},
            "um", {0.0, 10'000.0}, [i](auto& p) -> auto& { return p.axes[i].output_limit_um; }));
   push(table, axis,
@@ -295,8 +295,9 @@ void add_axis_compensation(std::vector<Field>& table, Axis axis) {
   push(table, axis,
        number(
            {"position_loop_gain_per_s", group,
-            "Gain of the control's position loop (Kv), feed divided by following error: 1 m/min per mm is 16.7. By it "
-            "the unit tells its own motion from the control's, so that a standing axis does not seem to turn.",
+            "Gain of the control's position loop (Kv), feed divided by following error: 1 m/min per mm is 16.7. The "
+            "unit uses it to distinguish its own motion from that of the control, so that an axis at rest does not "
+            "appear to reverse.",
             ""},
            "1/s", {1.0, 1'000.0}, [i](auto& p) -> auto& { return p.axes[i].position_loop_gain_per_s; }));
   for (const Axis lever : kAllAxes) {
@@ -305,7 +306,7 @@ void add_axis_compensation(std::vector<Field>& table, Axis axis) {
     push(table, axis,
          number(
              {fmt::format("measurement_line_mm.{}", small_letter_of(lever)), group,
-              fmt::format("Where {} stood while the curves of {} were measured; lever arms count from there.",
+              fmt::format("Position of {} while the curves of {} were measured; lever arms count from there.",
                           letter_of(lever), letter_of(axis)),
               ""},
              "mm", {-100'000.0, 100'000.0}, [ i, l ](auto& p) -> auto& { return p.measurement_lines_mm[i][l]; }));
@@ -334,15 +335,15 @@ void add_axis_datum(std::vector<Field>& table, Axis axis) {
   push(table, axis,
        choice(
            {"datum.kind", group,
-            "How the control finds its reference: fanuc takes the first marker after leaving the switch in the same "
+            "How the control finds its reference: fanuc uses the first marker after leaving the switch in the same "
             "direction, allen_bradley the first after backing off it, siemens the first while still on it.",
             "datum type (e.g. Fanuc, Allen Bradley, Siemens)"},
            {"fanuc", "allen_bradley", "siemens"}, [i](auto& p) -> auto& { return p.axes[i].datum.kind; }));
   push(table, axis,
        integer(
            {"datum.switch_polarity", group,
-            "1: a closed reference switch reads as active; -1: an open one does. Watch the monitor while pressing "
-            "the switch by hand.",
+            "1: a closed reference switch reads as active; -1: an open one does. Watch the monitor while pressing the "
+            "switch manually.",
             "reference switch polarity"},
            {-1.0, 1.0, false}, [i](auto& p) -> auto& { return p.axes[i].datum.switch_polarity; }));
   push(table, axis,
@@ -353,7 +354,7 @@ void add_axis_datum(std::vector<Field>& table, Axis axis) {
   push(table, axis,
        truth(
            {"datum.switch_finally_active", group,
-            "State of the switch when the marker is taken: false for fanuc and allen_bradley, true for siemens.",
+            "State of the switch when the marker is found: false for fanuc and allen_bradley, true for siemens.",
             "reference switch final state"},
            [i](auto& p) -> auto& { return p.axes[i].datum.switch_finally_active; }));
   push(table, axis,
@@ -366,7 +367,7 @@ void add_axis_datum(std::vector<Field>& table, Axis axis) {
   push(table, axis, approach_direction_field(i));
   push(table, axis,
        number(
-           {"datum.null_offset_mm", group, "From the marker to the reference position, as set in the control.",
+           {"datum.null_offset_mm", group, "Distance from the marker to the reference position, as set in the control.",
             "null offset value"},
            "mm", {-1000.0, 1000.0}, [i](auto& p) -> auto& { return p.axes[i].datum.null_offset_mm; }));
   push(table, axis,

@@ -265,7 +265,7 @@ class MachineReader {
   void take_line(Axis axis, const TomlEntry& entry, std::string_view part) {
     const auto lever = axis_of_small(part);
     if (!lever) return warn(entry, "a measurement line has the coordinates x, y, z; ignored");
-    if (*lever == axis) return warn(entry, "an axis is no coordinate of its own measurement line; ignored");
+    if (*lever == axis) return warn(entry, "an axis is not a coordinate of its own measurement line; ignored");
     take_position(entry, file_.machine.axes[index_of(axis)]->measurement_line_mm[index_of(*lever)].emplace());
   }
 

@@ -78,7 +78,7 @@ class ParametersReader {
     if (table) refused_tables_.push_back(entry.key + ".");
     if (known_tables().contains(entry.key)) return refuse(entry, "expected a table, found " + shown(entry));
     const std::vector<std::string> tables(known_tables().begin(), known_tables().end());
-    refuse(entry, fmt::format("there is no such {}{}; mend the name or remove it", table ? "table" : "parameter",
+    refuse(entry, fmt::format("there is no such {}{}; correct the name or remove it", table ? "table" : "parameter",
                               table ? did_you_mean(entry.key, tables) : hint(entry.key)));
   }
 
@@ -113,7 +113,7 @@ class ParametersReader {
 
   void take_word(const Field& field, const TomlEntry& entry, const std::string& expected) {
     const auto* word = std::get_if<std::string>(&entry.value);
-    if (word == nullptr) return refuse(entry, expected + "; put the word in quotes");
+    if (word == nullptr) return refuse(entry, expected + "; write the word in quotes");
     if (!set_text(field, file_.parameters, *word)) refuse(entry, expected + did_you_mean(*word, field.choices));
   }
 
@@ -262,14 +262,14 @@ namespace {
 
 constexpr std::string_view kHead = R"(# Parameters of the unit
 
-What makes a unit fit its machine: the three groups of thesis section 5.3, with our additions (a dash in the last column).
-Keys are paths in the TOML file and the names that `ecs params set` takes. Keys of an axis are shown for X; Y and Z have the same.
+The parameters that adapt a unit to its machine: the three groups of thesis section 5.3, with our additions (a dash in the last column).
+Keys are paths in the TOML file and the names for `ecs params set`. Keys of an axis are shown for X; Y and Z have the same.
 This page is written by `parameters_markdown()` from the table of fields in params/.
 
-A file may begin with `[identity]`: `machine` and `serial_number`, texts that say whose parameters these are.
-Keys that a file leaves out take the default; `params check`, `params send` and `map send` name each of them. The last line is
-`# end of parameters`: without it, or without any key of a present axis, the file may have lost its end and is not sent. Squareness
-is given as *error*; maps hold compensation.
+A file may begin with `[identity]`: `machine` and `serial_number`, texts that identify the machine and unit.
+Missing keys have their default; `params check`, `params send` and `map send` list them. The last line is
+`# end of parameters`: without it, or without any key of a present axis, the end of the file may be missing, and it is not sent. Squareness
+is given as *error*; maps contain compensation.
 )";
 
 std::string cell(std::string text) {
@@ -291,7 +291,7 @@ std::string parameters_markdown() {
   std::string page(kHead);
   for (const Group group : {Group::configuration, Group::compensation, Group::datuming}) {
     page += fmt::format("\n## {} parameters\n\n", name_of(group));
-    page += "| key | type | accepts | default | what it does, how to find it | thesis name |\n";
+    page += "| key | type | accepts | default | meaning, how to find the value | thesis name |\n";
     page += "|---|---|---|---|---|---|\n";
     for (const Field& field : fields())
       if (field.group == group && shown(field)) page += line(field);

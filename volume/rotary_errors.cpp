@@ -236,7 +236,7 @@ Result<RotaryErrors> measured_rotary_errors(const laser::MeasurementSet& set) {
     if (!reading.rotary)
       return problem_at(set.source, std::max(1, reading.line), 0,
                         fmt::format("expected readings of rotary axes as in the rows before, found the linear axis {}: "
-                                    "give linear axes to a map of their own",
+                                    "use a separate map for linear axes",
                                     ecs::letter_of(reading.axis)));
   RotaryErrors errors;
   for (const laser::Group& group : groups_of(set)) {
@@ -244,7 +244,7 @@ Result<RotaryErrors> measured_rotary_errors(const laser::MeasurementSet& set) {
     for (const RotaryTable& table : errors.tables)
       if (table.joint == rotary_joint(group.axis) && table.sense == group.sense)
         return problem_at(set.source, std::max(1, set.readings[group.readings.front()].line), 0,
-                          fmt::format("expected {} at one place of the other axes, found a second", name));
+                          fmt::format("expected {} at one position of the other axes, found a second", name));
     if (has_known_approach(set, group)) {
       add_means(errors, set, group, Approach::forward, &laser::TargetReadings::forward);
       add_means(errors, set, group, Approach::reverse, &laser::TargetReadings::reverse);

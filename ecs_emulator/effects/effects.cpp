@@ -92,8 +92,8 @@ const std::vector<EffectDefinition>& effects() {
       // A map measured on another line than it is used on: lever × a component measured separately (Abbe).
       {.id = "measurement_line",
        .parameters = {{"lever_mm", "mm"}},
-       .elsewhere = "comes from where the map was measured, not from the machine: measure with the other axes parked "
-                    "elsewhere (parked_mm of the plan)"},
+       .elsewhere = "depends on the position at which the map was measured, not on the machine: measure with the other "
+                    "axes parked elsewhere (parked_mm of the plan)"},
       // Expansion of scale and workpiece: k·p·(T − 20 °C), T of the material.
       {.id = "thermal_scale",
        .parameters = {{"um_per_m_degC", "um/(m degC)"}},
@@ -123,7 +123,7 @@ const std::vector<EffectDefinition>& effects() {
       // Air that the laser does not correct, or not wholly: p·Δn (1: not at all).
       {.id = "air_refraction",
        .parameters = {{"factor", "1"}},
-       .elsewhere = "an effect of the instrument: the air is [air] of this file, what the laser makes of it "
+       .elsewhere = "an effect of the instrument: the air is set in [air] of this file, its correction by "
                     "air_compensation in [emulator.laser] of the machine file"},
       // Air between interferometer and reflector at zero that is not corrected: L·Δn.
       {.id = "dead_path",

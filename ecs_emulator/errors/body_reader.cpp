@@ -164,12 +164,12 @@ void read_sensor(ErrorsReading& reading, std::string_view name, const toml::tabl
   if (!is_name(name))
     reader.complain(table, fmt::format("sensor: expected a name of letters, digits and _, got \"{}\"", name));
   if (!reading.parts.variables.temperatures.emplace(sensor.name, 20.0).second)
-    reader.complain(table, fmt::format("sensor: \"{}\" is a sensor of [temperature] already", name));
+    reader.complain(table, fmt::format("sensor: \"{}\" is already a sensor of [temperature]", name));
   body_into(reading, table, sensor);
   if (sensor.of == SensorSettings::Of::screw)
     required_into(reader, table, "at_mm", Sign::any, sensor.at_mm);
   else if (const toml::node* node = table.get("at_mm"))
-    reader.complain(*node, "at_mm: only a sensor of a screw has a place along it");
+    reader.complain(*node, "at_mm: only a sensor of a screw has a position along it");
   numbers_into(reader, table, "sensor",
                {{"lag_s", &sensor.lag_s, Sign::not_negative},
                 {"offset_degC", &sensor.offset_degC},
@@ -262,7 +262,7 @@ void read_gravity(ErrorsReading& reading) {
       reading.parts.gravity.sign = word[0] == '-' ? -1 : 1;
     } else {
       reader.complain(place_of(*table, "direction"),
-                      fmt::format("direction: expected the way things fall, such as \"-Y\", got \"{}\"", word));
+                      fmt::format("direction: expected the direction of gravity, such as \"-Y\", got \"{}\"", word));
       return;
     }
   } else {

@@ -162,9 +162,9 @@ Result<void> TrueErrors::checked_for(const params::Machine& machine) const {
       continue;
     }
     if (demand.side == Demand::Side::tool && chain.carries_workpiece[a])
-      complain(fmt::format("expected an axis that carries the tool, {} carries the workpiece", letter_of(demand.axis)));
+      complain(fmt::format("expected an axis on the tool side, {} is on the workpiece side", letter_of(demand.axis)));
     if (demand.side == Demand::Side::workpiece && !chain.carries_workpiece[a])
-      complain(fmt::format("expected an axis that carries the workpiece, {} carries the tool", letter_of(demand.axis)));
+      complain(fmt::format("expected an axis on the workpiece side, {} is on the tool side", letter_of(demand.axis)));
     const auto& travel_mm = machine.axes[a]->travel_mm;
     if (demand.covers_mm && ((*demand.covers_mm)[0] > travel_mm[0] || (*demand.covers_mm)[1] < travel_mm[1]))
       complain(fmt::format("expected supports on both sides of the travel {} … {} mm", travel_mm[0], travel_mm[1]));

@@ -23,7 +23,7 @@ Result<void> MeasuringPost::fits(const Simulation& simulation, Axis axis, Sense 
     return refused(fmt::format("square: this machine has no {} to null it along", letter_of(direction_of(sense))));
   if (setting.reversed && !has_artefact(kind))
     return refused(
-        fmt::format("reversed: expected straightness or square, {} has nothing to turn over", name_of(kind)));
+        fmt::format("reversed: expected straightness or square; {} has no artefact to turn over", name_of(kind)));
   return {};
 }
 
@@ -99,8 +99,8 @@ ToolPose MeasuringPost::against_artefact(ToolPose pose, double target_mm) const 
 void MeasuringPost::lose_beam(const ReadingPlace& place) {
   if (kind_ == InstrumentKind::level || kind_ == InstrumentKind::square) return;
   lost_ = fmt::format(
-      "beam interrupted before reading {} ({} {} mm, run {}, {}): the counter has lost its place, set the display to "
-      "zero and measure again",
+      "beam interrupted before reading {} ({} {} mm, run {}, {}): the counter has lost its position; set the display "
+      "to zero and measure again",
       set_.readings.size() + 1, letter_of(axis_), shortest(place.target_mm[index_of(axis_)]), place.run,
       place.approach == Approach::forward ? "forward" : "reverse");
 }

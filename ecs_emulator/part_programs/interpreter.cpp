@@ -99,7 +99,7 @@ Vector3 ProgramInterpreter::target_of(const ProgramBlock& block) const {
 std::optional<PathPiece> ProgramInterpreter::motion_of(const ProgramBlock& block) {
   const bool round = motion_ == ProgramMotion::clockwise || motion_ == ProgramMotion::counterclockwise;
   const bool centred = block.has_centre() || block.radius_mm;
-  if (centred && !round) complain_(block.line, "I J K R: only G02 and G03 take a centre or a radius");
+  if (centred && !round) complain_(block.line, "I J K R: only G02 and G03 accept a centre or a radius");
   if (!block.moves() && !(round && centred)) return std::nullopt;
   if (!motion_) {
     complain_(block.line, "expected G00, G01, G02, G03 or a feed F before the first motion");
@@ -132,11 +132,11 @@ std::optional<std::array<double, 2>> ProgramInterpreter::centre_of(const Program
   const double chord_mm = std::hypot(along, across);
   const double radius_mm = std::abs(*block.radius_mm);
   if (chord_mm < 1e-6) {
-    complain_(block.line, "R: a full circle has no place with a radius alone; give its centre with I J K");
+    complain_(block.line, "R: a radius alone does not define a full circle; give its centre with I J K");
     return std::nullopt;
   }
   if (radius_mm < 0.5 * chord_mm - kArcMismatch_mm) {
-    complain_(block.line, fmt::format("R: a radius of {} mm does not reach over {:.4f} mm; expected at least {:.4f} mm",
+    complain_(block.line, fmt::format("R: a radius of {} mm cannot span {:.4f} mm; expected at least {:.4f} mm",
                                       shortest(radius_mm), chord_mm, 0.5 * chord_mm));
     return std::nullopt;
   }
@@ -156,7 +156,7 @@ std::optional<ArcWay> ProgramInterpreter::arc_of(const ProgramBlock& block, cons
     return std::nullopt;
   };
   if (target_mm[third] != place_mm_[third] || block.centre_mm[third])
-    return refused(fmt::format("arc: expected {} and {} only, in the plane of G{}; a helix along {} is not known here",
+    return refused(fmt::format("arc: expected {} and {} only, in the plane of G{}; a helix along {} is not supported",
                                letter_of(axes[0]), letter_of(axes[1]), 17 + static_cast<int>(plane_),
                                letter_of(axes[2])));
   if (block.has_centre() == block.radius_mm.has_value())

@@ -99,7 +99,7 @@ class WordCutter {
       complain(start, number.empty() ? fmt::format("{}: expected a number after it", name)
                                      : fmt::format("{}: expected a number such as -50.0, got \"{}\"", name, number));
     else if (*value > kLargest || *value < -kLargest)
-      complain(start, fmt::format("{}: {} is out of all bounds", name, number));
+      complain(start, fmt::format("{}: {} is out of range", name, number));
     else
       line_.words.push_back({name, *value, code_.substr(start, at_ - start), static_cast<int>(start) + 1});
   }
@@ -197,7 +197,7 @@ class BlockReader {
   }
 
   void take_time(const ProgramWord& word) {
-    if (!dwells_) return complain(word, fmt::format("{}: only a G04 takes a time", word.text));
+    if (!dwells_) return complain(word, fmt::format("{}: only G04 accepts a time", word.text));
     if (!(word.value >= 0.0 && word.value <= kLongestDwell_s))
       complain(word, fmt::format("{}: expected a dwell of 0 to {} s", word.text, kLongestDwell_s));
     set(block_.dwell_s, word.value, word, "time");
@@ -299,7 +299,7 @@ class ProgramReader {
       complain(column,
                fmt::format("$REP: expected a whole number from 1 to {:.0f}, got \"{}\"", kMostRepeats, shown(count)));
     if (open_.size() == kProgramDepth)
-      complain(column, fmt::format("$REP: expected at most {} loops in each other", kProgramDepth));
+      complain(column, fmt::format("$REP: expected at most {} nested loops", kProgramDepth));
     ProgramBlock block;
     block.line = line_;
     block.repeat = times && *times > 0 ? *times : 1;

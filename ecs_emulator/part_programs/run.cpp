@@ -182,10 +182,10 @@ class ProgramRunner {
     ECS_TRY(summary, checked_program(program_, machine.command_mm(), range_of(machine)));
     result_.summary = std::move(summary);
     if (!order_.axis) return {};
-    if (result_.summary.readings == 0) return wrong("expected a program that takes readings (M08)");
+    if (result_.summary.readings == 0) return wrong("expected a program with readings (M08)");
     if (result_.summary.readings > kMostReadings)
       return wrong(
-          fmt::format("expected at most {} readings, the program takes {}", kMostReadings, result_.summary.readings));
+          fmt::format("expected at most {} readings, the program has {}", kMostReadings, result_.summary.readings));
     return MeasuringPost::fits(simulation_, *order_.axis, *order_.sense, kind(), setting_of(order_));
   }
 

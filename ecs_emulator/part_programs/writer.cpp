@@ -64,7 +64,7 @@ class PlanProgram {
                      plan_.targets_mm.size(), word(plan_.targets_mm.front()), word(plan_.targets_mm.back()), plan_.runs,
                      plan_.runs == 1 ? "run" : "runs", plan_.bidirectional ? "there and back" : "one way"));
     note(fmt::format("run with --axis {} --sense {} --instrument {}", name_, name_of(plan_.sense), name_of(kind)));
-    if (plan_.on_the_fly) note("readings at standstill, though the plan wants them on the fly");
+    if (plan_.on_the_fly) note("readings at standstill, although the plan specifies readings on the fly");
   }
 
   void reading() {

@@ -179,7 +179,7 @@ protocol::CommandResult Unit::commit_refused(std::uint32_t length, std::uint32_t
   if (!staging_) return refused(UnitError::no_staging, "begin staging first");
   const Address bank = inactive_bank(memory_);
   const std::uint32_t size = bank_bytes(memory_.modules());
-  if (length == 0 || length > size) return refused(UnitError::bad_argument, fmt::format("a bank holds {} bytes", size));
+  if (length == 0 || length > size) return refused(UnitError::bad_argument, fmt::format("a bank has {} bytes", size));
   if (crc32_of(memory_.view(bank, length)) != crc) return refused(UnitError::check_mismatch);
   const ImageVerdict verdict = check_image(memory_.view(bank, length));
   if (verdict.fault != ImageFault::none) return refused(UnitError::image_refused, sentence_on(verdict));
@@ -212,10 +212,10 @@ protocol::CommandResult Unit::commit(std::uint32_t length, std::uint32_t crc) {
   isolate();
   const auto now_active = active_image(memory_);
   if (!now_active || now_active->commit != commit)
-    return failed(UnitError::unit_fault, "the commit record does not hold");
+    return failed(UnitError::unit_fault, "the commit record could not be stored");
   if (on_commit_ && !memory_.power_failed() && !on_commit_()) {
     memory_.write(kCommitRecords.first, records_before);
-    return failed(UnitError::unit_fault, "the battery memory cannot be written; the map before stays active");
+    return failed(UnitError::unit_fault, "the battery memory cannot be written; the old map stays active");
   }
   take_over(commit);
   return done(commit.sequence);

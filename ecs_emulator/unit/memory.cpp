@@ -225,7 +225,7 @@ Result<void> restore(UnitMemory& memory, const std::filesystem::path& path) {
   if (!content.starts_with(kMagic) || content.size() != wanted)
     return problem_at(path.string(), 0, 0,
                       fmt::format("expected the battery memory of a unit with {} memory module(s), {} bytes, got {} "
-                                  "bytes; name another file, or delete it to begin with an empty memory",
+                                  "bytes; give another file, or delete it to begin with an empty memory",
                                   memory.modules(), wanted, content.size()));
   std::size_t at = kMagic.size();
   for (const Part& part : parts_of(memory)) {
@@ -295,8 +295,8 @@ Result<BatteryLock> BatteryLock::take(const std::filesystem::path& battery) {
                      fmt::format("{}: cannot make this file: {}", path.string(), std::strerror(errno)));
     if (!is_ours(file.get()))
       return problem(ProblemKind::output,
-                     fmt::format("{}: expected the mark of an ecs-emulator that uses the memory, found another file; "
-                                 "remove it, or name another file for the memory",
+                     fmt::format("{}: expected the lock file of an ecs-emulator that uses the memory, found another "
+                                 "file; remove it, or give another file for the memory",
                                  path.string()));
     const bool locked = ::flock(file.get(), LOCK_EX | LOCK_NB) == 0;
     if (locked && still_named(file.get(), path)) {
@@ -306,7 +306,7 @@ Result<BatteryLock> BatteryLock::take(const std::filesystem::path& battery) {
     if (!locked && Clock::now() > end) {
       const std::string holder = content_of(file.get());
       return problem(ProblemKind::output,
-                     fmt::format("{}: another ecs-emulator ({}) works with this memory; end it, or name another file",
+                     fmt::format("{}: another ecs-emulator ({}) uses this memory; end it, or give another file",
                                  battery.string(), holder.empty() ? "unknown" : holder));
     }
     std::this_thread::sleep_for(kBetweenTries);

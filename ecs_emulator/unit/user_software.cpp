@@ -276,7 +276,7 @@ void UserSoftware::step(const MachineInputs& inputs, double period_s) {
   } else if (error != UC_ERR_OK) {
     p.trap(fmt::format("{} at PC 0x{:06X}", p.library->strerror(error), p.pc));
   } else if (p.instructions < p.allowed) {
-    p.trap(fmt::format("STOP at PC 0x{:06X}: no interrupt ever wakes it", p.pc));
+    p.trap(fmt::format("STOP at PC 0x{:06X}: no interrupt will end it", p.pc));
   } else if (p.instructions >= kMostInstructions) {
     p.end = UserEnd::too_long;
     p.why = fmt::format("no end after {} instructions, at PC 0x{:06X}", p.instructions, p.pc);

@@ -138,7 +138,7 @@ Result<std::string> ask_workshop(const std::filesystem::path& socket, const std:
     return problem(ProblemKind::link,
                    fmt::format("{}: no workshop listens here ({}); start one with `ecs-emulator serve --workshop {}`",
                                socket.string(), reason(), socket.string()));
-  if (!send_all(line.get(), request + "\n")) return problem(ProblemKind::link, "the workshop went away");
+  if (!send_all(line.get(), request + "\n")) return problem(ProblemKind::link, "the workshop closed the connection");
   std::string received;
   std::array<char, 4096> piece{};
   for (;;) {

@@ -15,16 +15,16 @@ namespace fs = std::filesystem;
 
 constexpr RequestOption kPlanOptions[]{
     {"--axis", OptionKind::word, "moving axis"},
-    {"--sense", OptionKind::word, "what is measured (positioning)"},
-    {"--instrument", OptionKind::word, "said in the head of the program"},
+    {"--sense", OptionKind::word, "measured component (positioning)"},
+    {"--instrument", OptionKind::word, "instrument stated in the head of the program"},
     {"--from", OptionKind::number, "first target, mm"},
     {"--to", OptionKind::number, "last target, mm"},
     {"--step", OptionKind::number, "mm"},
-    {"--targets", OptionKind::numbers, "in place of from, to and step"},
-    {"--runs", OptionKind::integer, "there and back (3)"},
-    {"--unidirectional", OptionKind::flag, "one way only"},
+    {"--targets", OptionKind::numbers, "target positions, instead of from, to and step"},
+    {"--runs", OptionKind::integer, "number of runs, there and back (3)"},
+    {"--unidirectional", OptionKind::flag, "measure in one direction only"},
     {"--feed", OptionKind::number, "mm/min (2000)"},
-    {"--dwell", OptionKind::number, "before each reading, s (2)"},
+    {"--dwell", OptionKind::number, "dwell before each reading [s] (2)"},
     {"--overrun", OptionKind::number, "mm (5)"},
 };
 
@@ -34,12 +34,13 @@ struct ProgramRequest {
   Json request = Json::object();
   static Fields<ProgramRequest> fields() {
     using R = ProgramRequest;
-    return {{"PLAN", &R::plan, "plan file (TOML): one program for each row"},
-            request_fields(&R::request, kPlanOptions),
-            {"--even", &R::even, "targets at equal steps; else they are moved off them, as ISO 230-2 asks"},
-            {"--machine", &R::machine, "machine file: park the other axes, check the travel"},
-            {"-o,--output", &R::output, "file; with a plan: folder", cli::Is::output, Need::required},
-            {"--force", &R::force, "overwrites files that are there"}};
+    return {
+        {"PLAN", &R::plan, "plan file (TOML): one program for each row"},
+        request_fields(&R::request, kPlanOptions),
+        {"--even", &R::even, "keep the targets at equal steps; by default they are displaced, as ISO 230-2 requires"},
+        {"--machine", &R::machine, "machine file, to park the other axes and check the travel"},
+        {"-o,--output", &R::output, "program file to write; with a plan, a folder", cli::Is::output, Need::required},
+        {"--force", &R::force, "overwrite existing files"}};
   }
 };
 

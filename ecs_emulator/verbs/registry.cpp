@@ -16,7 +16,7 @@ extern const Action kProgram;
 extern const Action kCompletion, kManual;
 
 Registry all_verbs(VerbContext& context) {
-  cli::Menu workshop{"workshop", "what a person in the workshop does, at a running server", {}};
+  cli::Menu workshop{"workshop", "actions of a person in the workshop, at a running server", {}};
   workshop.arguments = {{"SOCKET", &context.workshop, "the server's --workshop socket", Need::required}};
   Registry registry;
   registry.menus = {workshop};
@@ -38,7 +38,8 @@ cli::ShownProgram program(VerbContext& context) {
 struct CompletionRequest {
   std::string shell;
   static Fields<CompletionRequest> fields() {
-    return {{"SHELL", &CompletionRequest::shell, "whose completion", Need::required, Words{"bash", "zsh", "fish"}}};
+    return {{"SHELL", &CompletionRequest::shell, "shell to write the completion script for", Need::required,
+             Words{"bash", "zsh", "fish"}}};
   }
 };
 
@@ -55,8 +56,8 @@ struct ManualRequest {
   bool force = false;
   static Fields<ManualRequest> fields() {
     using R = ManualRequest;
-    return {{"-o,--output", &R::folder, "folder for the pages; made if it is not there", Need::required},
-            {"--force", &R::force, "overwrites pages that are there"}};
+    return {{"-o,--output", &R::folder, "folder for the pages; created if missing", Need::required},
+            {"--force", &R::force, "overwrite existing pages"}};
   }
 };
 
@@ -69,7 +70,7 @@ Result<Outcome> manual(VerbContext& context, const ManualRequest& arguments) {
 }  // namespace
 
 extern const Action kCompletion =
-    action("completion", "completion of verbs and options in a shell, as its script",
+    action("completion", "shell script that completes verbs and options",
            "ecs-emulator completion bash > ~/.local/share/bash-completion/completions/ecs-emulator", completion);
 extern const Action kManual =
     action("manual", "a manual page for each verb", "ecs-emulator manual -o ~/.local/share/man/man1", manual);

@@ -21,17 +21,17 @@ namespace {
 using Json = nlohmann::json;
 using enum OptionKind;
 
-const RequestOption kForceOption{"--force", flag, "overwrites output files that are there"};
+const RequestOption kForceOption{"--force", flag, "overwrite existing output files"};
 const RequestOption kReversedOption{"--reversed", integer,
-                                    "square or straight edge: 1 turned over, 0 as it was; writes the column"};
+                                    "square or straight edge: 1 turned over, 0 not; written as a column"};
 /// Of the instrument.
 const std::vector<RequestOption> kSettings{
-    {"--air", word, "off, manual or automatic"},
-    {"--material", word, "off, manual or automatic"},
-    {"--material-temperature", number, "entered, degC"},
-    {"--dead-path", number, "m"},
-    {"--misalignment", number, "between beam and axis, mrad"},
-    {"--trigger-latency", number, "of readings on the fly, s"},
+    {"--air", word, "correction for air: off, manual or automatic"},
+    {"--material", word, "correction for material temperature: off, manual or automatic"},
+    {"--material-temperature", number, "material temperature entered at the laser [degC]"},
+    {"--dead-path", number, "dead path [m]"},
+    {"--misalignment", number, "angle between beam and axis [mrad]"},
+    {"--trigger-latency", number, "latency of the trigger for readings on the fly [s]"},
 };
 
 std::vector<RequestOption> with_settings(std::vector<RequestOption> before, const std::vector<RequestOption>& after) {
@@ -41,49 +41,53 @@ std::vector<RequestOption> with_settings(std::vector<RequestOption> before, cons
 
 const std::vector<RequestOption> kMeasureOptions = with_settings(
     {
-        {"--axis", word, "", Need::required},
-        {"--sense", word, "", Need::required},
-        {"--from", number},
-        {"--to", number},
-        {"--step", number},
-        {"--targets", numbers},
-        {"--moved", flag, "targets off equal steps, as ISO 230-2 asks"},
-        {"--runs", integer},
-        {"--unidirectional", flag},
-        {"--parked", coordinates, "for example y=-700,z=0"},
-        {"--feed", number},
-        {"--dwell", number},
-        {"--overrun", number},
-        {"--on-the-fly", flag},
-        {"--instrument", word},
+        {"--axis", word, "moving axis", Need::required},
+        {"--sense", word, "measured component", Need::required},
+        {"--from", number, "first target [mm]"},
+        {"--to", number, "last target [mm]"},
+        {"--step", number, "step between targets [mm]"},
+        {"--targets", numbers, "target positions, separated by commas [mm]"},
+        {"--moved", flag, "displace the targets from equal steps, as ISO 230-2 requires"},
+        {"--runs", integer, "number of runs"},
+        {"--unidirectional", flag, "measure in one direction only"},
+        {"--parked", coordinates, "positions of the other axes, as in y=-700,z=0"},
+        {"--feed", number, "feed [mm/min]"},
+        {"--dwell", number, "dwell before each reading [s]"},
+        {"--overrun", number, "travel beyond the end targets [mm]"},
+        {"--on-the-fly", flag, "take readings during the motion"},
+        {"--instrument", word, "linear, straightness, angular, level or square"},
     },
     {
         kReversedOption,
-        {"--beam-broken-at", integer, "somebody steps into the beam before this reading"},
-        {"--date", word},
-        {"--engineer", word},
+        {"--beam-broken-at", integer, "number of the reading before which the beam is interrupted"},
+        {"--date", word, "date in the metadata"},
+        {"--engineer", word, "engineer in the metadata"},
         {"--plan-name", word},
         {"-o,--output", paths, "files: .csv, .rtl, .rta, .rts, .ren, .pos, .dat, .env.pos"},
         kForceOption,
     });
 const std::vector<RequestOption> kCaptureOptions = with_settings(
     {
-        {"--axis", word, "", Need::required},
-        {"--sense", word, "", Need::required},
-        {"--rate", number, "Hz (1000)"},
-        {"--seconds", number, "(10)"},
-        {"--to", number, "mm; the axis starts to move there"},
-        {"--feed", number},
-        {"--instrument", word},
+        {"--axis", word, "moving axis", Need::required},
+        {"--sense", word, "measured component", Need::required},
+        {"--rate", number, "sample rate [Hz] (1000)"},
+        {"--seconds", number, "duration [s] (10)"},
+        {"--to", number, "position to which the axis moves [mm]"},
+        {"--feed", number, "feed [mm/min]"},
+        {"--instrument", word, "linear, straightness, angular, level or square"},
     },
     {
-        {"--date", word},
-        {"--engineer", word},
+        {"--date", word, "date in the metadata"},
+        {"--engineer", word, "engineer in the metadata"},
         {"-o,--output", paths, "files: .csv, .rtx"},
         kForceOption,
     });
 const std::vector<RequestOption> kSurveyOptions{
-    {"--step", number}, {"--approach", integer}, {"--with-scatter", flag}, {"-o,--output", path}, kForceOption,
+    {"--step", number, "step of the grid [mm]"},
+    {"--approach", integer, "1 or -1"},
+    {"--with-scatter", flag, "include the scatter"},
+    {"-o,--output", path},
+    kForceOption,
 };
 const std::vector<RequestOption> kComponentsOptions{
     {"--x", numbers, "coordinates, separated by commas, mm"}, {"--y", numbers, "coordinates, separated by commas, mm"},
@@ -91,29 +95,29 @@ const std::vector<RequestOption> kComponentsOptions{
     {"--b", numbers, "angles, separated by commas, deg"},     {"--c", numbers, "angles, separated by commas, deg"},
 };
 const std::vector<RequestOption> kCircleOptions{
-    {"--plane", word, "XY, YZ, ZX, or the axes in the other order; the angle rises from the first to the second",
+    {"--plane", word, "plane: XY, YZ, ZX, or the axes in the other order; the angle rises from the first to the second",
      Need::required},
-    {"--centre", coordinates, "x=200,y=300; the middle of the travel where nothing is said"},
-    {"--radius", number, "[mm], 100"},
-    {"--feed", number, "[mm/min], 1000"},
-    {"--start", number, "[deg], 0"},
-    {"--overlap", number, "before and after each turn [deg], 45"},
-    {"--step", number, "between readings [deg], 1"},
-    {"--runs", integer, "each of one turn both ways, 2"},
-    {"--noise", number, "standard deviation of the ball bar [um], 0.1"},
+    {"--centre", coordinates, "centre, as in x=200,y=300; default: the middle of the travel"},
+    {"--radius", number, "radius [mm] (100)"},
+    {"--feed", number, "feed [mm/min] (1000)"},
+    {"--start", number, "start angle [deg] (0)"},
+    {"--overlap", number, "overlap before and after each turn [deg] (45)"},
+    {"--step", number, "angle between readings [deg] (1)"},
+    {"--runs", integer, "number of runs, each one turn in both directions (2)"},
+    {"--noise", number, "standard deviation of the ball bar [um] (0.1)"},
     {"-o,--output", path, "circle file (modules/standards/README.md)"},
     kForceOption,
 };
 const std::vector<RequestOption> kLengthsOptions{
     {"PLAN", path, "plan of lengths (.csv, modules/lengths/README.md)", Need::required},
-    {"--noise", number, "of a reading, standard deviation [um], 0.2"},
-    {"--scale", number, "of each set-up, standard deviation [um/m], 0.1"},
-    {"--station", number, "of each coordinate of a station, standard deviation [mm], 0.2"},
-    {"--tool", number, "of each coordinate of a tool, standard deviation [mm], 0.05"},
-    {"--zero", number, "of each run, standard deviation [um], 100"},
-    {"--bar", number, "of a ball bar's length where the plan says bar_um, standard deviation [um], 1"},
-    {"--no-scatter", flag, "without what does not repeat of the machine"},
-    {"-o,--output", path, "the plan with its readings (.csv)"},
+    {"--noise", number, "standard deviation of a reading [um] (0.2)"},
+    {"--scale", number, "standard deviation of the scale of each set-up [um/m] (0.1)"},
+    {"--station", number, "standard deviation of each coordinate of a station [mm] (0.2)"},
+    {"--tool", number, "standard deviation of each coordinate of a tool [mm] (0.05)"},
+    {"--zero", number, "standard deviation of the zero of each run [um] (100)"},
+    {"--bar", number, "standard deviation of a ball bar's length if the plan has bar_um [um] (1)"},
+    {"--no-scatter", flag, "omit the non-repeatable part of the machine errors"},
+    {"-o,--output", path, "file for the plan with its readings (.csv)"},
     kForceOption,
 };
 const std::vector<RequestOption> kRunOptions{
@@ -122,40 +126,40 @@ const std::vector<RequestOption> kRunOptions{
     {"--sense", word, "EX, EY, EZ, EA, EB or EC"},
     {"--instrument", word, "linear, straightness, angular, level or square"},
     kReversedOption,
-    {"-o,--output", paths, "readings; the form follows the name, as with measure"},
-    {"--trace", path, "the track, sample by sample (.csv)"},
-    {"--trace-period", number, "between samples, s (0.001); 0: every tick"},
-    {"--date", word, "into the metadata"},
-    {"--engineer", word, "into the metadata"},
+    {"-o,--output", paths, "file for the readings; the format follows from the name, as with measure"},
+    {"--trace", path, "file for the path, sample by sample (.csv)"},
+    {"--trace-period", number, "time between samples [s] (0.001); 0: every tick"},
+    {"--date", word, "date in the metadata"},
+    {"--engineer", word, "engineer in the metadata"},
     kForceOption,
 };
 const std::vector<RequestOption> kBallOptions{
     {"--ball", numbers, "X,Y,Z at which the linear axes touch the ball, all rotary axes at 0 [mm]"},
-    {"--sweep", words, "C=0:330:30/A=-60: the axis that turns, from:to:step, and where another stands"},
+    {"--sweep", words, "turning axis from:to:step and position of another axis, as in C=0:330:30/A=-60"},
     {"--tool-offset", numbers, "X,Y,Z from the point at which errors count to the ball in the spindle"},
-    {"--off", numbers, "X,Y,Z by which the ball is off its place on the table [um]"},
-    {"--tool-off", numbers, "X,Y,Z by which that in the spindle is off [um]"},
+    {"--off", numbers, "X,Y,Z by which the ball is off its position on the table [um]"},
+    {"--tool-off", numbers, "X,Y,Z by which the ball in the spindle is off its position [um]"},
     {"--on-workpiece", flag, "sensors turn with the table"},
-    {"--runs", integer, "each there and back, 2"},
-    {"--noise", number, "of a reading, standard deviation [um], 0.3"},
-    {"--seconds", number, "from one pose to the next, 5"},
-    {"-o,--output", path, "measurement set (.csv); else it comes back as csv"},
+    {"--runs", integer, "number of runs, each there and back (2)"},
+    {"--noise", number, "standard deviation of a reading [um] (0.3)"},
+    {"--seconds", number, "time from one pose to the next [s] (5)"},
+    {"-o,--output", path, "measurement set to write (.csv); if not given, it is returned as csv"},
     kForceOption,
 };
 const std::vector<RequestOption> kTurnOptions{
-    {"--sweep", word, "C=0:330:30: the axis that turns, from:to:step [deg]", Need::required},
+    {"--sweep", word, "turning axis from:to:step [deg], as in C=0:330:30", Need::required},
     {"--sense", word, "EX, EY, EZ (um), EA, EB, EC (um/m)", Need::required},
-    {"--runs", integer, "each there and back, 3"},
-    {"--noise", number, "of a reading, standard deviation [um, um/m], 0.3"},
-    {"--seconds", number, "from one target to the next, 5"},
-    {"-o,--output", path, "measurement set (.csv); else it comes back as csv"},
+    {"--runs", integer, "number of runs, each there and back (3)"},
+    {"--noise", number, "standard deviation of a reading [um, um/m] (0.3)"},
+    {"--seconds", number, "time from one target to the next [s] (5)"},
+    {"-o,--output", path, "measurement set to write (.csv); if not given, it is returned as csv"},
     kForceOption,
 };
 const std::vector<RequestOption> kJogOptions{
     {"--x,-x", number, "", Need::optional, "X"},
     {"--y,-y", number, "", Need::optional, "Y"},
     {"--z,-z", number, "", Need::optional, "Z"},
-    {"--feed", number},
+    {"--feed", number, "feed [mm/min]; 0: rapid"},
 };
 const std::vector<RequestOption> kFaultOptions{
     {"NAME", word, "", Need::required},
@@ -272,19 +276,19 @@ const std::vector<Action>& verbs_without_unit() {
   static const std::vector<Action> verbs{
       without_unit("measure", "measure a machine without a unit",
                    "--axis X --sense EX --from 0 --to -4100 --step 50 -o exx.csv", kMeasureOptions),
-      without_unit("capture", "an instrument's display at a constant rate, on a machine without a unit",
+      without_unit("capture", "record an instrument's display at a constant rate, on a machine without a unit",
                    "--axis X --sense EX --seconds 10 -o run.rtx", kCaptureOptions),
-      without_unit("survey", "true volumetric error of a machine without a unit", "--step 500 -o survey.csv",
-                   kSurveyOptions),
-      without_unit("components", "true error components along the axes of a machine without a unit",
+      without_unit("survey", "compute the true volumetric error of a machine without a unit",
+                   "--step 500 -o survey.csv", kSurveyOptions),
+      without_unit("components", "compute the true error components along the axes of a machine without a unit",
                    "--x 0,500,1000 --y 0,100", kComponentsOptions),
-      without_unit("circle", "circular test (ISO 230-4) of a machine without a unit",
+      without_unit("circle", "make a circular test (ISO 230-4) of a machine without a unit",
                    "--plane XY --radius 100 --feed 1000 -o circle.csv", kCircleOptions),
-      without_unit("lengths", "lengths from stations or along lines to the tool, as a plan says",
+      without_unit("lengths", "measure lengths from stations or along lines to the tool, as in a plan",
                    "plan.csv -o lengths.csv", kLengthsOptions),
-      without_unit("ball", "a ball on the table of a machine with rotary axes, without a unit",
+      without_unit("ball", "measure a ball on the table of a machine with rotary axes, without a unit",
                    "--ball 750,300,-500 -o ball.csv", kBallOptions),
-      without_unit("turn", "an error motion of a rotary axis on its own, without a unit",
+      without_unit("turn", "measure one error motion of a rotary axis, without a unit",
                    "--sweep C=0:345:15 --sense EC -o ecc.csv", kTurnOptions),
       without_unit("run", "run a part program on a machine without a unit", "exx.nc --axis X --sense EX -o exx.csv",
                    kRunOptions),
@@ -327,14 +331,14 @@ struct PlanRequest {
     const auto of_choice = [](const char* name, auto C::*member, const char* help, auto... more) {
       return Fields<R>(&R::choice, Fields<C>(name, member, help, more...));
     };
-    return {
-        {"PLAN", &R::plan, "plan file (TOML)", Need::required},
-        of_choice("--phase", &C::phase, "rows of this phase, and of both", Words{"before", "after"}, Need::required),
-        {"-o,--output", &R::folder, "folder for the files", Need::required},
-        {"--force", &R::force, "overwrites files that are there"},
-        of_choice("--moved", &C::moved, "targets off equal steps, as ISO 230-2 asks"),
-        of_choice("--date", &C::date, ""),
-        of_choice("--engineer", &C::engineer, "")};
+    return {{"PLAN", &R::plan, "plan file (TOML)", Need::required},
+            of_choice("--phase", &C::phase, "measure the rows of this phase and those of both",
+                      Words{"before", "after"}, Need::required),
+            {"-o,--output", &R::folder, "folder for the files", Need::required},
+            {"--force", &R::force, "overwrite existing files"},
+            of_choice("--moved", &C::moved, "displace the targets from equal steps, as ISO 230-2 requires"),
+            of_choice("--date", &C::date, ""),
+            of_choice("--engineer", &C::engineer, "")};
   }
 };
 
@@ -372,11 +376,11 @@ const std::vector<Action>& workshop_verbs() {
       request("survey", "true volumetric error: corners and grid", "survey --step 500 -o survey.csv", kSurveyOptions),
       request("power", "the unit's mains switch: off, on or cycle", "power cycle",
               {{"STATE", word, "", Need::required}}),
-      request("wait", "let simulated time pass", "wait 3600", {{"SECONDS", number, "", Need::required}}),
+      request("wait", "advance the simulated time", "wait 3600", {{"SECONDS", number, "", Need::required}}),
       request("tick", "run a number of periods of the unit's loop", "tick 1000",
               {{"COUNT", integer, "", Need::required}}),
-      request("load", "put a workpiece on the table", "load 500", {{"KG", number, "", Need::required}}),
-      request("arm-code", "the code that the unit shows, which a host needs to arm it", "arm-code", {}),
+      request("load", "load a workpiece on the table", "load 500", {{"KG", number, "", Need::required}}),
+      request("arm-code", "show the arming code of the unit", "arm-code", {}),
       request("fault", "provoke a fault by its name", "fault ram_stuck --address 0x100000 --bit 3", kFaultOptions),
   };
   return verbs;

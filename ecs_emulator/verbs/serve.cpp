@@ -72,30 +72,29 @@ struct ServeRequest {
       return cli::OnText([&options](const std::string& link) { options.pty = link; });
     };
     const Fields<O> of_line{
-        {{"--pty", {}, "make this symbolic link to the pseudo-terminal (RTU)"}, pty},
+        {{"--pty", {}, "create this symbolic link to the pseudo-terminal (RTU)"}, pty},
         whole_number("--tcp", [](O& o, long long port) { o.tcp = static_cast<std::uint16_t>(port); },
-                     "serve Modbus TCP on this port of 127.0.0.1, in place of --pty; 0: any free one", {0, 65535}),
+                     "serve Modbus TCP on this port of 127.0.0.1, instead of --pty; 0: any free port", {0, 65535}),
         {"--also-tcp", &O::also_tcp,
-         "beside the pseudo-terminal Modbus TCP on a free port of 127.0.0.1, for a second host (`second_link` of the "
-         "first line)"},
+         "also serve Modbus TCP on a free port of 127.0.0.1, for a second host (`second_link` of the first line)"},
         {"--tcp-host", &O::tcp_host, "address of another interface for --tcp; needs --token"},
         {"--token", &O::token_file, "file with the token that a TCP host must show first"},
         {"--unit", &O::unit, "Modbus unit number, 1 to 247", cli::Range{1, 247}},
-        {"--serial-number", &O::serial_number, "at most 16 characters"}};
+        {"--serial-number", &O::serial_number, "serial number of the unit, at most 16 characters"}};
     const Fields<O> pace = whole_number("--pace", [](O& o, long long baud) { o.pace_baud = static_cast<int>(baud); },
-                                        "make the line as slow as this baud rate, 300 to 921600", {300, 921600});
-    return {
-        &R::machine,
-        {&R::options, of_line},
-        {"--memory", &R::memory, "file that stands for the battery of the axis memory"},
-        {"--workshop", &R::workshop, "socket for `ecs-emulator workshop`"},
-        {&R::options, pace},
-        {"--modules", &R::memory_modules, "axis memory modules in the rack, 1 to 5", cli::Range{1, 5}},
-        {"--mode", &R::mode, "what the unit finds on its socket at power-up", Words{"auto", "compensate", "integrate"}},
-        {&R::options,
-         Fields<O>{{"--arm-code", &O::arm_code, "that the unit shows; six digits by chance if not given"},
-                   {"--real-time", &O::real_time, "simulated time goes by the clock; `state` counts missed periods"}}},
-        {"--with-parent", &R::with_parent, "end when the parent process ends"}};
+                                        "pace the line to this baud rate, 300 to 921600", {300, 921600});
+    return {&R::machine,
+            {&R::options, of_line},
+            {"--memory", &R::memory, "file for the battery-backed axis memory"},
+            {"--workshop", &R::workshop, "socket for `ecs-emulator workshop`"},
+            {&R::options, pace},
+            {"--modules", &R::memory_modules, "axis memory modules in the rack, 1 to 5", cli::Range{1, 5}},
+            {"--mode", &R::mode, "mode after power-up; auto: integration if a host is present, else compensation",
+             Words{"auto", "compensate", "integrate"}},
+            {&R::options,
+             Fields<O>{{"--arm-code", &O::arm_code, "arming code shown by the unit; six random digits if not given"},
+                       {"--real-time", &O::real_time, "run in real time; `state` counts missed periods"}}},
+            {"--with-parent", &R::with_parent, "end when the parent process ends"}};
   }
 };
 
@@ -129,7 +128,7 @@ Result<Outcome> run_server(VerbContext& context, const ServeRequest& arguments) 
 }  // namespace
 
 extern const Action kServe =
-    action("serve", "the unit on a line, the machine behind it",
+    action("serve", "serve the unit on a line, with its machine",
            "ecs-emulator serve --machine mill.toml --workshop /tmp/shop --memory battery.bin", run_server);
 
 }  // namespace ecs::emulator

@@ -33,8 +33,8 @@ struct MachineArguments {
   static Fields<MachineArguments> fields() {
     using A = MachineArguments;
     return {{"--machine", &A::machine, "machine file (TOML)", Need::required},
-            {"--errors", &A::errors, "errors file (TOML); default: the one that the machine file names"},
-            {"--seed", &A::seed, "seed of everything random"}};
+            {"--errors", &A::errors, "errors file (TOML); default: as in the machine file"},
+            {"--seed", &A::seed, "seed of all random values"}};
   }
 };
 

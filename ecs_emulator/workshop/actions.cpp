@@ -247,7 +247,7 @@ Result<void> line_fault(const Workshop& workshop, Arguments& arguments, protocol
   const auto count = arguments.integer("count", 0, 1'000'000);
   const double probability = arguments.number_or("probability", 0.0);
   const auto slow_ms = arguments.number("slow_ms");
-  if (workshop.line == nullptr) arguments.complain("no line comes here");
+  if (workshop.line == nullptr) arguments.complain("this workshop has no link to a host");
   if (!(probability >= 0.0 && probability <= 1.0)) arguments.complain("probability: expected 0 to 1");
   ECS_DO(arguments.checked());
   if (slow_ms) workshop.line->slow_ms = *slow_ms;

@@ -231,7 +231,7 @@ void ask_for_readings(const Workshop& workshop, Arguments& arguments, int& runs,
   if (!(seconds >= 0.0)) arguments.complain("seconds: expected 0 or more");
   if (workshop.unit != nullptr)
     arguments.complain(
-        "readings of rotary axes: expected a machine without a unit, which knows X, Y and Z only; use "
+        "readings of rotary axes: expected a machine without a unit (the unit supports X, Y and Z only); use "
         "`ecs-emulator ball` and `ecs-emulator turn`");
 }
 

@@ -54,7 +54,7 @@ void note_rotary_targets(const Iso230& axis, std::vector<std::string>& notes) {
   if (axis.targets.size() < wanted)
     notes.push_back(fmt::format("fewer than {} targets ({} on {:g} deg)", wanted, axis.targets.size(), span_mm(axis)));
   if (is_evenly_spaced(axis))
-    notes.push_back("targets are evenly spaced: a periodic error of that pitch does not show");
+    notes.push_back("targets are equally spaced: a periodic error of that pitch is not visible");
   note_closing(axis, notes);
 }
 
@@ -67,9 +67,9 @@ void note_targets(const Iso230& axis, std::vector<std::string>& notes) {
     notes.push_back(fmt::format("fewer than 5 targets per metre ({} on {:.3f} m)", count, metres));
   if (metres > kLongAxis_mm / kMmPerM)
     notes.push_back(
-        "longer than 2000 mm: the standard asks for targets about every 250 mm and gives A and R for shorter axes");
+        "longer than 2000 mm: the standard requires targets about every 250 mm and defines A and R for shorter axes");
   if (is_evenly_spaced(axis))
-    notes.push_back("targets are evenly spaced: a periodic error of that pitch does not show");
+    notes.push_back("targets are equally spaced: a periodic error of that pitch is not visible");
 }
 
 void note_runs(const Iso230& axis, std::vector<std::string>& notes) {
@@ -100,12 +100,12 @@ void note_left_out(const Iso230& axis, std::vector<std::string>& notes) {
                       lacks(&Iso230Target::mean_reverse, &Iso230Target::s_reverse);
   if (single > 0)
     notes.push_back(fmt::format(
-        "{} single readings give no standard deviation: they take no part in R, A and the 3 sigma band", single));
+        "{} single readings give no standard deviation: they are not used for R, A and the 3 sigma band", single));
   const auto one_sided = std::ranges::count_if(axis.targets, [](const Iso230Target& target) {
     return target.mean_forward.has_value() != target.mean_reverse.has_value();
   });
   if (axis.B && one_sided > 0)
-    notes.push_back(fmt::format("{} targets have one approach only: they take no part in B, M and R", one_sided));
+    notes.push_back(fmt::format("{} targets have one approach only: they are not used for B, M and R", one_sided));
 }
 
 /// One sentence for each condition that is not met (clause 5: targets, runs, approaches) and for readings left out.
@@ -116,11 +116,11 @@ std::vector<std::string> iso230_notes(const MeasurementSet& set, const Group& gr
   note_left_out(axis, notes);
   if (axis.sense != static_cast<Sense>(index_of(axis.axis) + (axis.rotary ? kAxes : 0)))
     notes.emplace_back(
-        "not a positioning error: the formulas of ISO 230-2 are used, the standard does not ask for them");
+        "not a positioning error: the formulas of ISO 230-2 are used although the standard does not require them");
   const auto undirected = std::ranges::count_if(
       group.readings, [&](std::size_t i) { return set.readings[i].approach == Approach::unknown; });
   if (undirected > 0 && has_known_approach(set, group))
-    notes.push_back(fmt::format("{} readings of unknown approach are left out", undirected));
+    notes.push_back(fmt::format("{} readings of unknown approach are ignored", undirected));
   return notes;
 }
 

@@ -145,10 +145,9 @@ Result<double> temperature_of(const Reading& reading, const Normalisation& how) 
   if (!found) {
     const auto sensor = reading.sensors_degC.find(how.sensor);
     if (sensor == reading.sensors_degC.end())
-      return problem(ProblemKind::refused,
-                     fmt::format("{}: expected the temperature of the material in {}, found none: name another sensor "
-                                 "or give one temperature for all",
-                                 place_of(reading), how.sensor));
+      return problem(ProblemKind::refused, fmt::format("{}: expected the temperature of the material in {}, found "
+                                                       "none: select another sensor or give one temperature for all",
+                                                       place_of(reading), how.sensor));
     found = sensor->second;
   }
   if (*found >= -50.0 && *found <= 150.0) return *found;
@@ -173,7 +172,7 @@ double spread_of_sensors_degC(const MeasurementSet& set) {
 
 void add_notes(Normalised& done, const Normalisation& how) {
   done.notes.push_back(fmt::format(
-      "coefficient {} um/(m degC) from {}; the material stood at {:.2f} to {:.2f} degC{}; position {} mm stays",
+      "coefficient {} um/(m degC) from {}; material temperature {:.2f} to {:.2f} degC{}; position {} mm is fixed",
       shortest(how.coefficient_um_per_m_degC),
       done.instrument_um_per_m_degC == 0.0
           ? std::string("errors as measured")
@@ -181,11 +180,11 @@ void add_notes(Normalised& done, const Normalisation& how) {
       done.least_degC, done.most_degC, how.material_degC ? " (one value for all readings)" : "",
       shortest(how.fixed_mm)));
   done.notes.push_back(
-      fmt::format("a coefficient wrong by 1 um/(m degC) makes up to {:.3f} um here", done.per_coefficient_um));
+      fmt::format("a coefficient error of 1 um/(m degC) causes up to {:.3f} um here", done.per_coefficient_um));
   done.notes.push_back(
-      "one coefficient stands for the whole machine: where scale, screw, bed and column are of several materials or of "
-      "several temperatures it can be grossly wrong (thesis 6.3.1), and a map for a machine that works at this "
-      "temperature may better be measured without it");
+      "one coefficient is used for the whole machine: if scale, screw, bed and column differ in material or "
+      "temperature, it can be grossly wrong (thesis 6.3.1). For a machine that works at this temperature the map may "
+      "better be measured without it");
   const double spread_degC = spread_of_sensors_degC(done.set);
   if (spread_degC > 0.5)
     done.notes.push_back(fmt::format(
@@ -205,7 +204,7 @@ std::optional<double> instrument_coefficient(const MeasurementSet& set) {
 
 Result<Normalised> normalised(const MeasurementSet& set, const Normalisation& how) {
   if (is_normalised(set))
-    return problem(ProblemKind::refused, "the readings are referred to 20 degC already: take that back first");
+    return problem(ProblemKind::refused, "the readings are already normalised to 20 degC: undo that first");
   Normalised done;
   done.set = set;
   done.instrument_um_per_m_degC =
@@ -229,7 +228,7 @@ Result<Normalised> normalised(const MeasurementSet& set, const Normalisation& ho
   }
   if (done.changed == 0)
     return problem(ProblemKind::refused,
-                   "expected errors along the moving axis, found none: straightness and angles are not referred to "
+                   "expected errors along the moving axis, found none: straightness and angles are not normalised to "
                    "20 degC by a coefficient");
   done.set.metadata.push_back(
       {std::string(kMetadataKey),
@@ -242,8 +241,8 @@ Result<Normalised> normalised(const MeasurementSet& set, const Normalisation& ho
 
 Result<MeasurementSet> denormalised(const MeasurementSet& set) {
   if (!is_normalised(set))
-    return problem(ProblemKind::refused,
-                   fmt::format("expected readings referred to 20 degC (column {}), found none", kBeforeNormalisation));
+    return problem(ProblemKind::refused, fmt::format("expected readings normalised to 20 degC (column {}), found none",
+                                                     kBeforeNormalisation));
   MeasurementSet back = set;
   for (Reading& reading : back.readings) {
     const auto before = reading.extras.find(kBeforeNormalisation);

@@ -38,7 +38,7 @@ struct ProcessedReadings : ProcessedCurve {
 
 /// How the band of the tables is defined, in one sentence.
 inline constexpr const char* kBandDefinition =
-    "band = largest minus smallest of all readings, after the slope named is removed";
+    "band = largest minus smallest of all readings, after removal of the stated slope";
 
 /// @pre the group has readings
 [[nodiscard]] Result<ProcessedReadings> processed_readings(const MeasurementSet& set, const Group& group,

@@ -201,7 +201,7 @@ Result<Smooth> smooth(const std::vector<SidePoint>& side, const Window& window) 
     const Reach reach = reach_of(side, i, window);
     if (reach.end - reach.begin < kFewestPoints)
       return problem(ProblemKind::refused,
-                     fmt::format("the window holds {} points at {} mm, smoothing needs {} or more: widen it",
+                     fmt::format("the window contains {} points at {} mm, smoothing needs {} or more: widen it",
                                  reach.end - reach.begin, side[i].position_mm, kFewestPoints));
     const Eigen::VectorXd weights = weights_of(side, i, reach);
     double value = 0.0;
@@ -359,7 +359,8 @@ double position_of(const Grid& grid, int k) { return grid.start_mm + grid.increm
 Result<Curve> resampled(const Curve& curve, const Grid& grid, Beyond beyond) {
   if (!is_usable(grid))
     return problem(ProblemKind::usage, "a grid needs an increment above 0 mm and 1 to 1 000 000 points");
-  if (curve.points.empty()) return problem(ProblemKind::refused, "a curve without points cannot be put on a grid");
+  if (curve.points.empty())
+    return problem(ProblemKind::refused, "a curve without points cannot be resampled to a grid");
   const auto forward = side_of(curve, Side::forward);
   const auto reverse = side_of(curve, Side::reverse);
   const bool hold = beyond == Beyond::hold_end_value;
@@ -438,7 +439,7 @@ std::optional<SidePoint> exactly_at(const std::vector<SidePoint>& side, double p
 
 Result<Curve> rotation_from(const Curve& first, const Curve& second) {
   if (first.axis != second.axis || first.sense != second.sense)
-    return problem(ProblemKind::refused, "the two lines hold different errors: expected the same axis and sense");
+    return problem(ProblemKind::refused, "the two lines have different errors: expected the same axis and sense");
   if (is_rotation(first.sense))
     return problem(ProblemKind::refused,
                    fmt::format("expected translations EX, EY or EZ, found {}", ecs::name_of(first.sense)));
@@ -470,9 +471,9 @@ Result<Curve> rotation_from(const Curve& first, const Curve& second) {
     return problem(ProblemKind::refused,
                    fmt::format("the two lines have {} targets in common, expected two or more", result.points.size()));
   if (result.points.size() < first.points.size())
-    result.notes.push_back(fmt::format("{} targets outside the other line's travel are left out",
+    result.notes.push_back(fmt::format("{} targets outside the other line's travel are ignored",
                                        first.points.size() - result.points.size()));
-  result.notes.emplace_back("the angle's own zero stands where the two lines were set to zero");
+  result.notes.emplace_back("the angle is zero where the two lines were set to zero");
   return result;
 }
 

@@ -38,7 +38,7 @@ void keep_one_account(MeasurementSet& set) {
   const bool mean = has_approach(set.readings, Approach::unknown);
   if (!mean) return;
   std::erase_if(set.readings, [&](const Reading& r) { return (r.approach == Approach::unknown) == both; });
-  set.notes.push_back(both ? "forward and reverse means are taken, their bidirectional mean is left out"
+  set.notes.push_back(both ? "forward and reverse means are read, their bidirectional mean is ignored"
                            : "bidirectional means: approach unknown");
 }
 

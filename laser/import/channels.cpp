@@ -87,7 +87,7 @@ class JoinedChannel {
 Result<std::string> channel_named(const ChannelLog& log, const ColumnRule& rule, const std::string& file_name) {
   for (const auto& [name, samples] : log.channels)
     if (lower(name) == lower(trimmed(rule.heading))) return name;
-  return tl::unexpected(usage(file_name, fmt::format("channels: {}: no channel {} in the log: there are {}", rule.field,
+  return tl::unexpected(usage(file_name, fmt::format("channels: {}: no channel {} in the log; it has {}", rule.field,
                                                      in_quotes(rule.heading), channels_text(log))));
 }
 
@@ -132,8 +132,9 @@ Result<JoinedRows> joined_rows(const ChannelLog& log, const Plan& plan, const st
   for (std::size_t i = 1; i < plan.fields.size(); ++i)
     if (i != *clock) joined.notes.push_back(channels[i - 1].note());
   if (without > 0)
-    joined.notes.push_back(fmt::format("{} values of {} without the others within their greatest gap are left out",
-                                       without, names[*clock - 1]));
+    joined.notes.push_back(
+        fmt::format("{} values of {} without values of the other channels within the largest gap are ignored", without,
+                    names[*clock - 1]));
   return joined;
 }
 
@@ -165,10 +166,11 @@ Result<MeasurementSet> read_channels(ChannelLog log, const std::string& file_nam
   Findings findings(file_name);
   for (const TableRow& row : joined.rows) static_cast<void>(take_row(set, plan, row, 1, findings));
   if (findings.empty() && set.readings.empty())
-    findings.add(0, 0, "expected values of all channels wanted at the same time, found none: give a greater --max-gap");
+    findings.add(0, 0,
+                 "expected values of all requested channels at the same time, found none: give a larger --max-gap");
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
   set.notes = joined.notes;
-  if (log.left_out > 0) set.notes.push_back(fmt::format("{} values that are no numbers are left out", log.left_out));
+  if (log.left_out > 0) set.notes.push_back(fmt::format("{} values that are not numbers are ignored", log.left_out));
   begin_at_zero(set);
   finish(set, *options.channels, plan);
   return set;

@@ -102,7 +102,7 @@ std::string take_column(ColumnRule& rule, std::string_view& rest) {
       rest.remove_prefix(2);
       rule.columns = take_number(rest) - rule.column + 1;
       if (rule.columns < 1 || rule.field != "date_time")
-        return "expected one column; only date_time takes several, FIRST..LAST";
+        return "expected one column; only date_time accepts several, FIRST..LAST";
     }
   } else {
     end = std::min(rest.find_first_of("[*"), rest.size());
@@ -305,14 +305,15 @@ void note_left_out(MeasurementSet& set, const ImportOptions& options, const Tabl
   const ColumnMapping& mapping = *options.mapping;
   const auto note = [&](std::string text) { set.notes.push_back(std::move(text)); };
   if (table.skipped > 0)
-    note(fmt::format("{} rows of numbers above line {} are skipped, as asked", table.skipped, mapping.skip_lines + 1));
+    note(fmt::format("{} rows of numbers above line {} are skipped, as requested", table.skipped,
+                     mapping.skip_lines + 1));
   if (table.left > 0)
-    note(fmt::format("{} rows below line {} are not taken, as asked", table.left, table.rows.back().number));
-  if (table.comments > 0) note(fmt::format("{} comments between the rows are passed over", table.comments));
+    note(fmt::format("{} rows below line {} are not read, as requested", table.left, table.rows.back().number));
+  if (table.comments > 0) note(fmt::format("{} comments between the rows are ignored", table.comments));
   if (!mapping.row_begins.empty() && !table.passed_over.empty())
-    note(fmt::format("{} lines that are no rows are passed over", table.passed_over.size()));
+    note(fmt::format("{} lines that are not rows are ignored", table.passed_over.size()));
   else if (!table.passed_over.empty())
-    note(fmt::format("{} lines without a number in the columns wanted are passed over: lines {}",
+    note(fmt::format("{} lines without a number in the requested columns are ignored: lines {}",
                      table.passed_over.size(), numbers_text(table.passed_over)));
 }
 
@@ -322,9 +323,9 @@ void note_rows(MeasurementSet& set, const ImportOptions& options, const TableLin
     set.notes.push_back(table.rows.back().target
                             ? "lines such as 3mm are the targets: error = value - target"
                             : "no line states a target: readings are the values, not deviations from targets");
-  if (options.reading_unit) set.notes.push_back(fmt::format("readings taken as {}", options.reading_unit->name));
+  if (options.reading_unit) set.notes.push_back(fmt::format("readings read as {}", options.reading_unit->name));
   note_left_out(set, options, table);
-  if (left_out > 0) set.notes.push_back(fmt::format("{} values that are no numbers are left out", left_out));
+  if (left_out > 0) set.notes.push_back(fmt::format("{} values that are not numbers are ignored", left_out));
 }
 
 /// The unit in which a field's cells are taken where its rule has none.
@@ -357,13 +358,13 @@ void refuse_other_units(const Plan& plan, const std::vector<std::string>& headin
     const auto taken = unit_taken(plan, field);
     if (!stated || !taken || is_same(*stated, *taken)) continue;
     const bool could_be = stated->kind == taken->kind || is_value(field.role);
-    findings.add(line, 1,
-                 "{}: the heading of column {}, {}, says {}, and the mapping takes {}: {}{}={}[{}]*1 if the "
-                 "heading is wrong",
-                 field.rule.field, field.index + 1, in_quotes(headings[field.index]), stated->name, taken->name,
-                 could_be ? fmt::format("give {}={}[{}], or ", field.rule.field, column_text(field), stated->name)
-                          : "give another column, or ",
-                 field.rule.field, column_text(field), taken->name);
+    findings.add(
+        line, 1,
+        "{}: the heading of column {}, {}, states {}, but the mapping uses {}: {}{}={}[{}]*1 if the heading is wrong",
+        field.rule.field, field.index + 1, in_quotes(headings[field.index]), stated->name, taken->name,
+        could_be ? fmt::format("give {}={}[{}], or ", field.rule.field, column_text(field), stated->name)
+                 : "give another column, or ",
+        field.rule.field, column_text(field), taken->name);
   }
 }
 
@@ -438,7 +439,7 @@ Result<MeasurementSet> read_columns(std::string_view text, const std::string& fi
   TableLines table = lines_in(text, plan, options, findings);
   if (options.channels) {
     if (mapping.channel_column == 0)
-      return tl::unexpected(usage(file_name, "channels: the rows of this table name no channel"));
+      return tl::unexpected(usage(file_name, "channels: the rows of this table have no channel names"));
     ChannelLog log = channels_in(plan, mapping, table, findings);
     if (!findings.empty()) return tl::unexpected(findings.as_problem());
     return read_channels(std::move(log), file_name, options);

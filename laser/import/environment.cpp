@@ -68,17 +68,18 @@ Result<std::vector<double>> times_of(MeasurementSet& set, const EnvironmentSerie
       std::ranges::all_of(series.rows, [](const EnvironmentRow& row) { return row.time_s.has_value(); });
   if (!span && (has_times || every_s))
     return tl::unexpected(usage(set.source,
-                                "environment: the readings have no time (time_s, or date_time in --columns), "
-                                "the environment has: they cannot be joined by it"));
+                                "environment: the readings have no time (time_s, or date_time in --columns), but the "
+                                "environment has: they cannot be joined by time"));
   const double begin = span ? span->first : 0.0;
   const double length = span ? span->second - span->first : static_cast<double>(set.readings.size() - 1);
   std::vector<double> times;
   if (!has_times) {
     const double step = every_s.value_or(count > 1.0 ? length / (count - 1.0) : 0.0);
     for (std::size_t i = 0; i < series.rows.size(); ++i) times.push_back(begin + step * static_cast<double>(i));
-    set.notes.push_back(every_s ? fmt::format("environment: a row every {:g} s from the first reading on", *every_s)
-                                : fmt::format("environment: it has no time; its {} rows are spread evenly over the {}",
-                                              series.rows.size(), span ? "time of the readings" : "readings"));
+    set.notes.push_back(every_s
+                            ? fmt::format("environment: a row every {:g} s from the first reading on", *every_s)
+                            : fmt::format("environment: it has no time; its {} rows are distributed evenly over the {}",
+                                          series.rows.size(), span ? "time of the readings" : "readings"));
     return times;
   }
   const auto begun = metadata_value(set, kBegun);
@@ -87,12 +88,12 @@ Result<std::vector<double>> times_of(MeasurementSet& set, const EnvironmentSerie
   const double zero = by_date ? *begun_s : *series.rows.front().time_s - begin;
   for (const EnvironmentRow& row : series.rows) times.push_back(*row.time_s - zero);
   set.notes.push_back(by_date ? "environment: joined by date and time"
-                              : "environment: joined by time, taken to begin with the first reading");
+                              : "environment: joined by time, assumed to begin with the first reading");
   const double before = times.front() - begin, after = begin + length - times.back();
   for (const auto& [missing_s, what] : {std::pair{before, "before it begins"}, {after, "after it ends"}})
     if (missing_s > 0.0)
       set.notes.push_back(
-          fmt::format("environment: the readings reach {:.0f} s {}, where its end values hold", missing_s, what));
+          fmt::format("environment: the readings extend {:.0f} s {}, where its end values are used", missing_s, what));
   return times;
 }
 
@@ -239,7 +240,7 @@ class EnvironmentTableReader {
   void take_heading(const std::vector<std::string_view>& headings, int line) {
     auto columns = columns_named(headings);
     if (!is_environment(columns)) {
-      findings_.add(line, 1, "expected a heading with temperatures, pressure or humidity, two of them");
+      findings_.add(line, 1, "expected a heading with two of temperature, pressure and humidity");
       return;
     }
     width_ = headings.size();

@@ -358,11 +358,10 @@ std::string pair_text(const TableColumn& targets, const TableColumn& readings, b
   std::string others;
   for (const TableColumn& column : columns)
     if (passes.empty() && &column != &readings && !actual && column.is_number() && column.meaning == Meaning::reading)
-      others += fmt::format(
-          "{} {}", others.empty() ? "; readings of other columns, each by an import of its own:" : ",", column.number);
+      others +=
+          fmt::format("{} {}", others.empty() ? "; import readings of other columns separately:" : ",", column.number);
   return fmt::format(
-      "--columns \"{}={}[{}],{}{}{}{}\"{}{} reads column {} as targets and {} as {}, if that is what "
-      "they are{}{}",
+      "--columns \"{}={}[{}],{}{}{}{}\"{}{} reads column {} as targets and {} as {}, if that is their meaning{}{}",
       field, targets.number,
       targets.unit ? targets.unit->name
       : turns      ? "deg"
@@ -402,8 +401,8 @@ std::optional<std::string> growth_advice(const Columns& columns, const TableShap
   const std::size_t number = found.front()->number;
   const std::string date = date_rule(columns);
   return fmt::format(
-      "--columns \"reading={}[{}]{}{}{}\"{} --axis X{} reads column {} as errors at one place, if that is what "
-      "they are",
+      "--columns \"reading={}[{}]{}{}{}\"{} --axis X{} reads column {} as errors at one position, if that is their "
+      "meaning",
       number, error_unit(*found.front()), date, pass_rules(columns, false), condition_rules(columns, !date.empty()),
       row_options(shape), date.empty() ? " --parked x=0" : "", number);
 }
@@ -435,9 +434,8 @@ std::string column_advice(std::string_view text, const TableShape& shape, bool k
   if (std::ranges::none_of(columns, [](const auto& column) { return column.is_number(); }))
     return "expected columns with a number in every row, found none: fill the empty cells";
   return fmt::format(
-      "expected targets and errors beside them, found the columns {}; if two of them are targets and errors, say "
-      "which: x_mm=N[mm],reading=M[um] with their numbers after "
-      "--columns{}, and --values actual where M holds positions",
+      "expected targets with their errors, found the columns {}; if two of them are targets and errors, assign them: "
+      "x_mm=N[mm],reading=M[um] with their numbers after --columns{}, and --values actual if M contains positions",
       columns_named(columns), row_options(shape));
 }
 
@@ -451,18 +449,18 @@ struct Known {
 };
 
 constexpr std::array<Known, 24> kKnown{{
-    {":start2d", "an Aerotech two-axis correction table: what a control adds, not what was measured", true},
-    {":start ", "an Aerotech correction table: what a control adds, not what was measured", true},
-    {"$aa_enc_comp", "a SINUMERIK encoder error table: what a control adds, not what was measured", true},
-    {"$an_cec", "a SINUMERIK sag error table: what a control adds, not what was measured", true},
-    {".com  datum:", "a HEIDENHAIN compensation table: what a control adds, not what was measured"},
-    {".com mm", "a HEIDENHAIN compensation table: what a control adds, not what was measured"},
-    {"kw.ssfk.", "a TwinCAT compensation list: what a control corrects, not readings", true},
+    {":start2d", "an Aerotech two-axis correction table: values added by a control, not measured errors", true},
+    {":start ", "an Aerotech correction table: values added by a control, not measured errors", true},
+    {"$aa_enc_comp", "a SINUMERIK encoder error table: values added by a control, not measured errors", true},
+    {"$an_cec", "a SINUMERIK sag error table: values added by a control, not measured errors", true},
+    {".com  datum:", "a HEIDENHAIN compensation table: values added by a control, not measured errors"},
+    {".com mm", "a HEIDENHAIN compensation table: values added by a control, not measured errors"},
+    {"kw.ssfk.", "a TwinCAT compensation list: values corrected by a control, not readings", true},
     {"gridpoints", "an Etalon exchange file: an error model, not readings of one axis", true},
     {"option record: altaz", "TPOINT pointing data of a telescope: azimuth and altitude, no linear axis"},
     {"pointing data", "a TPOINT pointing model of a telescope: fitted terms, no readings"},
     {"scan procedure description file", "the description of a SIOS scan: its numbers are in the .pos and .dat files"},
-    {"motion system test report", "a test report: the readings are in the .dat file beside it"},
+    {"motion system test report", "a test report: the readings are in the .dat file in the same folder"},
     {"residraderrrms", "the result of a plate's fit: the hole positions are in the measurement file of the plate"},
     {"artefact.ball_spacing", "a simulated ball bar or step gauge on a measuring machine (MSL): points and deviations"},
     {"cmm_model.", "the parameters of a measuring machine's error model: no readings"},
@@ -474,7 +472,7 @@ constexpr std::array<Known, 24> kKnown{{
     {"nist/itl strd", "a reference problem of regression (NIST StRD): no readings of an axis are in it"},
     {"# source", "a description"},
     {"<html", "a web page"},
-    {"{\"", "a JSON document: only JSON lines are read, an object with its time (ts, time_s, time) in each line"},
+    {"{\"", "a JSON document: only JSON lines are read, with one object and its time (ts, time_s, time) per line"},
 }};
 
 bool is_json_lines(std::string_view text) { return trimmed(text).starts_with('{'); }
@@ -522,8 +520,8 @@ std::string table_text(const TableShape& shape) {
                                  shape.last_row_line, in_quotes(shape.first_row));
   if (shape.lines_between > 0) text += fmt::format(", with {} other lines between", shape.lines_between);
   if (shape.is_mixed)
-    text += fmt::format("; other numbers follow, {} rows from line {} on stand together", shape.stretch_rows,
-                        shape.stretch_line);
+    text +=
+        fmt::format("; other numbers follow, {} consecutive rows from line {}", shape.stretch_rows, shape.stretch_line);
   if (!shape.headings.empty()) {
     std::vector<std::string> named;
     for (std::size_t i = 0; i < std::min<std::size_t>(shape.headings.size(), 12); ++i)
@@ -545,8 +543,8 @@ std::string list_text(std::string_view text) {
   }
   if (count < kLeast) return {};
   return fmt::format(
-      "; {} lines from line {} on hold one number each: expected the position beside it in each line, then "
-      "--columns \"x_mm=1[mm],reading=2[um]\" imports them",
+      "; {} lines from line {} contain one number each: add the position to each line, then --columns "
+      "\"x_mm=1[mm],reading=2[um]\" imports them",
       count, first);
 }
 
@@ -554,19 +552,18 @@ std::string list_text(std::string_view text) {
 
 Problem explanation_of(std::string_view text, const std::string& file_name) {
   const auto recognised = recognised_in(text);
-  std::string why = "not a measurement file that is known here: ";
+  std::string why = "not a known measurement file: ";
   const std::string advice = recognised && recognised->known->becomes_map ? advice_on(kTableOfControl) : "";
   why += recognised ? fmt::format("it seems to be {}{}", recognised->known->is,
                                   advice.empty() ? "" : fmt::format(" ({})", advice))
-                    : "nothing in it names a format that is known here";
+                    : "it contains no mark of a known format";
   const auto shape = is_json_lines(text) ? std::nullopt : table_shape(text);
   const bool has_table = shape && shape->rows >= 2;
   if (has_table)
     why += fmt::format("; {}; {}", table_text(*shape), column_advice(text, *shape, recognised.has_value()));
   else
     why += "; no table of numbers was found in it" + list_text(text);
-  if (!has_table && !recognised)
-    why += "; of other files lines of numbers are read, with a target and its error in each";
+  if (!has_table && !recognised) why += "; other files can be read if each line has a target and its error";
   if (!recognised) {
     why += "; looked for: ";
     std::vector<std::string_view> titles;

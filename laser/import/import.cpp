@@ -54,7 +54,7 @@ Result<Imported> rescaled(Result<Imported> imported, const ImportOptions& option
   if (format.units == ErrorUnits::fixed) return wrong(fmt::format("{}: its units are fixed", format.title));
   const bool holds_positions = format.units == ErrorUnits::positions;
   if (holds_positions && options.reading_unit)
-    return wrong("the file holds positions: give the unit of the targets, it is that of the readings too");
+    return wrong("the file contains positions: give the unit of the targets, which also applies to the readings");
   const UnitKind target_kind = options.rotary ? UnitKind::angle : UnitKind::length;
   if (options.target_unit && options.target_unit->kind != target_kind)
     return wrong(fmt::format("{} is no unit of {}", options.target_unit->name, options.rotary ? "angle" : "length"));
@@ -70,9 +70,9 @@ Result<Imported> rescaled(Result<Imported> imported, const ImportOptions& option
     const double inside = options.reading_unit->factor * (angle ? 1.0 : 1000.0);
     reading.error *= inside / usual_reading_factor(format, reading.sense);
   }
-  if (options.target_unit) imported->set.notes.push_back(fmt::format("targets taken as {}", options.target_unit->name));
+  if (options.target_unit) imported->set.notes.push_back(fmt::format("targets read as {}", options.target_unit->name));
   if (options.reading_unit)
-    imported->set.notes.push_back(fmt::format("readings taken as {}", options.reading_unit->name));
+    imported->set.notes.push_back(fmt::format("readings read as {}", options.reading_unit->name));
   return imported;
 }
 
@@ -97,7 +97,7 @@ Result<Imported> turned(Result<Imported> imported, const ImportOptions& options)
     reading.sense = static_cast<Sense>(kAxes + i);
     reading.error *= to_deg * kUmPerMPerDegree / kUmPerMm;
   }
-  imported->set.notes.push_back(fmt::format("targets taken as {} of the rotary axis {}",
+  imported->set.notes.push_back(fmt::format("targets read as {} of the rotary axis {}",
                                             options.target_unit ? options.target_unit->name : "deg",
                                             letter_of(*options.axis, true)));
   return imported;
@@ -128,7 +128,7 @@ Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
   if (imported && !imported->set.readings.empty() && (options.at_rest_mm || options.average)) {
     keep_at_rest(imported->set, options.at_rest_mm, options.average);
     if (imported->set.readings.empty())
-      return problem_at(file_name, 0, 0, "expected readings at rest, found none: give a greater --at-rest");
+      return problem_at(file_name, 0, 0, "expected readings at rest, found none: give a larger --at-rest");
   }
   if (imported)
     if (auto refused = implausible(imported->set, file_name)) return tl::unexpected(std::move(*refused));
@@ -162,7 +162,7 @@ FileReader reading_once(FileReader read) {
 Result<Axis> axis_wanted(const ImportOptions& options, const std::string& file_name) {
   if (options.axis) return *options.axis;
   return tl::unexpected(
-      usage(file_name, "the file does not say which axis moved: give the axis X, Y or Z, of rotary axes A, B or C"));
+      usage(file_name, "the file does not state which axis moved: give the axis X, Y or Z, of rotary axes A, B or C"));
 }
 
 Result<Sense> positioning_sense(const ImportOptions& options, Axis axis, const std::string& file_name) {
@@ -170,7 +170,7 @@ Result<Sense> positioning_sense(const ImportOptions& options, Axis axis, const s
   if (!is_rotation(sense)) return sense;
   return tl::unexpected(
       usage(file_name,
-            fmt::format("the file holds lengths: expected the sense EX, EY or EZ, found {}", ecs::name_of(sense))));
+            fmt::format("the file contains lengths: expected the sense EX, EY or EZ, found {}", ecs::name_of(sense))));
 }
 
 Result<PositioningLine> positioning_line(const ImportOptions& options, const std::string& file_name) {

@@ -131,8 +131,8 @@ void check(const Contents& contents, bool accept_truncated, Findings& findings) 
     const bool plausible = targets > 0 && targets <= 1'000'000 && cycles && *cycles > 0 && *cycles <= 1'000'000;
     if (!accept_truncated && plausible && !stops->empty() && static_cast<long long>(stops->size()) != targets * *cycles)
       findings.add(0, 0,
-                   "expected {} positions in a direction (POSITIONS times CYCLES), found {}: the file "
-                   "is cut short; --accept-truncated reads the rest",
+                   "expected {} positions in a direction (POSITIONS times CYCLES), found {}: the file is truncated; "
+                   "--accept-truncated reads the complete part",
                    targets * *cycles, stops->size());
   }
 }
@@ -160,7 +160,7 @@ Result<MeasurementSet> read_assignments(std::string_view text, const std::string
       set.readings.push_back(std::move(reading));
     }
   }
-  set.notes.push_back("FWD is taken as forward and BWD as reverse, as the file has them");
+  set.notes.push_back("FWD is read as forward and BWD as reverse, as in the file");
   number_rows(set);
   return set;
 }

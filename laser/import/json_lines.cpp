@@ -107,7 +107,7 @@ Result<MeasurementSet> read_json_lines(std::string_view text, const std::string&
   if (!options.channels) with_channels.channels = by_name(log);
   if (has_value(*with_channels.channels)) return read_channels(std::move(log), file_name, with_channels);
   Problem wanted =
-      usage(file_name, fmt::format("which channel is what? there are {}: give --channels \"EX={}[mm]\" and "
+      usage(file_name, fmt::format("the meaning of the channels is not known ({}): give --channels \"EX={}[mm]\" and "
                                    "others, and --axis X --parked x=0 where no channel is the position",
                                    channels_text(log), log.channels.begin()->first));
   wanted.line = 1;

@@ -157,7 +157,7 @@ Result<MeasurementSet> read_matrix(std::string_view text, const std::string& fil
   const auto rows = places_of(contents, along_rows, contents.rows.size(), findings);
   if (!cells || !rows) return tl::unexpected(findings.as_problem());
   if (contents.rows.size() < rows->count)
-    findings.add(0, 0, "expected {} rows ({}), found {}: the file is cut short", rows->count, along_rows.count,
+    findings.add(0, 0, "expected {} rows ({}), found {}: the file is truncated", rows->count, along_rows.count,
                  contents.rows.size());
   const double factor = options.reading_unit ? options.reading_unit->factor * kUmPerMm : 1.0;
   for (std::size_t r = 0; r < std::min(rows->count, contents.rows.size()); ++r) {

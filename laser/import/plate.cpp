@@ -44,7 +44,7 @@ Result<MeasurementSet> read_plate(std::string_view text, const std::string& file
     } else if (in_table) {
       const auto row = numbers_alone(line);
       if (row.size() != kColumns) {
-        findings.add(number, 1, "expected nine numbers as the heading names them, found {}", in_quotes(line));
+        findings.add(number, 1, "expected nine numbers as in the heading, found {}", in_quotes(line));
         continue;
       }
       if (std::abs(row[0] - row[2] - row[4]) > kPrinted_mm || std::abs(row[1] - row[3] - row[5]) > kPrinted_mm)
@@ -55,11 +55,11 @@ Result<MeasurementSet> read_plate(std::string_view text, const std::string& file
   }
   if (findings.empty() && set.readings.empty()) findings.add(0, 0, "expected holes below the heading, found none");
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
-  set.notes.push_back("each hole is a reading of X in EX and of Y in EY at its nominal place; approach unknown");
-  set.notes.push_back("the errors hold how the plate lay on the measuring machine: shift and rotation too");
+  set.notes.push_back("each hole is a reading of X in EX and of Y in EY at its nominal position; approach unknown");
+  set.notes.push_back("the errors include shift and rotation of the plate on the measuring machine");
   if (differing > 0)
     set.notes.push_back(
-        fmt::format("in {} rows the error is not measured less nominal; the error column is taken", differing));
+        fmt::format("in {} rows the error is not measured minus nominal; the error column is used", differing));
   number_rows(set);
   return set;
 }

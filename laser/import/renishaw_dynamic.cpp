@@ -85,10 +85,10 @@ Result<Capture> capture_of(const DynamicHead& head, std::string_view bytes, cons
   if (held < capture.count) {
     if (!options.accept_truncated || held == 0)
       return problem_at(file_name, 0, 0,
-                        fmt::format("Data: expected {} samples (Sample no), found {}: the file is cut short; "
-                                    "--accept-truncated reads the rest",
+                        fmt::format("Data: expected {} samples (Sample no), found {}: the file is truncated; "
+                                    "--accept-truncated reads the complete part",
                                     capture.count, held));
-    notes.push_back(fmt::format("cut short: {} of {} samples", held, capture.count));
+    notes.push_back(fmt::format("truncated: {} of {} samples", held, capture.count));
     capture.count = held;
   }
   const std::string type = lower(value_of(head.entries, "File Type").value_or(""));
@@ -200,8 +200,8 @@ void check_announced(const MeasurementSet& set, Findings& findings) {
                  *start, first);
   if (end && std::abs(last - *end) > kSamePosition_mm)
     findings.add(set.readings.back().line, 1,
-                 "expected the last position at {} (Compensation end), found {}: the file is cut short; "
-                 "--accept-truncated reads the rest",
+                 "expected the last position at {} (Compensation end), found {}: the file is truncated; "
+                 "--accept-truncated reads the complete part",
                  *end, last);
 }
 
@@ -236,8 +236,8 @@ Result<MeasurementSet> read_table(std::string_view text, const std::string& file
   if (findings.empty() && set.readings.empty()) findings.add(0, 0, "expected rows below the heading, found none");
   if (findings.empty() && !options.accept_truncated) check_announced(set, findings);
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
-  set.notes.push_back(options.table_holds_errors ? "combined values taken as errors in mm"
-                                                 : "combined values taken as compensation in mm: error = -value");
+  set.notes.push_back(options.table_holds_errors ? "combined values read as errors in mm"
+                                                 : "combined values read as compensation in mm: error = -value");
   number_rows(set);
   return set;
 }

@@ -143,7 +143,7 @@ void check_points(const RunFile& file, Findings& findings) {
 }
 
 void check_whole(const RunFile& file, Findings& findings) {
-  constexpr std::string_view kCutShort = ": the file is cut short; --accept-truncated reads the rest";
+  constexpr std::string_view kCutShort = ": the file is truncated; --accept-truncated reads the complete part";
   if (file.target_count && static_cast<std::size_t>(*file.target_count) != file.targets.size())
     findings.add(0, 0, "Targets: expected {} (Target-count), found {}", *file.target_count, file.targets.size());
   int passes = 0;
@@ -211,13 +211,12 @@ Result<Axis> axis_of_file(const RunFile& file, const std::string& file_name, con
   const char own = axis_letter_in(text);
   if (options.axis && own != '\0' && letter_of(*options.axis, options.rotary) != own)
     notes.push_back(
-        fmt::format("the file says axis {}, taken as {} as asked", own, letter_of(*options.axis, options.rotary)));
+        fmt::format("the file states axis {}; read as {} as requested", own, letter_of(*options.axis, options.rotary)));
   if (options.axis) return *options.axis;
   if (own != '\0') return static_cast<Axis>(own - 'X');
-  return tl::unexpected(
-      usage(file_name, fmt::format("the file does not say which linear axis moved (USER-TEXT Axis: {}): "
-                                   "give the axis X, Y or Z, of rotary axes A, B or C",
-                                   in_quotes(text))));
+  return tl::unexpected(usage(file_name, fmt::format("the file does not state which linear axis moved (USER-TEXT Axis: "
+                                                     "{}): give the axis X, Y or Z, of rotary axes A, B or C",
+                                                     in_quotes(text))));
 }
 
 enum class Kind { linear, angular, straightness };
@@ -238,14 +237,14 @@ Result<Sense> sense_of_file(Kind kind, Axis axis, const std::string& file_name, 
   const Sense positioning = static_cast<Sense>(index_of(axis));
   if (kind == Kind::linear) {
     if (options.sense.value_or(positioning) == positioning) return positioning;
-    return tl::unexpected(usage(file_name, fmt::format("a linear run along {} holds {}, not {}", letter_of(axis),
+    return tl::unexpected(usage(file_name, fmt::format("a linear run along {} contains {}, not {}", letter_of(axis),
                                                        ecs::name_of(positioning), ecs::name_of(*options.sense))));
   }
   const std::string_view choice = kind == Kind::angular ? "EA, EB or EC" : "EX, EY or EZ across the axis";
   if (!options.sense && options.rotary && kind == Kind::angular) return static_cast<Sense>(kAxes + index_of(axis));
   if (!options.sense)
     return tl::unexpected(
-        usage(file_name, fmt::format("the file does not say the sense of its readings: give {}", choice)));
+        usage(file_name, fmt::format("the file does not state the sense of its readings: give {}", choice)));
   const bool fits = kind == Kind::angular ? is_rotation(*options.sense)
                                           : !is_rotation(*options.sense) && *options.sense != positioning;
   if (fits) return *options.sense;
@@ -291,10 +290,10 @@ std::optional<StartAndEnd> pressure_of(const RunFile& file, std::vector<std::str
   if (!raw) return std::nullopt;
   if (raw->start > 40.0 && raw->start < 120.0) return StartAndEnd{raw->start * kHPaPerKPa, raw->end * kHPaPerKPa};
   if (raw->start > 400.0 && raw->start < 1200.0) {
-    notes.push_back("Air press taken as hPa by its size");
+    notes.push_back("Air press read as hPa because of its size");
     return raw;
   }
-  notes.push_back("Air press is neither kPa nor hPa by its size: not used");
+  notes.push_back("Air press is neither kPa nor hPa, judging by its size: not used");
   return std::nullopt;
 }
 
@@ -331,7 +330,7 @@ void spread(MeasurementSet& set, const Environment& environment, bool over_all) 
                       last == 0 ? 0.0 : static_cast<double>(i) / static_cast<double>(last));
   if (over_all)
     set.notes.push_back(
-        "air and material values go linearly from start to end over the readings: the file has only these two");
+        "air and material values are interpolated linearly between start and end: the file has only these two");
 }
 
 /// Keys in the spelling of most versions, whatever case this one used.
@@ -379,7 +378,7 @@ Result<MeasurementSet> read_run(std::string_view text, const std::string& file_n
     set.readings.push_back(std::move(reading));
   }
   if (descending) set.notes.push_back("targets descend: odd passes approach in reverse");
-  if (filled) set.notes.push_back("flagged unidirectional: backward passes full of zeros are left out");
+  if (filled) set.notes.push_back("marked unidirectional: backward passes of zeros are ignored");
   if (!file.has_end) set.notes.push_back("no EOF section");
   spread(set, environment_of(file, set.notes), options.spread_environment);
   number_rows(set);

@@ -109,7 +109,7 @@ void take_motion(MeasurementSet& set, const ColumnMapping& mapping) {
     if (mapping.motion_approach) set.readings[i].approach = motion[stop_of[i]].approach;
     if (mapping.motion_run) set.readings[i].run = motion[stop_of[i]].run;
   }
-  set.notes.push_back("approach and run from the order of the targets, as asked");
+  set.notes.push_back("approach and run from the order of the targets, as requested");
 }
 
 /// Readings of the same line, target and approach are runs one after the other. Where the axis never moves, readings

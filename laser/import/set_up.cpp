@@ -136,13 +136,12 @@ void take_out_set_up(MeasurementSet& set) {
   const Vector3& shift = set_up->shift_um;
   const Vector3& turn = set_up->rotation_um_m;
   set.notes.push_back(
-      fmt::format("set-up taken out: shift X {:+.2f}, Y {:+.2f}, Z {:+.2f} um, rotation about X {:+.2f}, Y {:+.2f}, Z "
-                  "{:+.2f} um/m; rms "
-                  "of the errors {:.3g} -> {:.3g} um (--keep-set-up leaves it in)",
+      fmt::format("set-up removed: shift X {:+.2f}, Y {:+.2f}, Z {:+.2f} um, rotation about X {:+.2f}, Y {:+.2f}, Z "
+                  "{:+.2f} um/m; rms of the errors {:.3g} -> {:.3g} um (--keep-set-up keeps it)",
                   shift[0], shift[1], shift[2], turn[0], turn[1], turn[2], before, rms_of(points)));
   if (set_up->rotations < 3)
     set.notes.push_back(set_up->rotations == 2 ? "set-up: the points lie on a line, the rotation round it is not known"
-                                               : "set-up: the points are at one place, no rotation is known");
+                                               : "set-up: the points are at one position, no rotation is known");
 }
 
 namespace {
@@ -235,9 +234,8 @@ void keep_at_rest(MeasurementSet& set, std::optional<double> at_rest_mm, bool av
   }
   if (at_rest_mm)
     set.notes.push_back(
-        fmt::format("{} readings while the machine moved are left out: fewer than {} one after the other "
-                    "within {:.{}g} mm",
-                    moving, kLeastAtRest, *at_rest_mm, kTextDigits));
+        fmt::format("{} readings during motion are ignored: fewer than {} consecutive ones within {:.{}g} mm", moving,
+                    kLeastAtRest, *at_rest_mm, kTextDigits));
   if (average) {
     set.notes.push_back(fmt::format("{} readings at rest averaged to {}", averaged, kept.size()));
     for (const char* const column : {"readings_averaged", "scatter"})

@@ -75,10 +75,9 @@ Result<Group> group_in(const MeasurementSet& set, const std::filesystem::path& p
         refusal(path, component, fmt::format("expected readings of {}, found {}", text_of(wanted), contents_of(set))));
   for (const Group& group : fitting)
     if (group.compensated.value_or(false))
-      return tl::unexpected(
-          refusal(path, component,
-                  "the readings were taken with compensation active (compensated = 1): a map needs the "
-                  "machine's own error; switch the unit to integration mode and measure again"));
+      return tl::unexpected(refusal(path, component,
+                                    "the readings were taken with compensation active (compensated = 1): a map needs "
+                                    "the uncompensated error; switch the unit to integration mode and measure again"));
   if (fitting.size() > 1)
     return tl::unexpected(refusal(path, component,
                                   fmt::format("expected one measurement line of {}, found {}: split the file",
@@ -105,8 +104,8 @@ Result<Selection> without_runs(const MeasurementSet& set, const std::vector<int>
   for (const Reading& reading : set.readings) there.insert(reading.run);
   for (std::size_t i = 0; i < runs.size(); ++i)
     if (selection.left_out[i] == 0)
-      return problem(ProblemKind::refused, fmt::format("run {} is to be left out, but the file has runs {}", runs[i],
-                                                       fmt::join(there, ", ")));
+      return problem(ProblemKind::refused,
+                     fmt::format("run {} cannot be excluded: the file has runs {}", runs[i], fmt::join(there, ", ")));
   return selection;
 }
 
@@ -215,10 +214,9 @@ class Builder {
  private:
   Result<void> add(const ComponentRecipe& one) {
     if (!needed_.contains(one.component))
-      return tl::unexpected(
-          refusal({}, one.component,
-                  fmt::format("a {} machine does not use it in this scope: leave it out of the recipe",
-                              configuration_of(built_.parameters))));
+      return tl::unexpected(refusal({}, one.component,
+                                    fmt::format("a {} machine does not use it in this scope: remove it from the recipe",
+                                                configuration_of(built_.parameters))));
     outcome_ = ComponentOutcome{};
     stated_ = {};
     lever_mm_ = kMmPerM;
@@ -250,8 +248,9 @@ class Builder {
                                      : std::min(stated_.degrees_of_freedom, of_file.pass_freedom);
     if (!recipe_.shrink || is_squareness(component)) return;
     Shrunk less = shrunk(curve, of_file);
-    note_step(component, fmt::format("shrunk below its noise: {:.2f} {} rms taken away, {:.0f} % of the freedom left",
-                                     less.removed_rms, unit_of(curve.sense), 100.0 * less.kept));
+    note_step(component,
+              fmt::format("shrunk according to its noise: {:.2f} {} rms removed, {:.0f} % of the freedom kept",
+                          less.removed_rms, unit_of(curve.sense), 100.0 * less.kept));
     curve = std::move(less.curve);
   }
 
@@ -351,12 +350,11 @@ class Builder {
 
   void note_smoothing(const Smoothed& smooth, const ComponentRecipe& one) {
     outcome_.smoothed_rms = smooth.removed_rms;
-    note_step(one.component, fmt::format("smoothed by a local quadratic over {} mm, {:.2f} {} rms taken away",
+    note_step(one.component, fmt::format("smoothed by a local quadratic over {} mm, {:.2f} {} rms removed",
                                          one.smoothing_mm, smooth.removed_rms, unit_of(one.component)));
     if (smooth.taken == Taken::signal)
       outcome_.notes.push_back(
-          fmt::format("smoothing over {} mm takes form of the curve away as well (F {:.1f}): use a "
-                      "narrower window",
+          fmt::format("smoothing over {} mm also removes the shape of the curve (F {:.1f}): use a narrower window",
                       one.smoothing_mm, smooth.F.value_or(0.0)));
   }
 
@@ -385,7 +383,7 @@ class Builder {
     }
     if (!both) {
       forward.approach = Approach::unknown;
-      outcome_.notes.push_back("measured from one side: the same table serves both approaches");
+      outcome_.notes.push_back("measured from one side: the same table is used for both approaches");
     }
     outcome_.points = forward.position_mm.size();
     built_.map.tables.push_back(std::move(forward));
@@ -454,12 +452,10 @@ class Builder {
                                       std::string_view key) {
     if (!stated.empty()) return stated;
     if (seen.size() > 1)
-      return problem(
-          ProblemKind::refused,
-          fmt::format("the files come from more than one machine: {} is {} in {} and {} in {}; leave the wrong "
-                      "file out, or state {} in the recipe",
-                      key, seen.begin()->first, seen.begin()->second, seen.rbegin()->first, seen.rbegin()->second,
-                      key));
+      return problem(ProblemKind::refused, fmt::format("the files come from more than one machine: {} is {} in {} and "
+                                                       "{} in {}; remove the wrong file, or state {} in the recipe",
+                                                       key, seen.begin()->first, seen.begin()->second,
+                                                       seen.rbegin()->first, seen.rbegin()->second, key));
     return seen.empty() ? std::string() : seen.begin()->first;
   }
 

@@ -174,7 +174,7 @@ std::optional<std::array<std::size_t, 5>> columns_in(const CsvLine& row, int lin
     if (field.text == "p_deg") {
       findings.add(line, field.column,
                    "header: expected p_mm, found p_deg: a table of rotary axes; the unit compensates X, Y, Z (`ecs "
-                   "volume --rotary` takes it)");
+                   "volume --rotary` uses it)");
       return std::nullopt;
     }
     if (known == kColumns.end()) {
@@ -235,7 +235,7 @@ void refuse_mixed_approaches(const Points& points, Findings& findings) {
     const bool also_one =
         points.contains({key.first, Approach::forward}) || points.contains({key.first, Approach::reverse});
     if (also_one)
-      findings.add(rows.front().line, 0, "{} has rows for approach 0 (both) beside rows for 1 or -1: keep one kind",
+      findings.add(rows.front().line, 0, "{} has rows for approach 0 (both) and rows for 1 or -1: keep one kind",
                    name_of(key.first));
   }
 }
@@ -250,11 +250,11 @@ std::optional<long long> rows_stated(std::string_view header_line) {
 void refuse_cut_file(long long stated, long long found, bool whole_line, Findings& findings) {
   if (stated != found)
     findings.add(0, 0,
-                 "the header says {} rows, the file has {}: was it cut short? If you added or removed rows "
-                 "yourself, correct or delete the line \"# rows\"",
+                 "the header states {} rows, the file has {}: was it truncated? If you added or removed rows, correct "
+                 "or delete the line \"# rows\"",
                  stated, found);
   else if (!whole_line)
-    findings.add(0, 0, "the last row does not end with a line end: the file was cut short");
+    findings.add(0, 0, "the last row does not end with a line end: the file was truncated");
 }
 
 /// The text of a map from whatever editor saved it. What is not text is left to the readers of lines, but for a NUL.

@@ -67,7 +67,7 @@ constexpr std::size_t kFewestPoints = 3;  ///< two show a straight line, whateve
 constexpr double kUsualMargin = 0.05;     ///< of the travel: optics and overrun need room at either end
 constexpr double kApart = 0.75;           ///< of a spacing: ends further apart differ by a point
 constexpr double kApartAndRefused = 1.5;  ///< of a spacing: from here findings_for() objects
-constexpr std::string_view kBeyondTheEnds = "beyond its ends a table holds its last value";
+constexpr std::string_view kBeyondTheEnds = "beyond its ends a table keeps its end value";
 
 struct Span {
   double first_mm = 0.0;
@@ -117,7 +117,7 @@ void warn_of_travel(Component c, const Pair& pair, const Span& travel, bool of_m
   const double beyond_mm = std::max(travel.first_mm - span.first_mm, span.last_mm - travel.last_mm);
   if (of_machine && beyond_mm > kUsualMargin * travel.length_mm()) {
     findings.push_back({false, fmt::format("{} was measured from {:.6g} to {:.6g} mm, but {} travels from {:.6g} to "
-                                           "{:.6g} mm: are file and machine of the same machine?",
+                                           "{:.6g} mm: do file and machine belong together?",
                                            name_of(c), span.first_mm, span.last_mm, letter_of(moving_axis(c)),
                                            travel.first_mm, travel.last_mm)});
     return;
@@ -130,7 +130,7 @@ void warn_of_travel(Component c, const Pair& pair, const Span& travel, bool of_m
   findings.push_back({false, fmt::format("{} covers {:.6g} of {:.6g} mm of {} ({:.6g} to {:.6g}): {}", name_of(c),
                                          covered_mm, travel.length_mm(),
                                          of_machine ? fmt::format("the travel of {}", axis)
-                                                    : fmt::format("what the tables of {} cover together", axis),
+                                                    : fmt::format("the common range of the tables of {}", axis),
                                          travel.first_mm, travel.last_mm, kBeyondTheEnds)});
 }
 
@@ -156,8 +156,8 @@ void warn_of_few_points(Component c, const Pair& pair, std::vector<MapFinding>& 
   const std::string points = pair.one() ? fmt::format("{} points", forward)
                                         : fmt::format("{} points forward, {} in reverse", forward, reverse);
   findings.push_back(
-      {false, fmt::format("{} has {}: fewer than {} do not show how the error runs; measure more targets", name_of(c),
-                          points, kFewestPoints)});
+      {false, fmt::format("{} has {}: fewer than {} do not show the shape of the error; measure more targets",
+                          name_of(c), points, kFewestPoints)});
 }
 
 }  // namespace
@@ -232,8 +232,8 @@ void find_squareness(const ErrorMap& map, const UnitParameters& parameters, std:
         std::ranges::any_of(map.header.sources, [&](const SourceFile& s) { return s.component == name_of(c); });
     if (!needed.contains(c) || measured || is_declared_zero(map, c) || squareness_um_per_m(parameters, c) != 0.0)
       continue;
-    findings.push_back({true, fmt::format("{} ({}) is needed: the parameters hold 0 and no file says it was measured; "
-                                          "set it, or declare it zero with a reason",
+    findings.push_back({true, fmt::format("{} ({}) is needed: its parameter is 0 and no file states that it was "
+                                          "measured; set it, or declare it zero with a reason",
                                           name_of(c), description_of(c))});
   }
 }
@@ -252,8 +252,8 @@ void find_beyond_limit(const MapTable& table, const UnitParameters& parameters, 
   for (std::size_t i = 0; i < table.compensation.size(); ++i) {
     if (std::abs(table.compensation[i]) <= limit_um) continue;
     findings.push_back(
-        {true, fmt::format("{}{} asks for {:.6g} um at {} mm, but axis.{}.output_limit_um is {:.6g}: mend the "
-                           "value, or raise the limit if the machine is that far off",
+        {true, fmt::format("{}{} requires {:.6g} um at {} mm, but axis.{}.output_limit_um is {:.6g}: correct the "
+                           "value, or raise the limit if the error of the machine is that large",
                            name_of(table.component), approach_text(table), table.compensation[i], table.position_mm[i],
                            letter_of(static_cast<Axis>(moved)), limit_um)});
     return;
@@ -334,12 +334,12 @@ std::vector<MapFinding> findings_for(const ErrorMap& map, const UnitParameters& 
     return findings;
   }
   if (!map.header.configuration.empty() && map.header.configuration != configuration_of(parameters))
-    findings.push_back({true, fmt::format("the map was made for a {} machine, the parameters say {}",
+    findings.push_back({true, fmt::format("the map was made for a {} machine, the parameters state {}",
                                           map.header.configuration, configuration_of(parameters))});
   for (const DeclaredZero& zero : map.header.declared_zero)
     if (!is_squareness(zero.component) && has_any(map, zero.component))
       findings.push_back(
-          {true, fmt::format("{} is declared zero and has values too: keep one", name_of(zero.component))});
+          {true, fmt::format("{} is declared zero but also has values: keep only one", name_of(zero.component))});
   find_missing(map, parameters, findings);
   find_squareness(map, parameters, findings);
   for (MapFinding& warning : coverage_warnings(map, parameters, travels)) findings.push_back(std::move(warning));

@@ -106,10 +106,9 @@ std::vector<std::uint8_t> assemble(const UnitParameters& parameters, const std::
 Result<void> within_capacity(std::size_t values, std::size_t bytes, const UnitParameters& parameters) {
   const std::size_t capacity = parameters.memory_modules * kValuesPerModule;
   if (values > capacity)
-    return problem(ProblemKind::refused,
-                   fmt::format("the map has {} values, {} axis memory module(s) hold {}: raise the number of modules, "
-                               "or build the map with a larger increment",
-                               values, parameters.memory_modules, capacity));
+    return problem(ProblemKind::refused, fmt::format("the map has {} values, {} axis memory module(s) store {}: raise "
+                                                     "the number of modules, or build the map with a larger increment",
+                                                     values, parameters.memory_modules, capacity));
   if (bytes > bank_bytes(parameters.memory_modules))
     return problem(ProblemKind::refused,
                    fmt::format("the map needs {} bytes, {} axis memory module(s) have {}: shorten "

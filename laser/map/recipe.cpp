@@ -65,7 +65,7 @@ class RecipeReader {
     const bool taken =
         std::ranges::any_of(recipe.components, [&](const ComponentRecipe& c) { return c.component == *component; }) ||
         std::ranges::any_of(recipe.declared_zero, [&](const DeclaredZero& z) { return z.component == *component; });
-    if (taken) reader_.complain(table, fmt::format("{} occurs twice in the recipe: keep one", *code));
+    if (taken) reader_.complain(table, fmt::format("{} occurs twice in the recipe: keep only one", *code));
     return component;
   }
 
@@ -94,7 +94,7 @@ class RecipeReader {
     reader_.only(table, {"code", "reason"}, "declared_zero");
     const auto component = code_of(table, recipe);
     const std::string reason = reader_.word(table, "reason").value_or("");
-    if (reason.empty()) reader_.complain(table, "reason: say why the component may be taken as zero");
+    if (reason.empty()) reader_.complain(table, "reason: state why the component is assumed to be zero");
     if (component) recipe.declared_zero.push_back({*component, reason});
   }
 
@@ -298,7 +298,7 @@ class Suggestion {
   /// Why a line serves nothing.
   [[nodiscard]] std::string reason_against(const MeasuredLine& line) const {
     if (!parameters_.axis_present[index_of(line.axis)]) return fmt::format("there is no axis {}", letter_of(line.axis));
-    if (line.square) return "that squareness is not needed, or another file serves it";
+    if (line.square) return "that squareness is not needed, or another file provides it";
     const Component c = curve_of(line.sense, line.axis);
     if (!needed_.contains(c)) return fmt::format("{} is not needed in this scope", name_of(c));
     if (const auto off = is_angular(c) ? std::nullopt : axis_off_line(line, parameters_))
@@ -307,7 +307,7 @@ class Suggestion {
           "can be found from it",
           letter_of(*off), line.parked_mm[index_of(*off)], letter_of(line.axis), letter_of(*off),
           parameters_.measurement_lines_mm[index_of(line.axis)][index_of(*off)]);
-    return fmt::format("another file serves {}", name_of(c));
+    return fmt::format("another file provides {}", name_of(c));
   }
 
   void add(Component c, std::vector<std::filesystem::path> files) {

@@ -237,13 +237,11 @@ Result<DiagonalTest> parse_diagonals(std::string_view text, const std::string& f
 namespace {
 
 constexpr const char* kChapman =
-    "step diagonals: what each axis did is not separated. A beam or mirror a little out of line moves error from one "
-    "axis "
-    "to another while the sum along the diagonal stays (Chapman 2003); measure the axes one by one";
+    "step diagonals: the errors of the axes are not separated. A slightly misaligned beam or mirror moves error from "
+    "one axis to another while the sum along the diagonal is unchanged (Chapman 2003); measure the axes one by one";
 constexpr const char* kSquarenessAlone =
-    "squareness from diagonals holds only if every axis has the same scale error and no angular errors: other errors "
-    "give "
-    "the same diagonals";
+    "squareness from diagonals is valid only if every axis has the same scale error and no angular errors: other "
+    "errors give the same diagonals";
 
 /// Slope of the means over the position, with its standard error.
 void fit_growth(DiagonalValues& values) {

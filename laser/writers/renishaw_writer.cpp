@@ -162,13 +162,13 @@ std::string fault_of(const MeasurementSet& set) {
     return "expected a displacement along the axis or a rotation";
   if (!first.time_s || !set.readings[1].time_s) return "expected a time with every sample";
   const double step_s = *set.readings[1].time_s - *first.time_s;
-  if (!(step_s > 0.0)) return "expected times that go on";
+  if (!(step_s > 0.0)) return "expected increasing times";
   for (std::size_t i = 0; i < set.readings.size(); ++i) {
     const Reading& reading = set.readings[i];
     if (reading.axis != first.axis || reading.sense != first.sense) return "expected one axis and one sense";
     const double due_s = *first.time_s + static_cast<double>(i) * step_s;
     if (!reading.time_s || std::abs(*reading.time_s - due_s) > 0.01 * step_s)
-      return fmt::format("expected a constant rate, sample {} is not where it should be", i + 1);
+      return fmt::format("expected a constant rate, sample {} is not at its expected time", i + 1);
   }
   return {};
 }

@@ -20,7 +20,7 @@ Result<std::vector<TargetReadings>> positioning_curve(const MeasurementSet& set)
                                                         : "expected one axis, one sense and one parked position");
   const Group& group = groups.front();
   if (group.sense != static_cast<Sense>(index_of(group.axis)))
-    return problem(ProblemKind::refused, "expected errors along the axis: this file holds positioning only");
+    return problem(ProblemKind::refused, "expected errors along the axis: this file contains positioning only");
   return targets_of(set, group, target_tolerance_mm(set, group));
 }
 

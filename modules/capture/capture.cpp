@@ -95,11 +95,11 @@ devices::Values CaptureRun::around(double now_s) const {
 }
 
 std::string CaptureRun::help() const {
-  std::string how = "type the value that the display shows";
+  std::string how = "type the value shown on the display";
   if (setup_.trigger_kind == TriggerKind::enter) how = "Enter takes a reading";
   if (setup_.trigger_kind == TriggerKind::device) how = "the trigger, or Enter, takes a reading";
-  if (setup_.trigger_kind == TriggerKind::each) how = "readings are taken as they come";
-  return how + "; u takes the last one back, s skips a target, q leaves (what was read is kept), ? helps";
+  if (setup_.trigger_kind == TriggerKind::each) how = "readings are recorded as they arrive";
+  return how + "; u undoes the last one, s skips a target, q quits (readings are saved), ? shows help";
 }
 
 void CaptureRun::tell_change(devices::PortChange change, const std::string& device, const std::string& hindrance,
@@ -109,9 +109,8 @@ void CaptureRun::tell_change(devices::PortChange change, const std::string& devi
     record_.pause();
     settle();
     tell(CaptureNews::Kind::warning,
-         fmt::format("{} was unplugged. Nothing is lost: {} reading{} {} safe{}. Plug it in again; {}", device,
-                     record_.taken().size(), record_.taken().size() == 1 ? "" : "s",
-                     record_.taken().size() == 1 ? "is" : "are",
+         fmt::format("{} was unplugged. {} reading{} {} saved{}. Plug it in again; {}", device, record_.taken().size(),
+                     record_.taken().size() == 1 ? "" : "s", record_.taken().size() == 1 ? "is" : "are",
                      setup_.part.empty() || record_.taken().empty() ? "" : " in " + setup_.part, meanwhile));
   }
   if (change == devices::PortChange::back) {
@@ -128,22 +127,23 @@ void CaptureRun::look_after_devices(double now_s) {
   if (setup_.trigger) {
     const devices::PortChange change = setup_.trigger->look(now_s);
     tell_change(change, name_of(setup_.trigger->port()), setup_.trigger->port().hindrance(),
-                "Enter triggers meanwhile");
+                "until then press Enter to trigger");
   }
   if (setup_.source) {
     const devices::PortChange change = setup_.source->look(now_s);
-    tell_change(change, setup_.source->name(), setup_.source->hindrance(), "it is waited for");
+    tell_change(change, setup_.source->name(), setup_.source->hindrance(), "the program waits for it");
     setup_.source->attend(now_s);
   }
   if (!setup_.environment) return;
   devices::Sensor& sensor = *setup_.environment;
   const devices::PortChange change = sensor.look(now_s);
-  tell_change(change, name_of(sensor.port()), sensor.port().hindrance(), "readings go on without its values meanwhile");
+  tell_change(change, name_of(sensor.port()), sensor.port().hindrance(),
+              "until then readings continue without its values");
   sensor.attend(now_s);
   if (sensor.silent() >= kSilentPolls && !silence_told_)
     tell(CaptureNews::Kind::warning,
-         fmt::format("{} answers nothing of use: readings go on without its values. Is the probe plugged in, is its "
-                     "description the right one? `ecs laser devices --try` shows what it says",
+         fmt::format("{} gives no usable answer: readings continue without its values. Check that the probe is plugged "
+                     "in and that its description is right; `ecs laser devices --try` shows its answers",
                      name_of(sensor.port())));
   silence_told_ = sensor.silent() >= kSilentPolls;
 }
@@ -167,7 +167,8 @@ void CaptureRun::fire(double now_s) {
   if (done()) return;
   if (!setup_.source)
     return tell(CaptureNews::Kind::warning, "the display's value has to be typed: type it and press Enter");
-  if (asked_) return tell(CaptureNews::Kind::warning, "not taken: the last trigger still waits for its reading");
+  if (asked_)
+    return tell(CaptureNews::Kind::warning, "not accepted: the last trigger is still waiting for its reading");
   if (std::string why = record_.doubled(now_s - zero_s_); !why.empty())
     return tell(CaptureNews::Kind::warning, std::move(why));
   asked_ = true;
@@ -183,7 +184,7 @@ void CaptureRun::ask_source(double now_s) {
   else if (shown.kind == Shown::Kind::value)
     take(shown.value, now_s);
   else if (shown.kind != Shown::Kind::late || setup_.trigger_kind != TriggerKind::each)
-    tell(CaptureNews::Kind::warning, "not taken: " + shown.why);
+    tell(CaptureNews::Kind::warning, "not accepted: " + shown.why);
 }
 
 void CaptureRun::take(double shown, double now_s) {
@@ -203,8 +204,8 @@ void CaptureRun::settle() {
   const Result<void> written = writing_.get();
   part_is_safe_ = written.has_value();
   if (!part_is_safe_)
-    tell(CaptureNews::Kind::warning, fmt::format("{} could not be written ({}): the readings are only in memory. Make "
-                                                 "room; it is tried again with the next reading",
+    tell(CaptureNews::Kind::warning, fmt::format("{} could not be written ({}): the readings are only in memory. Free "
+                                                 "some space; writing is tried again with the next reading",
                                                  setup_.part, written.error().message));
 }
 
@@ -234,22 +235,21 @@ void CaptureRun::typed(const std::string& line, double now_s) {
   }
   if (word == "u" || word == "undo") {
     const bool undone = record_.undo();
-    tell(undone ? CaptureNews::Kind::note : CaptureNews::Kind::warning,
-         undone ? "taken back" : "there is nothing to take back");
+    tell(undone ? CaptureNews::Kind::note : CaptureNews::Kind::warning, undone ? "undone" : "no reading to undo");
     if (undone) keep();
     return tell_due();
   }
   if (word == "s" || word == "skip") {
     const bool skipped = record_.skip();
-    tell(CaptureNews::Kind::note, skipped ? "left without a reading" : "nothing is due");
+    tell(CaptureNews::Kind::note, skipped ? "skipped" : "no reading is due");
     if (skipped) keep();
     return tell_due();
   }
   const auto value = number_in(word);
   if (value && !setup_.source) return take(*value, now_s);
   if (word.empty() || word == "?") return tell(CaptureNews::Kind::note, help());
-  tell(CaptureNews::Kind::warning, value ? "readings come from " + setup_.source->name() + ": Enter takes one"
-                                         : fmt::format("\"{}\" is no value and no command. {}", line, help()));
+  tell(CaptureNews::Kind::warning, value ? "readings come from " + setup_.source->name() + ": press Enter to take one"
+                                         : fmt::format("\"{}\" is neither a value nor a command. {}", line, help()));
 }
 
 namespace {
@@ -296,14 +296,15 @@ std::string resuming(const CaptureChoice& choice, const std::string& part) {
 
 Result<void> output_is_free(const CaptureChoice& choice, const std::string& output, const std::string& part) {
   if (exists(part) && choice.resume.empty())
-    return problem(ProblemKind::usage, fmt::format("{} holds an unfinished capture: go on with `{}`, or remove it",
-                                                   part, resuming(choice, part)));
+    return problem(ProblemKind::usage,
+                   fmt::format("{} contains an unfinished capture: continue with `{}`, or remove it", part,
+                               resuming(choice, part)));
   if (exists(output) && !choice.force)
     return problem(ProblemKind::usage,
-                   fmt::format("{} exists already: give another name, or --force to overwrite it", output));
+                   fmt::format("{} already exists: give another name, or --force to overwrite it", output));
   const auto folder = std::filesystem::absolute(part).parent_path();
   if (::access(folder.c_str(), W_OK) != 0)
-    return problem(ProblemKind::output, fmt::format("{} cannot be written: {} is no folder that you may write into",
+    return problem(ProblemKind::output, fmt::format("{} cannot be written: {} is not a folder with write permission",
                                                     output, folder.string()));
   return {};
 }
@@ -357,7 +358,7 @@ Result<std::unique_ptr<ReadingSource>> source_of(const CaptureChoice& choice) {
   const int given = static_cast<int>(!choice.gauge.empty()) + static_cast<int>(!choice.readings.empty()) +
                     static_cast<int>(!choice.follow.empty()) + static_cast<int>(!choice.display.empty());
   if (given > 1)
-    return problem(ProblemKind::usage, "readings come from one place: --gauge, --readings, --follow or --display");
+    return problem(ProblemKind::usage, "readings have only one source: --gauge, --readings, --follow or --display");
   if (!choice.readings.empty()) return file_source(choice.readings);
   if (!choice.follow.empty()) return following_source(choice.follow);
   if (!choice.display.empty()) return command_source(choice.display);
@@ -379,7 +380,7 @@ Result<void> check_keyboard(const Keyboard* keyboard, TriggerKind kind, bool typ
                    "or --display); without a trigger, values are typed");
   if (keyboard == nullptr && (kind == TriggerKind::typed || kind == TriggerKind::enter))
     return problem(ProblemKind::usage,
-                   "nobody can type here: give --trigger DEVICE.toml, or --trigger each with --readings");
+                   "stdin is not a terminal: give --trigger DEVICE.toml, or --trigger each with --readings");
   return {};
 }
 
@@ -439,16 +440,16 @@ void go_through(MessageSink& messages, Keyboard* keyboard, CaptureRun& run, bool
         show_news(messages, run);
       }
       if (keyboard->ended() && needs_keyboard && !run.left())
-        run.strand("stdin has ended, and nothing else can trigger");
+        run.strand("stdin has ended, and no other trigger is available");
     }
     show_news(messages, run);
   }
 }
 
 std::string kept_text(const CaptureChoice& choice, CaptureRun& run) {
-  if (run.record().taken().empty()) return "nothing was read";
-  if (!run.part_is_safe()) return fmt::format("{} could not be written last: the newest readings are lost", run.part());
-  return fmt::format("{} of {} readings are safe in {}; go on with `{}`", run.record().taken().size(),
+  if (run.record().taken().empty()) return "no readings were taken";
+  if (!run.part_is_safe()) return fmt::format("the last write to {} failed: the newest readings are lost", run.part());
+  return fmt::format("{} of {} readings are saved in {}; continue with `{}`", run.record().taken().size(),
                      run.record().plan().stops.size(), run.part(), resuming(choice, run.part()));
 }
 
@@ -468,7 +469,7 @@ Result<CaptureEnd> ended(const CaptureChoice& choice, CaptureRun& run, const std
     if (!run.stuck().empty()) return problem(ProblemKind::bad_input, fmt::format("{}: {}", run.stuck(), end.kept));
     return end;
   }
-  if (end.result.readings.empty()) return problem(ProblemKind::refused, "no target has a reading: nothing is written");
+  if (end.result.readings.empty()) return problem(ProblemKind::refused, "no target has a reading: no file is written");
   if (const auto written = laser::write_measurement_set(output, end.result); !written) {
     Problem why = written.error();
     why.message += "; " + kept_text(choice, run);
@@ -486,21 +487,23 @@ Result<CaptureEnd> ended(const CaptureChoice& choice, CaptureRun& run, const std
 cli::Fields<CaptureChoice> CaptureChoice::fields() {
   using A = CaptureChoice;
   return {
-      {"-o,--output", &A::output, "the measurement CSV to write; OUT.csv.part until it is complete", cli::Is::output},
-      {"--resume", &A::resume, "goes on with an unfinished FILE.part"},
+      {"-o,--output", &A::output, "measurement CSV to write; named OUT.csv.part until it is complete", cli::Is::output},
+      {"--resume", &A::resume, "continue an unfinished FILE.part"},
       &A::target,
-      {"--trigger", &A::trigger, "what takes a reading: DEVICE.toml[@SERIAL], enter, or each (all that come)"},
-      {"--gauge", &A::gauge, "readings from an indicator gauge: DEVICE.toml[@SERIAL]"},
-      {"--readings", &A::readings, "readings from a file or FIFO: each trigger takes the next line"},
-      {"--follow", &A::follow, "readings from a file or FIFO that a display writes: the last line counts"},
-      {"--display", &A::display, "readings from a shell command that prints what the display shows"},
-      {"--shows", &A::shows, "what is read: the error, or the position of the axis [mm]",
+      {"--trigger", &A::trigger,
+       "trigger of a reading: DEVICE.toml[@SERIAL], enter, or each (every value that arrives)"},
+      {"--gauge", &A::gauge, "read from an indicator gauge: DEVICE.toml[@SERIAL]"},
+      {"--readings", &A::readings, "read from a file or FIFO: each trigger reads the next line"},
+      {"--follow", &A::follow, "read from a file or FIFO that a display writes: the last line counts"},
+      {"--display", &A::display, "read from a shell command that prints the displayed value"},
+      {"--shows", &A::shows, "quantity shown: the error, or the position of the axis [mm]",
        cli::Words{"error", "position"}},
-      {"--scale", &A::scale, "times the reading makes um (um/m), or mm of a position (1)"},
-      {"--environment", &A::environment, "temper, or DEVICE.toml[@SERIAL]: temperatures into every reading"},
-      {"--environment-every", &A::environment_every_s, "seconds between its values", cli::Range{0.1, 3600.0}},
-      {"--min-interval", &A::min_interval_s, "a trigger sooner after a reading is a doubled one [s] (0.5)"},
-      {"--force", &A::force, "overwrites an output file that is there"}};
+      {"--scale", &A::scale, "factor that converts the reading to um (um/m), or a position to mm (1)"},
+      {"--environment", &A::environment, "thermometer to record with every reading: temper, or DEVICE.toml[@SERIAL]"},
+      {"--environment-every", &A::environment_every_s, "time between the values of --environment [s]",
+       cli::Range{0.1, 3600.0}},
+      {"--min-interval", &A::min_interval_s, "shortest time between triggers; an earlier one is ignored [s] (0.5)"},
+      {"--force", &A::force, "overwrite an existing output file"}};
 }
 
 Result<CaptureEnd> capture(MessageSink& messages, Keyboard* keyboard, const CaptureChoice& choice) {

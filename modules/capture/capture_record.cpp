@@ -61,7 +61,7 @@ Result<std::vector<laser::Reading>> stops_of_targets(const laser::MeasurementSet
   for (laser::Reading& stop : stops) {
     if (stop.approach == Approach::unknown)
       return problem_at(targets.source, stop.line, 0,
-                        "approach: expected 1 or -1: from which side the target is to be approached");
+                        "approach: expected 1 or -1, the side from which to approach the target");
     stop.error = 0.0;
     stop.time_s.reset();
     stop.row = stop.line = 0;
@@ -139,12 +139,11 @@ std::string CaptureRecord::doubt(double at_s, double shown) const {
   if (took > rules_.missed_factor * *usual)
     return fmt::format(
         "this reading came {:.1f} s after the last one where {:.1f} s are usual: was a trigger missed? If the machine "
-        "stands a target further on, take it back (u), skip one (s), and trigger again",
+        "is one target further on, undo (u), skip one (s), and trigger again",
         took, *usual);
   if (took < kNearlyTheUsual * *usual && shown == shown_.back())
     return fmt::format(
-        "the same value again, {:.1f} s after the last one where {:.1f} s are usual: triggered twice? Then take it "
-        "back (u)",
+        "the same value again, {:.1f} s after the last one where {:.1f} s are usual: triggered twice? Then undo it (u)",
         took, *usual);
   return {};
 }
@@ -177,8 +176,8 @@ Verdict CaptureRecord::by_position(double shown, double at_s, const Values& arou
   const laser::Reading& target = plan_.stops[next_];
   if (!stop_of_.empty() && fits(stop_of_.back()))
     return {false, 0,
-            fmt::format("not taken: the display still shows {} mm, the target before; {} mm is due. A doubled trigger, "
-                        "or the axis has not moved",
+            fmt::format("not accepted: the display still shows {} mm, the previous target; {} mm is due. The trigger "
+                        "was doubled, or the axis has not moved",
                         stands_mm, target_mm(target))};
   for (std::size_t ahead = next_ + 1; ahead < plan_.stops.size() && same_pass(plan_.stops[ahead], target); ++ahead) {
     if (!fits(ahead)) continue;
@@ -188,14 +187,14 @@ Verdict CaptureRecord::by_position(double shown, double at_s, const Values& arou
     Verdict verdict = take(error(ahead), at_s, shown, around);
     verdict.missed = static_cast<int>(missed);
     verdict.warning = fmt::format(
-        "a trigger was missed: the display shows {} mm where {} mm was due; {} target{} left without a reading in this "
-        "pass (u takes it back)",
+        "a trigger was missed: the display shows {} mm where {} mm was due; {} target{} skipped in this pass (u undoes "
+        "it)",
         stands_mm, due_mm, missed, missed == 1 ? " is" : "s are");
     doubts_.back() = fmt::format("{} target(s) before it missed", missed);
     return verdict;
   }
   return {false, 0,
-          fmt::format("not taken: the display shows {} mm, {} mm is due, and no target of this pass is there",
+          fmt::format("not accepted: the display shows {} mm, {} mm is due, and this pass has no target there",
                       stands_mm, target_mm(target))};
 }
 
@@ -203,12 +202,12 @@ std::string CaptureRecord::doubled(double at_s) const {
   if (taken_.empty()) return {};
   const double since_s = at_s - taken_.back().time_s.value_or(at_s);
   if (since_s >= rules_.min_interval_s) return {};
-  return fmt::format("not taken: a doubled trigger, {:.2f} s after the last one (readings count from {} s)", since_s,
-                     rules_.min_interval_s);
+  return fmt::format("not accepted: a doubled trigger, {:.2f} s after the last one (readings are accepted after {} s)",
+                     since_s, rules_.min_interval_s);
 }
 
 Verdict CaptureRecord::offer(double shown, double at_s, const Values& around) {
-  if (next_ >= plan_.stops.size()) return {false, 0, "not taken: every target has its reading"};
+  if (next_ >= plan_.stops.size()) return {false, 0, "not accepted: every target has its reading"};
   if (std::string why = doubled(at_s); !why.empty()) return {false, 0, std::move(why)};
   if (rules_.shows == Shows::position) return by_position(shown, at_s, around);
   return take(shown * rules_.scale, at_s, shown, around);
@@ -293,10 +292,11 @@ void put_stops(const std::vector<laser::Reading>& stops, std::vector<laser::Meta
 }
 
 Problem broken(const laser::MeasurementSet& part, const std::string& what) {
-  return problem_at(part.source, 0, 0,
-                    fmt::format("{}: this is no capture to go on with, or it was changed; the readings in it are still "
-                                "a measurement set",
-                                what))
+  return problem_at(
+             part.source, 0, 0,
+             fmt::format(
+                 "{}: this is not an unfinished capture, or it was changed; its readings are still a measurement set",
+                 what))
       .value();
 }
 
@@ -372,8 +372,7 @@ Result<CaptureRecord> CaptureRecord::from_part(const laser::MeasurementSet& part
   for (std::size_t k = 0; k < read.size(); ++k) {
     laser::Reading& reading = record.taken_[k];
     if (!same_pass(reading, record.plan_.stops[record.stop_of_[k]]))
-      return tl::unexpected(
-          broken(part, fmt::format("reading {} is not what stop {} asked for", k + 1, record.stop_of_[k])));
+      return tl::unexpected(broken(part, fmt::format("reading {} does not match stop {}", k + 1, record.stop_of_[k])));
     reading.row = reading.line = 0;
   }
   for (const laser::MetadataEntry& entry : part.metadata) {

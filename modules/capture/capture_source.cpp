@@ -45,7 +45,7 @@ class PlanRow {
       return plan;
     }
     return wrong_usage(
-        fmt::format("--row: {} holds no measurement \"{}\"; there are: {}", reader_.file(), name, names));
+        fmt::format("--row: {} contains no measurement \"{}\"; it has: {}", reader_.file(), name, names));
   }
 
  private:
@@ -114,7 +114,7 @@ std::string lacking(const CaptureTargets& arguments) {
 
 Result<devices::CapturePlan> plan_of_list(const CaptureTargets& arguments) {
   if (arguments.from_mm || arguments.to_mm || arguments.step_mm || arguments.runs > 0 || !arguments.plan.empty())
-    return wrong_usage("--targets gives the whole list: leave out --plan, --from, --to, --step and --runs");
+    return wrong_usage("--targets gives the whole list: omit --plan, --from, --to, --step and --runs");
   ECS_TRY(targets, laser::read_measurement_set(arguments.targets));
   ECS_TRY(stops, devices::stops_of_targets(targets));
   devices::CapturePlan plan{{{"targets", arguments.targets}}, std::move(stops)};
@@ -128,14 +128,14 @@ Result<devices::CapturePlan> plan_of_line(const CaptureTargets& arguments) {
   line.runs = kUsualRuns;
   devices::CapturePlan plan;
   if (!arguments.plan.empty()) {
-    if (arguments.row.empty()) return wrong_usage("--plan needs --row NAME: which of its measurements");
+    if (arguments.row.empty()) return wrong_usage("--plan needs --row NAME to choose one of its measurements");
     ECS_TRY(text, read_file(arguments.plan));
     ECS_TRY(read, PlanRow(arguments.plan).read(text, arguments.row, line));
     plan = std::move(read);
   } else if (const std::string names = lacking(arguments); !names.empty()) {
     return wrong_usage(
-        fmt::format("what is to be measured? Missing: {}; or give --plan PLAN.toml --row NAME, or --targets FILE.csv, "
-                    "or --resume FILE.part",
+        fmt::format("measurement not specified. Missing: {}; or give --plan PLAN.toml --row NAME, or --targets "
+                    "FILE.csv, or --resume FILE.part",
                     names));
   }
   ECS_DO(override_line(arguments, line));
@@ -149,22 +149,23 @@ Result<devices::CapturePlan> plan_of_line(const CaptureTargets& arguments) {
 cli::Fields<CaptureTargets> CaptureTargets::fields() {
   using A = CaptureTargets;
   using cli::Words;
-  return {{"--axis", &A::axis, "the axis that moves", Words{"X", "Y", "Z"}},
-          {"--sense", &A::sense, "what is measured", Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
+  return {{"--axis", &A::axis, "moving axis", Words{"X", "Y", "Z"}},
+          {"--sense", &A::sense, "measured component", Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
           {"--from", &A::from_mm, "first target [mm]"},
           {"--to", &A::to_mm, "last target [mm]"},
-          {"--step", &A::step_mm, "from target to target [mm]"},
-          {"--moved", &A::moved, "targets off equal steps, as ISO 230-2 asks: no period hides behind the step"},
-          {"--runs", &A::runs, "passes forward and back (3)", cli::Range{0, kMostRuns}},
-          {"--one-way", &A::one_way, "no readings on the way back"},
+          {"--step", &A::step_mm, "step between targets [mm]"},
+          {"--moved", &A::moved,
+           "displace the targets from equal steps, as ISO 230-2 requires, so that no period is hidden by the step"},
+          {"--runs", &A::runs, "number of passes forward and back (3)", cli::Range{0, kMostRuns}},
+          {"--one-way", &A::one_way, "take no readings on the way back"},
           {"--parked", &A::parked, "positions of the other axes, as in y=-1400,z=0 [mm]"},
-          {"--feed", &A::feed_mm_min, "feed between the targets [mm/min], for the record"},
-          {"--targets", &A::targets, "a target list (CSV), as `ecs model next --targets` writes it"},
-          {"--plan", &A::plan, "plan with [[measure]] rows, as `laser table` reads it"},
-          {"--row", &A::row, "with --plan: the name of the measurement"},
-          {"--machine", &A::machine, "machine file: its name goes into the record"},
-          {"--compensated", &A::compensated, "whether the error map is active, for the record", Words{"yes", "no"}},
-          {"--note", &A::notes, "KEY=VALUE for the record, as in operator=AB; several"}};
+          {"--feed", &A::feed_mm_min, "feed between the targets [mm/min], recorded with the data"},
+          {"--targets", &A::targets, "target list (CSV) written by `ecs model next --targets`"},
+          {"--plan", &A::plan, "plan file with [[measure]] tables, as for `laser table`"},
+          {"--row", &A::row, "name of the measurement in --plan"},
+          {"--machine", &A::machine, "machine file; its name is recorded with the data"},
+          {"--compensated", &A::compensated, "state of the error map, recorded with the data", Words{"yes", "no"}},
+          {"--note", &A::notes, "KEY=VALUE to record with the data, as in operator=AB; may be repeated"}};
 }
 
 Result<devices::CapturePlan> capture_plan(const CaptureTargets& arguments) {
@@ -212,7 +213,8 @@ class GaugeSource final : public ReadingSource {
         return {Shown::Kind::value, found->second, {}};
     }
     if (now_s < give_up_s_) return {};
-    return {Shown::Kind::none, 0.0, "the gauge shows nothing: is it switched on, is its description right?"};
+    return {Shown::Kind::none, 0.0,
+            "the gauge gives no value: check that it is switched on and that its description is right"};
   }
   void attend(double now_s) override {
     if (!sensor_.polled()) sensor_.attend(now_s);
@@ -241,8 +243,8 @@ class FileSource final : public ReadingSource {
     auto line = following_ ? last_ : next_line();
     if (!line && now_s < give_up_s_ && (fifo_ || following_)) return {};
     if (!line && !fifo_ && !following_)
-      return {Shown::Kind::ended, 0.0, fmt::format("{} holds no further reading", path_)};
-    if (!line) return {Shown::Kind::late, 0.0, fmt::format("no reading came from {} within {} s", path_, kPatience_s)};
+      return {Shown::Kind::ended, 0.0, fmt::format("{} has no further reading", path_)};
+    if (!line) return {Shown::Kind::late, 0.0, fmt::format("no reading from {} within {} s", path_, kPatience_s)};
     if (const auto number = last_number_in(*line)) return {Shown::Kind::value, *number, {}};
     return {Shown::Kind::none, 0.0, fmt::format("{}: expected a number, got \"{}\"", path_, *line)};
   }

@@ -27,7 +27,7 @@ Cell end_cell(const CaptureEnd& end) {
     if (key == "left out" || key == "in doubt") remarks += fmt::format("  {}: {}\n", key, value);
   }
   return record_cell(end.complete ? "{readings} readings of {targets} targets written to {output}\n{remarks}"
-                                  : "left before the end: {kept}\n",
+                                  : "ended early: {kept}\n",
                      "complete"_is(end.complete), "output"_is(text_cell(end.file)),
                      "part"_is(end.complete || readings.empty() ? null_cell() : Cell{end.part, {}}),
                      "targets"_is(end.targets, fmt::format("{}", end.targets)), "readings"_is(readings.size()),
@@ -50,17 +50,17 @@ struct DevicesRequest : LearnChoice {
   int count = 1;
   static Fields<DevicesRequest> fields() {
     using R = DevicesRequest;
-    return {{"DESCRIPTION", &R::descriptions, "with --udev: device descriptions to make rules for as well"},
-            {"--learn", &R::learn, "finds the bit that changes while a trigger is pressed"},
-            {"-o,--output", &R::output, "with --learn: the description to write", Is::output},
-            {"--device", &R::device, "with --learn: only this path, serial number or vendor:product"},
-            {"--name", &R::name, "with --learn: what the device is called"},
-            {"--presses", &R::presses, "with --learn: presses to learn from", Range{2, 20}},
-            {"--try", &R::trying, "shows what a device sends: DEVICE.toml[@SERIAL], or temper"},
-            {"--count", &R::count, "with --try: values or presses", Range{1, 1'000'000}},
-            {"--timeout", &R::timeout_s, "with --learn and --try: seconds", Range{0.1, 86400.0}},
-            {"--describe", &R::describe, "a description that comes with the program, as TOML"},
-            {"--udev", &R::udev, "prints the rules that give permission: /etc/udev/rules.d/70-ecs.rules"}};
+    return {{"DESCRIPTION", &R::descriptions, "device descriptions for which --udev writes rules too"},
+            {"--learn", &R::learn, "find the bit that changes while a trigger is pressed"},
+            {"-o,--output", &R::output, "description to write (--learn)", Is::output},
+            {"--device", &R::device, "use only this path, serial number or vendor:product (--learn)"},
+            {"--name", &R::name, "name of the device (--learn)"},
+            {"--presses", &R::presses, "number of presses (--learn)", Range{2, 20}},
+            {"--try", &R::trying, "show the data of a device: DEVICE.toml[@SERIAL], or temper"},
+            {"--count", &R::count, "number of values or presses (--try)", Range{1, 1'000'000}},
+            {"--timeout", &R::timeout_s, "time limit [s] (--learn and --try)", Range{0.1, 86400.0}},
+            {"--describe", &R::describe, "print a description included with the program, as TOML"},
+            {"--udev", &R::udev, "print the udev rules that give permission: /etc/udev/rules.d/70-ecs.rules"}};
   }
 };
 
@@ -144,8 +144,9 @@ Result<Outcome> try_trigger(VerbContext& context, const DevicesRequest& request,
   if (seen < request.count)
     return problem(
         ProblemKind::refused,
-        fmt::format("{} of {} presses came within {} s: is [trigger] right? `ecs laser devices --learn` finds the bit",
-                    seen, request.count, request.timeout_s));
+        fmt::format(
+            "{} of {} presses were seen within {} s: check [trigger]; `ecs laser devices --learn` finds the bit", seen,
+            request.count, request.timeout_s));
   return outcome_of(record_cell("{presses} presses\n", "presses"_is(seen)));
 }
 
@@ -176,10 +177,11 @@ Result<Outcome> try_sensor(VerbContext& context, const DevicesRequest& request, 
     std::this_thread::sleep_for(kWatchStep);
   }
   if (seen < request.count)
-    return problem(ProblemKind::refused,
-                   fmt::format("{} answered {} times of {} with a value within {} s: is its description "
-                               "right, is its probe plugged in?",
-                               name_of(sensor.port()), seen, request.count, request.timeout_s));
+    return problem(
+        ProblemKind::refused,
+        fmt::format(
+            "{} gave a value {} times of {} within {} s: check its description and that its probe is plugged in",
+            name_of(sensor.port()), seen, request.count, request.timeout_s));
   return Outcome{text, one_line(object_of("answers"_is(answers))), kDone};
 }
 
@@ -222,14 +224,14 @@ Result<Outcome> devices(VerbContext& context, const DevicesRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kLaserCapturing{
-    action("laser capture", "guides through the targets of a measurement, forward and back, and takes its readings",
+    action("laser capture", "guide through the targets of a measurement, forward and back, and take its readings",
            "ecs laser capture --axis X --sense EX --from 0 --to 500 --step 50 --runs 3 -o exx.csv\n"
            "  ecs laser capture --plan plan.toml --row EXX --trigger foot_switch.toml --gauge gauge.toml --environment "
            "temper "
            "-o EXX.csv\n"
            "  ecs laser capture --resume EXX.csv.part --trigger foot_switch.toml --gauge gauge.toml",
            capture_verb, {.logged = Logged::when_written, .kind = "measurement", .live = true}),
-    action("laser devices", "USB devices (HID) for capture: list, learn a trigger, try a description, udev rules",
+    action("laser devices", "list USB devices (HID) for capture, learn a trigger, try a description, write udev rules",
            "ecs laser devices\n  ecs laser devices --learn -o foot_switch.toml\n"
            "  ecs laser devices --try temper\n  ecs laser devices --udev foot_switch.toml",
            devices, {.live = true})};

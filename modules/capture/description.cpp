@@ -239,9 +239,9 @@ class DeviceReader {
     const auto byte = whole(*at, "byte", 0, 4095);
     const auto bit = whole(*at, "bit", 0, 7);
     const auto mask = whole(*at, "mask", 1, 255);
-    if (!byte) reader_.complain(*at, "[trigger]: byte is missing: which byte of the report holds the button");
+    if (!byte) reader_.complain(*at, "[trigger]: byte is missing: the byte of the report that contains the button");
     if (bit.has_value() == mask.has_value())
-      reader_.complain(*at, "[trigger]: expected bit (0 to 7) or mask (1 to 255), one of them");
+      reader_.complain(*at, "[trigger]: expected either bit (0 to 7) or mask (1 to 255)");
     out.trigger.byte = static_cast<std::size_t>(byte.value_or(0));
     out.trigger.mask = static_cast<std::uint8_t>(mask ? *mask : 1LL << bit.value_or(0));
     out.trigger.active_high = !is_other(*at, "active", "high", "low");
@@ -265,7 +265,7 @@ class DeviceReader {
     ReportField out;
     out.quantity = quantity_of(at, device.kind);
     const auto byte = whole(at, "byte", 0, 4095);
-    if (!byte) reader_.complain(at, "[[field]]: byte is missing: where in the report the number begins");
+    if (!byte) reader_.complain(at, "[[field]]: byte is missing: the first byte of the number in the report");
     out.byte = static_cast<std::size_t>(byte.value_or(0));
     out.bytes = static_cast<int>(whole(at, "length", 1, 4).value_or(2));
     out.big_endian = is_other(at, "order", "little", "big");

@@ -52,8 +52,8 @@ Result<std::vector<devices::DeviceDescription>> described(const std::string& tex
       Problem why = read.error();
       if (!std::filesystem::exists(named.name, error))
         why.message +=
-            "; expected a device's description: `ecs laser devices --learn` makes one of a trigger, samples/devices "
-            "has one of each kind, \"temper\" comes with the program";
+            "; expected a device description: `ecs laser devices --learn` makes one for a trigger, samples/devices has "
+            "one of each kind, \"temper\" is included with the program";
       return tl::unexpected(std::move(why));
     }
     found = {std::move(*read)};
@@ -148,7 +148,7 @@ void EnvironmentWatch::run(const std::stop_token& stop, const std::string& devic
       if (sensor.port().present())
         tell(surroundings_of(name, sensor.values(steady_s(), std::max(kOldest_s, 3.0 * every_s))));
       else
-        tell_problem(name, name + " was unplugged; it is read again once it is back");
+        tell_problem(name, name + " was unplugged; reading continues when it is plugged in");
       pause(stop, kStep);
     }
   }
@@ -196,11 +196,12 @@ Result<std::vector<Watched>> opened(const LearnChoice& choice) {
   }
   if (!watched.empty()) return watched;
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
-  return problem(ProblemKind::link,
-                 present.empty()
-                     ? "no HID device is plugged in: plug the trigger in, then try again"
-                     : fmt::format("no HID device is \"{}\": `ecs laser devices` lists paths, ids and serial numbers",
-                                   choice.device));
+  return problem(
+      ProblemKind::link,
+      present.empty()
+          ? "no HID device is plugged in: plug the trigger in, then try again"
+          : fmt::format("no HID device matches \"{}\": `ecs laser devices` lists paths, ids and serial numbers",
+                        choice.device));
 }
 
 /// Reads what is there; false: the device is gone.
@@ -238,10 +239,9 @@ Result<void> watch(MessageSink& messages, Keyboard* keyboard, const LearnChoice&
   while (!interrupted() && steady_s() - begin_s < choice.timeout_s) {
     for (Watched& one : watched)
       if (!take_reports(one))
-        return problem(ProblemKind::link,
-                       fmt::format("{} was unplugged while it was watched: plug it in, then learn again",
-                                   devices::to_text(one.identity)));
-    if (user_left(keyboard)) return problem(ProblemKind::refused, "left: nothing was learned");
+        return problem(ProblemKind::link, fmt::format("{} was unplugged during learning: plug it in, then learn again",
+                                                      devices::to_text(one.identity)));
+    if (user_left(keyboard)) return problem(ProblemKind::refused, "quit: no trigger was learned");
     const int seen = std::min(most_presses(watched), choice.presses);
     if (seen > told) messages.note(fmt::format("{} of {}", told = seen, choice.presses));
     if (seen >= choice.presses && steady_s() - last_report_s(watched) > kQuiet_s) return {};
@@ -259,8 +259,8 @@ Result<const Watched*> pressed_one(const std::vector<Watched>& watched) {
   if (changed.empty())
     return watched.size() == 1 ? Result<const Watched*>(&watched.front())
                                : problem(ProblemKind::refused,
-                                         "none of the devices changed anything: is the trigger plugged in? `ecs laser "
-                                         "devices` lists what is");
+                                         "no device sent a change: check that the trigger is plugged in; `ecs laser "
+                                         "devices` lists the devices");
   std::string names;
   for (const Watched* one : changed) names += (names.empty() ? "" : "; ") + devices::to_text(one->identity);
   return problem(
@@ -283,7 +283,7 @@ Result<LearnedDevice> learn_device(MessageSink& messages, Keyboard* keyboard, co
   messages.note(fmt::format("press and release the trigger {} times, half a second each; {} device{} watched",
                             choice.presses, watched.size(), watched.size() == 1 ? " is" : "s are"));
   ECS_DO(watch(messages, keyboard, choice, watched));
-  if (interrupted()) return problem(ProblemKind::refused, "nothing was learned");
+  if (interrupted()) return problem(ProblemKind::refused, "no trigger was learned");
   ECS_TRY(one, pressed_one(watched));
   const devices::HidIdentity& identity = one->identity;
   const auto found = devices::learned(one->reports, choice.presses, one->numbered());

@@ -167,11 +167,11 @@ Problem not_opened(const HidIdentity& identity, int error) {
   std::string why = fmt::format("{} cannot be opened: {}", to_text(identity), std::strerror(error));
   if (error == EACCES || error == EPERM)
     why = fmt::format(
-        "no permission for {}: put this line into /etc/udev/rules.d/70-ecs.rules (`ecs laser devices --udev` prints "
-        "the file), run `sudo udevadm control --reload && sudo udevadm trigger`, plug it in again: {}",
+        "no permission for {}: add this line to /etc/udev/rules.d/70-ecs.rules (`ecs laser devices --udev` prints the "
+        "file), run `sudo udevadm control --reload && sudo udevadm trigger`, plug it in again: {}",
         to_text(identity), udev_rule(identity.vendor_id, identity.product_id));
   if (error == ENOENT || error == ENODEV || error == ENXIO)
-    why = fmt::format("{} is gone: plug it in again", to_text(identity));
+    why = fmt::format("{} was unplugged: plug it in again", to_text(identity));
   return {ProblemKind::link, std::move(why), {}, 0, 0, {}};
 }
 
@@ -235,8 +235,7 @@ HidDevice& HidDevice::operator=(HidDevice&&) noexcept = default;
 HidDevice::~HidDevice() = default;
 
 Problem HidDevice::gone(const char* doing) const {
-  return problem(ProblemKind::link, fmt::format("{} does not let itself be {}: it was unplugged", handle_->name, doing))
-      .value();
+  return problem(ProblemKind::link, fmt::format("{} cannot be {}: it was unplugged", handle_->name, doing)).value();
 }
 
 Result<std::optional<Bytes>> HidDevice::read(std::size_t most_bytes, std::chrono::milliseconds timeout) {

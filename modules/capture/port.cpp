@@ -57,10 +57,10 @@ Result<HidIdentity> matching(const DeviceDescription& device, const std::vector<
     return problem(
         ProblemKind::link,
         fmt::format("{} is not plugged in; {}", wanted(device),
-                    present.empty() ? "there is no HID device at all: plug it in, then look with `ecs laser devices`"
-                                    : "there are: " + list_of(present)));
+                    present.empty() ? "there is no HID device: plug it in, then check with `ecs laser devices`"
+                                    : "available: " + list_of(present)));
   return problem(ProblemKind::link,
-                 fmt::format("{} devices fit {}: {}. Say which: write its serial (or path, or interface) under "
+                 fmt::format("{} devices match {}: {}. Choose one: write its serial (or path, or interface) under "
                              "[match], or add it to the name, as in FILE.toml@SERIAL or FILE.toml@/dev/hidraw3",
                              found.size(), wanted(device), list_of(found)));
 }
@@ -363,13 +363,13 @@ Result<Learned> learned(const std::vector<TimedReport>& reports, int presses, bo
   const auto wanted = static_cast<std::size_t>(2 * presses);
   if (reports.empty())
     return problem(ProblemKind::refused,
-                   "nothing came from the device: is it the right one, and is it pressed hard enough?");
+                   "the device sent no data: check that it is the right one and that it is pressed firmly");
   std::vector<std::pair<BitPlace, Behaviour>> found;
   for (const auto& entry : bits)
     if (entry.second.steps.size() == wanted) found.emplace_back(entry);
   if (found.empty())
     return problem(ProblemKind::refused,
-                   bits.empty() ? fmt::format("{} reports came and not one bit of them changed", reports.size())
+                   bits.empty() ? fmt::format("{} reports were received, but no bit changed", reports.size())
                                 : fmt::format("no bit changed {} times, as {} presses and releases do; seen: {}. Press "
                                               "and release exactly {} times, with half a second between",
                                               wanted, presses, what_changed(bits), presses));
@@ -377,13 +377,13 @@ Result<Learned> learned(const std::vector<TimedReport>& reports, int presses, bo
   for (const auto& [place, behaviour] : found) {
     if (!move_together(behaviour, found.front().second))
       return problem(ProblemKind::refused,
-                     fmt::format("{} and {} both changed {} times, but not together: it is not clear which one is the "
-                                 "button. Touch nothing else on the device, and learn again",
+                     fmt::format("{} and {} both changed {} times, but not together: the bit of the button is "
+                                 "ambiguous. Use only the trigger on the device, and learn again",
                                  text_of(first), text_of(place), wanted));
     if (place.number != first.number || place.byte != first.byte)
       return problem(ProblemKind::refused,
-                     fmt::format("{} and {} changed together with every press: it is not clear which one is the "
-                                 "button. Write the one that you mean into a description by hand",
+                     fmt::format("{} and {} changed together with every press: the bit of the button is ambiguous. "
+                                 "Write the right one into a description manually",
                                  text_of(first), text_of(place)));
   }
   return layout_of(found, reports, numbered);

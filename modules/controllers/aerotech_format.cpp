@@ -188,7 +188,7 @@ class AerotechMeaning {
     const auto axis = axis_of_number(number);
     if (!axis)
       wrong(table,
-            fmt::format("axis number {} is no axis of the machine: say which is which, as in --axes X={},Y=2,Z=3",
+            fmt::format("axis number {} is no axis of the machine: assign the numbers, as in --axes X={},Y=2,Z=3",
                         number, number));
     return axis;
   }
@@ -207,8 +207,8 @@ class AerotechMeaning {
     add(table, curve_at(positioning_curve(*axis), places, values));
     if (table.keys.contains("HOMEOFFSET") || table.keys.contains("HOMEDIRECTION"))
       read.notes.push_back(
-          fmt::format("line {}: positions count from home, where HOMEOFFSET and HOMEDIRECTION put it: they are taken "
-                      "as machine coordinates",
+          fmt::format("line {}: positions count from home as set by HOMEOFFSET and HOMEDIRECTION: they are assumed to "
+                      "be machine coordinates",
                       table.line));
   }
 
@@ -225,9 +225,8 @@ class AerotechMeaning {
       if (const auto output = axis_of_number(*number))
         take_output(table, out, *output, *along_rows, *along_columns);
       else
-        read.notes.push_back(
-            fmt::format("line {}: the corrections of axis number {} are left out: it is no axis given by --axes",
-                        table.line, *number));
+        read.notes.push_back(fmt::format("line {}: the corrections of axis number {} are ignored: it is not in --axes",
+                                         table.line, *number));
     }
   }
 
@@ -249,7 +248,7 @@ class AerotechMeaning {
     const std::string name = fmt::format("line {}: {} by {} and {}", table.line, letter_of(output),
                                          letter_of(along_rows), letter_of(along_columns));
     if (rows.size() < 2 || columns.size() < 2) {
-      read.notes.push_back(name + ": zero, or one row or column: left out");
+      read.notes.push_back(name + ": zero, or one row or column: ignored");
       return;
     }
     std::vector<double> by_row(rows.size(), 0.0), by_column(columns.size(), 0.0);
@@ -274,8 +273,8 @@ class AerotechMeaning {
     add(table, curve_at(ecs::curve_of(static_cast<Sense>(output), along_rows),
                         places_of(rows, number_of(table, "OFFSETROW"), table.step[0]), by_row));
     read.notes.push_back(
-        fmt::format("{}: taken apart into a curve along each axis; what only a table of two axes holds is left out: "
-                    "rms {:.3g} um, {:.3g} um at most; rows and columns of zeros at the border count as unmeasured",
+        fmt::format("{}: separated into a curve along each axis; the part that needs a two-axis table is ignored: rms "
+                    "{:.3g} um, {:.3g} um at most; rows and columns of zeros at the border count as unmeasured",
                     name, std::sqrt(squares / static_cast<double>(rows.size() * columns.size())), largest));
   }
 
@@ -289,7 +288,7 @@ class AerotechMeaning {
     for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
       if (!(std::abs(curve.position_mm[i]) <= kLargestPosition_mm) ||
           !(std::abs(curve.compensation[i]) <= kLargestValue_um))
-        return wrong(table, fmt::format("a correction of {:.6g} um at {:.6g} mm is implausible: are the units right?",
+        return wrong(table, fmt::format("a correction of {:.6g} um at {:.6g} mm is implausible: check the units",
                                         curve.compensation[i], curve.position_mm[i]));
     read.tables.push_back(std::move(curve));
   }
@@ -326,7 +325,7 @@ Result<ControllerTables> read_aerotech(const ReadRequest& request) {
   if (reader.findings.empty() && meaning.read.tables.empty())
     reader.findings.add(
         reader.tables.front().line, 1,
-        "no correction of an axis of the machine is in it: say which number is which axis, as in --axes X=1,Y=2,Z=4");
+        "it contains no correction of an axis of the machine: assign the axis numbers, as in --axes X=1,Y=2,Z=4");
   if (!reader.findings.empty()) return tl::unexpected(reader.findings.as_problem());
   for (const laser::MapTable& table : meaning.read.tables)
     meaning.read.sources.push_back(

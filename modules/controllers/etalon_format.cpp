@@ -143,7 +143,7 @@ void say_what_is_lost(const ExportSource& source, double reversal_um, Controller
   if (reversal_um > 0.0005)
     made.not_carried.push_back(
         {"half the reversal", reversal_um, "um", "the format has one function for both approaches, the mean"});
-  const std::string no_axis = "of an axis that the machine does not have";
+  const std::string no_axis = "the machine does not have this axis";
   leave_behind(made, source, carried, no_axis, no_axis);
 }
 
@@ -228,19 +228,19 @@ extern const ControllerFormat etalon_format{
     .output_help = "file to write",
     .marks = "sections such as [EXX]",
     .place = 30,
-    .holds = {"yes", "mean only", "yes", "yes", "yes", "as many as the control takes"},
+    .holds = {"yes", "mean only", "yes", "yes", "yes", "as many as the control accepts"},
     .resolution_um = 0.00001,
-    .write_options = {{.name = "levers",
-                       .help = "where the control counts lever arms from: the machine zero (default), or the "
-                               "measurement lines",
-                       .fallback = "zero",
-                       .words = {"zero", "lines"}},
-                      {.name = "points",
-                       .help = "most grid points of a function; default: all of the map",
-                       .fallback = "0",
-                       .range = IntegerRange{2, 1'000'000}}},
+    .write_options =
+        {{.name = "levers",
+          .help = "origin of the lever arms in the control: the machine zero (default), or the measurement lines",
+          .fallback = "zero",
+          .words = {"zero", "lines"}},
+         {.name = "points",
+          .help = "maximum number of grid points of a function; default: all points of the map",
+          .fallback = "0",
+          .range = IntegerRange{2, 1'000'000}}},
     .read_options = {{.name = "levers",
-                      .help = "where its lever arms count from; default as its head says, else zero",
+                      .help = "origin of the lever arms; default: as stated in the head of the file, else zero",
                       .words = {"zero", "lines"}}},
     .recognises = has_functions,
     .write = write_etalon,
@@ -291,7 +291,8 @@ class EtalonReader {
     const bool lines = comment == kLeversFromLines;
     if (!lines && comment != kLeversFromZero) return;
     if (read.levers_from_lines && *read.levers_from_lines != lines)
-      findings.add(line_, 1, "the file says both of its lever arms: from the machine zero, and from measurement lines");
+      findings.add(line_, 1,
+                   "the file states two origins of its lever arms: the machine zero and the measurement lines");
     read.levers_from_lines = lines;
   }
   void wrong(std::string_view at, std::string_view expected) {
@@ -339,7 +340,7 @@ class EtalonReader {
     if (!is_a_name(name_)) wrong(bracketed, "a name such as EXX, EAY or C0Y");
     opened_line_ = line_;
     component_ = component_of(name_);
-    if (!component_ && is_a_name(name_)) read.notes.push_back(name_ + ": no error of three linear axes, left out");
+    if (!component_ && is_a_name(name_)) read.notes.push_back(name_ + ": not an error of three linear axes, ignored");
     if (component_ && !named_.insert(*component_).second)
       findings.add(line_, column(bracketed), "{} occurs twice", name_);
   }

@@ -60,7 +60,7 @@ Result<void> check_target(const Staged& one, const StagedFiles& before) {
   std::error_code ignored;
   const auto status = fs::status(one.target, ignored);
   if (fs::is_directory(status))
-    return output_problem(one.name, "cannot write: a folder of that name is there; no file was changed");
+    return output_problem(one.name, "cannot write: a folder of that name exists; no file was changed");
   if (fs::is_other(status)) return output_problem(one.name, "cannot write: it is no file; no file was changed");
   const auto place = [&](const Staged& staged) { return fs::weakly_canonical(staged.target, ignored); };
   for (const Staged& other : before.all)
@@ -78,8 +78,9 @@ Result<void> stage(const OutputFile& file, StagedFiles& staged) {
     auto old = read_file(one.target);
     if (!old)
       return output_problem(
-          file.path, fmt::format("what is there cannot be kept in case another file fails ({}); no file was changed",
-                                 old.error().message));
+          file.path,
+          fmt::format("the existing files cannot be saved in case another file fails ({}); no file was changed",
+                      old.error().message));
     one.old = std::move(*old);
   }
   one.beside = one.target.string() + fmt::format(".new-{}", ::getpid());
@@ -100,9 +101,9 @@ std::string taken_back(const std::vector<Staged>& all, std::size_t renamed) {
     if (!back) stuck.push_back(one.name);
   }
   if (stuck.empty() && renamed == 0) return "no file was changed";
-  if (stuck.empty()) return "the files before it were restored: nothing has changed";
+  if (stuck.empty()) return "the previous files were restored: no file has changed";
   return fmt::format(
-      "{} could not be taken back and hold{} the new content, the others what they held: do not use them together",
+      "{} could not be restored and contain{} the new content, the others their old content: do not use them together",
       fmt::join(stuck, ", "), stuck.size() == 1 ? "s" : "");
 }
 
@@ -166,7 +167,7 @@ Cell tables_cell(const std::vector<controllers::ExportedTable>& tables) {
   Cell list = list_cell(tables, table_cell,
                         fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8} {:>8}  {}\n", "", "table", "points", "of",
                                     "largest", "off unit", "unit"));
-  list.text += "of: points in the map; off unit: largest difference from what our unit does\n";
+  list.text += "of: points in the map; off unit: largest difference from the compensation of the unit\n";
   return list;
 }
 
@@ -181,7 +182,7 @@ Cell not_carried_cell(const std::vector<controllers::LeftBehind>& all) {
     if (at == reasons.end()) at = reasons.insert(reasons.end(), {one.why, ""});
     at->second += fmt::format("{}{} {:.1f} {}", at->second.empty() ? "" : ", ", one.what, one.largest, one.unit);
   }
-  list.text = reasons.empty() ? "no component of the map is left out\n" : "NOT CARRIED (largest values)\n";
+  list.text = reasons.empty() ? "every component of the map is exported\n" : "NOT CARRIED (largest values)\n";
   for (const auto& [why, what] : reasons) list.text += paragraph(fmt::format("{}: {}", why, what), 2, 4);
   return list;
 }
@@ -219,13 +220,13 @@ Cell residual_cell(const ExportReport& report) {
       fmt::format("{:<10} {:<6}  {:>16}  {:>16}  {:>16}\n", "", "along", "not compensated", "whole map, unit",
                   "this export"));
   Cell cell = record_cell(
-      "what is left, predicted from {from}: largest / rms, um\n{rows}both approaches; counted from the reference "
-      "point, as a work offset is\n",
+      "remaining error, predicted from {from}: largest / rms, um\n{rows}both approaches; relative to the reference "
+      "point, as with a work offset\n",
       "from"_is(report.work.errors_from), "rows"_is(rows));
   if (report.work.errors_from == "the map")
     cell.text += paragraph(
-        "From the map itself: what the map does not hold counts as zero, and what repeats badly is not in it. --model "
-        "predicts from an error model.");
+        "From the map itself: errors that are not in the map count as zero, and poor repeatability is not included. "
+        "--model predicts from an error model.");
   return cell;
 }
 
@@ -254,7 +255,7 @@ Cell export_cell(const ExportReport& report) {
   std::vector<std::string> notes = report.made.notes;
   notes.insert(notes.end(), report.work.notes.begin(), report.work.notes.end());
   Cell written = written_files_cell(report.written);
-  if (report.written.empty()) written.text = fmt::format("nothing written: give {} to keep it\n", report.output_hint);
+  if (report.written.empty()) written.text = fmt::format("not saved: give {} to save it\n", report.output_hint);
   return record_cell(
       "{control} from {map}\n\n{tables}\n{not_carried}\n{residual}\n{settings}{notes}{written}",
       "control"_is(report.control), "map"_is(report.work.map_name),

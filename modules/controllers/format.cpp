@@ -36,9 +36,9 @@ Result<std::optional<Axis>> axis_option(const ReadRequest& request) {
   const std::string_view given = request.options.text("axis");
   if (given.empty()) return std::nullopt;
   if (!request.only_file)
-    return problem(ProblemKind::usage,
-                   "--axis names the axis of a single file; the axes of several files are taken from their names or "
-                   "their content");
+    return problem(
+        ProblemKind::usage,
+        "--axis sets the axis of a single file; the axes of several files are read from their names or contents");
   for (const Axis axis : kAllAxes)
     if (lower(given) == lower(std::string(1, letter_of(axis)))) return axis;
   return problem(ProblemKind::usage, fmt::format("expected an axis X, Y or Z, got \"{}\"", given));

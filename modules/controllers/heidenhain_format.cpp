@@ -284,18 +284,19 @@ Result<ControllerExport> heidenhain_export(const ExportSource& source, const Hei
   if (axes.empty()) return problem(ProblemKind::refused, "the map has no curve of an axis of the machine");
   made.files.push_back({"config.cma", cma_text(axes)});
   if (entries > 0)
-    made.settings.push_back(fmt::format("{} entries in COMPTAB; the control takes {}, the {} MachAxis entries included",
-                                        entries, kMostComptab, machine_axes));
+    made.settings.push_back(
+        fmt::format("{} entries in COMPTAB; the control accepts {}, including the {} MachAxis entries", entries,
+                    kMostComptab, machine_axes));
   const std::string mean = "a column has one value, the mean";
   if (const double lost = lost_reversal(source, carried, false); lost > 0.0005)
     made.not_carried.push_back({"half the reversal of straightness", lost, "um", mean});
   if (const double lost = lost_reversal(source, carried, true); lost > 0.0005)
     made.not_carried.push_back({"half the reversal of rotations", lost, "um/m", mean});
   leave_behind(made, source, with_squareness(source.parameters, carried), "axis columns have no lever arm",
-               "of an axis that the machine does not have");
+               "the machine does not have this axis");
   made.notes = {
       "values are errors in mm and degrees (the positive sign: moved too far); the sign and the unit of C4 to C6 are "
-      "not printed in the pages at hand: try one table first (modules/controllers/README.md)",
+      "not printed in the available pages: try one table first (modules/controllers/README.md)",
       "squareness is a slope of the straightness columns",
       "the columns of the tables must be those of the axis list of the control"};
   if (source.parameters.tool_offset_mm != Vector3{})
@@ -322,22 +323,23 @@ extern const ControllerFormat heidenhain_format{
           .fallback = "kinematics",
           .words = {"kinematics", "plain"}},
          {.name = "com-sign",
-          .help = "what the control does with a value: subtracts (default: values are errors), or adds",
+          .help = "use of a value by the control: subtracts (default: values are errors), or adds",
           .fallback = "subtracts",
           .words = {"subtracts", "adds"}},
          {.name = "levers",
-          .help = "where the control counts lever arms from: the machine zero (default), or the measurement lines",
+          .help = "origin of the lever arms in the control: the machine zero (default), or the measurement lines",
           .fallback = "zero",
           .words = {"zero", "lines"}},
-         {.name = "points", .help = "most points of a table", .fallback = "256", .range = IntegerRange{2, 100'000}}},
-    .read_options = {{.name = "axis", .help = "the axis; default from the name of the table"},
+         {.name = "points",
+          .help = "maximum number of points of a table",
+          .fallback = "256",
+          .range = IntegerRange{2, 100'000}}},
+    .read_options = {{.name = "axis", .help = "axis; default: from the name of the table"},
                      {.name = "com-sign",
-                      .help = "what the control does with a value; default subtracts",
+                      .help = "use of a value by the control; default: subtracts",
                       .fallback = "subtracts",
                       .words = {"subtracts", "adds"}},
-                     {.name = "levers",
-                      .help = "where its lever arms count from; default zero",
-                      .words = {"zero", "lines"}}},
+                     {.name = "levers", .help = "origin of the lever arms; default: zero", .words = {"zero", "lines"}}},
     .is_file = is_heidenhain_file,
     .recognises = begins_as_table,
     .write = write_heidenhain,
@@ -386,12 +388,13 @@ class ComReader {
     ControllerTables read;
     if (!begun_) findings.add(1, 1, "expected a first line such as BEGIN X.COM MM");
     if (begun_ && !is_list_ && findings.empty()) {
-      if (!ended_) findings.add(0, 0, "expected [END] behind the last row, found the end of the file: is it cut?");
+      if (!ended_)
+        findings.add(0, 0, "expected [END] behind the last row, found the end of the file: was it truncated?");
       if (position_mm_.size() < 2) findings.add(0, 0, "expected two rows at least");
     }
     if (!findings.empty()) return read;
     if (is_list_) {
-      read.notes.push_back(file_ + " is the list of the tables and holds no values: read the .com files themselves");
+      read.notes.push_back(file_ + " is the list of the tables and contains no values: read the .com files");
       return read;
     }
     for (std::size_t h = 0; h < headings_.size(); ++h) add_tables(read, h);
@@ -475,7 +478,7 @@ class ComReader {
     const double sign = options_.holds_errors ? -1.0 : 1.0;
     const double out = sign * value * (is_angular(component) ? kUmPerMPerDeg : kUmPerMm);
     if (!(std::abs(out) <= kLargestValue_um))
-      findings.add(line, 1, "a compensation of {:.6g} is implausibly large: is the file in mm and degrees?", out);
+      findings.add(line, 1, "a compensation of {:.6g} is implausibly large. Is the file in mm and degrees?", out);
     return out;
   }
 

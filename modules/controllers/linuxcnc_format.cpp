@@ -136,9 +136,8 @@ Result<ControllerExport> linuxcnc_export(const ExportSource& source, const Linux
                "a joint's table acts along its own axis only");
   made.notes = {
       "BACKLASH of these joints is ignored by LinuxCNC once they have a COMP_FILE: the reversal is in the two columns",
-      "beyond the ends of a file LinuxCNC holds the end values, as the unit does",
-      "joints are numbered as trivkins does it; with other kinematics put the lines under the joint that moves the "
-      "axis",
+      "beyond the ends of a file LinuxCNC uses the end values, as the unit does",
+      "joints are numbered as in trivkins; with other kinematics move the lines to the joint that moves the axis",
       "a wrong file is not reported: read joint.N.backlash-filt back (modules/controllers/README.md)"};
   return made;
 }
@@ -163,13 +162,13 @@ extern const ControllerFormat linuxcnc_format{
                        .fallback = "mm",
                        .words = {"mm", "inch"}},
                       {.name = "points",
-                       .help = "most points of a file; LinuxCNC takes 256",
+                       .help = "maximum number of points of a file; LinuxCNC accepts 256",
                        .fallback = "256",
                        .range = IntegerRange{2, static_cast<int>(kLinuxCncMostPoints)}}},
-    .read_options = {{.name = "axis", .help = "the axis; default from the file's name"},
-                     {.name = "type", .help = "COMP_FILE_TYPE; default by the numbers", .words = {"0", "1"}},
+    .read_options = {{.name = "axis", .help = "axis; default: from the file's name"},
+                     {.name = "type", .help = "COMP_FILE_TYPE; default: deduced from the numbers", .words = {"0", "1"}},
                      {.name = "units", .help = "LINEAR_UNITS; default mm", .fallback = "mm", .words = {"mm", "inch"}},
-                     {.name = "as-loaded", .help = "only the rows that it would take itself", .is_flag = true}},
+                     {.name = "as-loaded", .help = "read only the rows that LinuxCNC would accept", .is_flag = true}},
     .is_file = is_linuxcnc_file,
     .recognises = begins_with_number,
     .write = write_linuxcnc,
@@ -205,7 +204,7 @@ class LinuxCncReader {
       if (!value) return wrong_number(words[i], number, column(i));
       *columns[i] = *value;
     }
-    if (words.size() > 3) warn(number, column(3), "LinuxCNC does not read what follows the third number");
+    if (words.size() > 3) warn(number, column(3), "LinuxCNC does not read text after the third number");
     keep(row, column(0));
   }
 
@@ -215,8 +214,8 @@ class LinuxCncReader {
     for (std::size_t i = 0; i + 1 < text.size(); ++i) {
       if (text[i] == '\r' && text[i + 1] != '\n')
         return warn(line, 0,
-                    "the line ends with CR alone: LinuxCNC parts lines at LF only and would take what follows for the "
-                    "same line; save the file with LF");
+                    "the line ends with CR alone: LinuxCNC separates lines at LF only and would treat the next line as "
+                    "part of this one; save the file with LF");
       if (text[i] == '\n') ++line;
     }
   }
@@ -250,7 +249,7 @@ class LinuxCncReader {
   void wrong_number(std::string_view word, int line, int column) {
     const bool comma = word.find(',') != word.npos;
     findings_.add(line, column, "expected a number, found {}{}; LinuxCNC would stop here without a message",
-                  laser::in_quotes(word), comma ? " (decimals take a point, blanks part the numbers)" : "");
+                  laser::in_quotes(word), comma ? " (use a decimal point, and blanks between numbers)" : "");
   }
 
   /// A row below a stop that LinuxCNC makes in silence: said once, when it costs something.
@@ -266,10 +265,10 @@ class LinuxCncReader {
       return warn(
           row.line, column,
           fmt::format(
-              "nominal {} does not increase (line {} has {}): LinuxCNC drops this row, and so it is left out here",
+              "nominal {} does not increase (line {} has {}): LinuxCNC ignores this row, and it is ignored here too",
               row.nominal, rows_.back().line, rows_.back().nominal));
     if (rows_.size() == kLinuxCncMostPoints) {
-      if (!full_) warn(row.line, column, "LinuxCNC takes 256 points: it uses none from this line on");
+      if (!full_) warn(row.line, column, "LinuxCNC accepts 256 points: it uses none from this line on");
       full_ = true;
     }
     if (full_ && as_loaded_) return;
@@ -319,9 +318,9 @@ Result<ControllerTables> parse_linuxcnc(std::string_view text, const std::string
   const auto type = options.type ? options.type : type_by_numbers(reader.rows());
   if (!type)
     return problem_at(file_name, 0, 0,
-                      "the numbers may be positions (COMP_FILE_TYPE 0) or trims (1): say --type, as the INI file does");
+                      "the numbers may be positions (COMP_FILE_TYPE 0) or trims (1): give --type as in the INI file");
   if (!options.type)
-    read.notes.push_back(fmt::format("{}: taken as COMP_FILE_TYPE {} by its numbers", file_name, *type));
+    read.notes.push_back(fmt::format("{}: read as COMP_FILE_TYPE {}, deduced from its numbers", file_name, *type));
   const double to_mm = options.units == MachineUnits::inch ? kMmPerInch : 1.0;
   const Component component = positioning_curve(options.axis);
   laser::MapTable forward{component, Approach::forward, {}, {}}, reverse{component, Approach::reverse, {}, {}};
@@ -332,7 +331,7 @@ Result<ControllerTables> parse_linuxcnc(std::string_view text, const std::string
     for (const double value : {row.forward, row.reverse})
       if (std::abs(trim_um(value)) > kLargestValue_um)
         reader.findings().add(
-            row.line, 1, "a compensation of {:.6g} mm is implausibly large: is the file of type {}, in these units?",
+            row.line, 1, "a compensation of {:.6g} mm is implausibly large. Is the file of type {}, in these units?",
             trim_um(value) / kUmPerMm, *type);
     forward.position_mm.push_back(row.nominal * to_mm);
     forward.compensation.push_back(trim_um(row.forward));

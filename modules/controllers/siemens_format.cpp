@@ -360,8 +360,8 @@ std::vector<SiemensGroup> chosen(const ExportSource& source, const SiemensOption
   groups.insert(groups.end(), reversal.begin(), reversal.end());
   if (tables_in(groups) <= options.most_tables) return groups;
   made.notes.push_back(
-      fmt::format("{} cross tables would be needed, the control has {}: squareness is inside the straightness tables "
-                  "of the same axes, and only the largest reversals have their two directions",
+      fmt::format("{} cross tables would be needed, but the control has {}: squareness is included in the straightness "
+                  "tables of the same axes, and only the largest reversals have two directions",
                   tables_in(groups), options.most_tables));
   return spared(source, options, reversal, made);
 }
@@ -470,11 +470,10 @@ const FormatOption kEncoder{.name = "encoder",
                             .help = "measuring system 0 or 1 of $AA_ENC_COMP; default 0",
                             .fallback = "0",
                             .range = IntegerRange{0, 1}};
-const FormatOption kCecSign{
-    .name = "cec-sign",
-    .help = "what the control does with a cross value; default subtracts, as it does with encoder values",
-    .fallback = "subtracts",
-    .words = {"subtracts", "adds"}};
+const FormatOption kCecSign{.name = "cec-sign",
+                            .help = "use of a cross value by the control; default: subtracts, as with encoder values",
+                            .fallback = "subtracts",
+                            .words = {"subtracts", "adds"}};
 
 }  // namespace
 
@@ -500,8 +499,8 @@ Result<ControllerExport> siemens_export(const ExportSource& source, const Siemen
   leave_behind(made, source, carried, "a table has no lever arm", kTooFew);
   made.notes.push_back("changing MD18342 or MD38000 reformats the memory of the control: save its data first");
   made.notes.push_back(
-      "signs: the manual prints that of ENC_COMP; that of CEC is taken to be the same. Check one CEC "
-      "table on the machine; --cec-sign adds writes the other (modules/controllers/README.md)");
+      "signs: the manual gives that of ENC_COMP; that of CEC is assumed to be the same. Check one CEC table on the "
+      "machine; --cec-sign adds writes the other (modules/controllers/README.md)");
   ECS_DO(take_back(made, options));
   return made;
 }
@@ -523,11 +522,11 @@ extern const ControllerFormat siemens_format{
                       kEncoder,
                       kCecSign,
                       {.name = "points",
-                       .help = "most points of a table; default 1000, 828D has 200",
+                       .help = "maximum number of points of a table; default 1000, 828D has 200",
                        .fallback = "1000",
                        .range = IntegerRange{2, 5000}},
                       {.name = "tables",
-                       .help = "most cross tables; default 62, 828D has 8",
+                       .help = "maximum number of cross tables; default 62, 828D has 8",
                        .fallback = "62",
                        .range = IntegerRange{0, 200}}},
     .read_options = {kAxesOption, kEncoder, kCecSign},

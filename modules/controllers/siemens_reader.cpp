@@ -115,10 +115,10 @@ class SiemensReader {
     if (plain.empty() || is_frame(plain)) return;
     auto assignment = siemens_assignment_in(content);
     if (assignment && ended_ != 0)
-      return findings.add(number, 1,
-                          "it follows the end of the program in line {}: a control does not read it; "
-                          "take it out, or take that end out",
-                          ended_);
+      return findings.add(
+          number, 1,
+          "it follows the end of the program in line {}: a control does not read it; remove it, or remove that end",
+          ended_);
     if (!assignment) {
       const std::size_t first = line.find_first_not_of(" \t");
       findings.add(number, static_cast<int>(first) + 1,
@@ -187,7 +187,7 @@ class SiemensReader {
       if (std::abs(*value) * kUmPerMm > kLargestValue_um) return wrong(a, line, "a value in mm within ±32");
       const auto [before, first] = draft.value.emplace(*k, *value);
       if (!first && before->second != *value)
-        return findings.add(line, 1, "point {} has another value before in this file: keep one", *k);
+        return findings.add(line, 1, "point {} has two values in this file: keep only one", *k);
     } else if (a.field == "step") {
       draft.step = *value;
     } else if (a.field == "min") {
@@ -223,23 +223,23 @@ class SiemensReader {
   void finish(bool encoder, const std::string& key, const Draft& draft, ControllerTables& read) {
     const std::string name = encoder ? fmt::format("$AA_ENC_COMP[{}]", key) : fmt::format("$AN_CEC[{}]", key);
     if (draft.value.empty() || (all_zero(draft) && draft.step.value_or(0.0) == 0.0)) {
-      read.notes.push_back(name + ": no points, left out");
+      read.notes.push_back(name + ": no points, ignored");
       return;
     }
     const auto input = axis_of_name(draft.input), output = axis_of_name(draft.output);
     if ((draft.modulo || !input || !output) && all_zero(draft)) {
-      read.notes.push_back(name + ": all zero, left out");
+      read.notes.push_back(name + ": all zero, ignored");
       return;
     }
     if (encoder && key.substr(0, key.find(',')) != std::to_string(options_.encoder)) {
-      read.notes.push_back(fmt::format("{}: of the other measuring system, left out (--encoder)", name));
+      read.notes.push_back(fmt::format("{}: belongs to the other measuring system, ignored (--encoder)", name));
       return;
     }
-    if (draft.modulo) return findings.add(draft.line, 1, name + ": a modulo table: a map holds linear axes only");
+    if (draft.modulo) return findings.add(draft.line, 1, name + ": a modulo table: a map covers linear axes only");
     if (draft.multiplied)
-      return findings.add(draft.line, 1, name + ": multiplied by another table: a map cannot hold the product");
+      return findings.add(draft.line, 1, name + ": multiplied by another table: a map cannot represent the product");
     if (!input || !output)
-      return findings.add(draft.line, 1, "{}: which axes are {} and {}? Say --axes X=NAME,Y=NAME,Z=NAME", name,
+      return findings.add(draft.line, 1, "{}: the axes {} and {} are unknown; give --axes X=NAME,Y=NAME,Z=NAME", name,
                           laser::in_quotes(draft.input), laser::in_quotes(draft.output));
     add_table(name, draft, *input, *output, encoder ? -1.0 : cec_sign_, read);
   }
@@ -257,12 +257,12 @@ class SiemensReader {
     for (long long k = 0; k < points; ++k) {
       const auto value = draft.value.find(k);
       if (value == draft.value.end())
-        return findings.add(draft.line, 1, "{}: point {} of {} is missing: was the file cut short?", name, k, points);
+        return findings.add(draft.line, 1, "{}: point {} of {} is missing: was the file truncated?", name, k, points);
       table.position_mm.push_back(std::min(*draft.min + *draft.step * static_cast<double>(k), *draft.max));
       table.compensation.push_back(sign * value->second * kUmPerMm + 0.0);
     }
     if (draft.value.rbegin()->first >= points)
-      read.notes.push_back(fmt::format("{}: points beyond MAX are left out, as the control does", name));
+      read.notes.push_back(fmt::format("{}: points beyond MAX are ignored, as in the control", name));
     read.tables.push_back(std::move(table));
   }
 

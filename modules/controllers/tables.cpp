@@ -73,8 +73,7 @@ Result<void> append(ControllerTables& all, ControllerTables more, bool alone) {
           return problem(ProblemKind::bad_input,
                          fmt::format("{} occurs in two of the files", name_of(table.component)));
   if (!all.sources.empty() && all.levers_from_lines != more.levers_from_lines)
-    return problem(ProblemKind::bad_input,
-                   "the files say different things of where lever arms count from: read them one by one");
+    return problem(ProblemKind::bad_input, "the files state different origins of the lever arms: read them one by one");
   all.levers_from_lines = more.levers_from_lines;
   all.lines_are_squareness = all.lines_are_squareness || more.lines_are_squareness;
   const auto move_all = [](auto& to, auto& from) {
@@ -102,11 +101,11 @@ ReadMap map_of(const ControllerTables& tables) {
     const double run_m = (table.position_mm[1] - table.position_mm[0]) / 1000.0;
     const double value = -square.sign * rise_um / run_m;
     read.squareness[index_of(square.component)] += value;
-    read.notes.push_back(fmt::format(
-        "a straight line of two points from {} to {} was taken as squareness {} ({:.2f} um/m), not as {}; what is "
-        "constant in it is a shift of the zero and left out",
-        letter_of(moving_axis(table.component)), letter_of(direction_of(sense_of(table.component))),
-        name_of(square.component), value, name_of(table.component)));
+    read.notes.push_back(
+        fmt::format("a straight line of two points from {} to {} was read as squareness {} ({:.2f} um/m), not as {}; "
+                    "its constant part is a zero shift and is ignored",
+                    letter_of(moving_axis(table.component)), letter_of(direction_of(sense_of(table.component))),
+                    name_of(square.component), value, name_of(table.component)));
   }
   for (const Component component : curves) {
     laser::MapTable forward = sum_of(tables, component, Approach::forward);
@@ -162,7 +161,7 @@ std::string beyond_any_machine(const laser::MapTable& table) {
 
 tl::unexpected<Problem> unwritable(const Problem& why) {
   return tl::unexpected(Problem{
-      ProblemKind::refused, "what the map says cannot be written for this control: " + why.message, {}, 0, 0, {}});
+      ProblemKind::refused, "this part of the map cannot be written for this control: " + why.message, {}, 0, 0, {}});
 }
 
 Result<void> check_exportable(const laser::ErrorMap& map) {
@@ -181,7 +180,7 @@ Result<void> check_exportable(const laser::ErrorMap& map) {
   if (map.tables.empty()) refuse("the map has no tables");
   for (const auto& [component, count] : approaches)
     if (count < 2)
-      refuse(fmt::format("{} has values for one approach only: the other direction would stay uncorrected",
+      refuse(fmt::format("{} has values for one approach only: the other direction would be uncorrected",
                          name_of(component)));
   if (problems.empty()) return {};
   return tl::unexpected(folded(std::move(problems)));

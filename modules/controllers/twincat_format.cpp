@@ -73,7 +73,7 @@ void note_step(const ControlCurve& kept, Axis axis, double reference_mm, double 
   const double pos_um = held(Approach::forward), neg_um = held(Approach::reverse);
   if (pos_um == 0.0 && neg_um == 0.0) return;
   made.notes.push_back(
-      fmt::format("at the reference position of {} ({} mm) the list holds {}: the axis steps by it when the "
+      fmt::format("at the reference position of {} ({} mm) the list has {}: the axis steps by this amount when the "
                   "compensation becomes active",
                   letter_of(axis), reference_mm + 0.0,
                   pos_um == neg_um ? fmt::format("{:.1f} um", pos_um)
@@ -82,7 +82,7 @@ void note_step(const ControlCurve& kept, Axis axis, double reference_mm, double 
 
 void note_what_is_too_large(const std::string& name, double largest_um, ControllerExport& made) {
   if (largest_um <= kMostOfTwinCat2_um) return;
-  made.notes.push_back(fmt::format("{} holds values up to {:.1f} um: beyond {} um they do not fit TwinCAT 2 (16 bit)",
+  made.notes.push_back(fmt::format("{} has values up to {:.1f} um: values beyond {} um do not fit TwinCAT 2 (16 bit)",
                                    name, largest_um, kMostOfTwinCat2_um));
 }
 
@@ -150,7 +150,7 @@ Result<ControllerTables> read_twincat(const ReadRequest& request) {
 
 const FormatOption kSign{
     .name = "ssfk-sign",
-    .help = "what TwinCAT does with a value; default subtracts, as its manual computes; lists of ours say it",
+    .help = "use of a value by TwinCAT; default: subtracts, as in its manual; lists written by ecs state it",
     .words = {"subtracts", "adds"}};
 
 }  // namespace
@@ -166,17 +166,17 @@ Result<ControllerExport> twincat_export(const ExportSource& source, const TwinCa
   if (carried.empty())
     return problem(ProblemKind::refused,
                    "the map has no positioning table (EXX, EYY, EZZ) of an axis that the machine has: leadscrew "
-                   "compensation holds nothing else");
+                   "compensation contains nothing else");
   add_settings(options, carried, made);
   leave_behind(made, source, carried, "a table of one axis has no lever arm",
                "leadscrew compensation acts along its own axis only");
   made.notes.insert(made.notes.begin(),
                     {"no further backlash compensation for these axes (P-AXIS-00021 lr_param.anwahl_losekomp 0): the "
                      "reversal is in the two tables",
-                     "beyond the ends of a list the control holds the end values, as the unit does",
+                     "beyond the ends of a list the control uses the end values, as the unit does",
                      "values are whole tenths of a micrometre",
-                     fmt::format("the sign is {} the manual's worked example; no such control was at hand: measure one "
-                                 "axis again first (modules/controllers/README.md)",
+                     fmt::format("the sign is {} the manual's worked example and was not tested on a control: measure "
+                                 "one axis again first (modules/controllers/README.md)",
                                  options.adds.value_or(false) ? "against" : "that of")});
   return made;
 }
@@ -202,10 +202,10 @@ extern const ControllerFormat twincat_format{
     .write_options = {kSign,
                       {.name = "axes", .help = "logical axis numbers of the control; default X=1,Y=2,Z=3"},
                       {.name = "points",
-                       .help = "most points of a list; default 1499",
+                       .help = "maximum number of points of a list; default 1499",
                        .fallback = "1499",
                        .range = IntegerRange{2, static_cast<int>(kTwinCatMostPoints)}}},
-    .read_options = {{.name = "axis", .help = "the axis; default as the list says"},
+    .read_options = {{.name = "axis", .help = "axis; default: as stated in the list"},
                      {.name = "axes", .help = "logical axis numbers; default X=1,Y=2,Z=3"},
                      kSign},
     .is_file = is_twincat_file,
@@ -299,7 +299,8 @@ class TwinCatReader {
     const auto letter = letter_in(name_);
     const auto by_name = letter ? axis_of(*letter) : std::nullopt;
     if (letter && !by_name) {
-      findings.add(name_line_, 1, "the list is of axis {}: a map holds X, Y and Z; give --axis if it is one of them",
+      findings.add(name_line_, 1,
+                   "the list belongs to axis {}: a map covers X, Y and Z; give --axis if it is one of them",
                    laser::in_quotes(name_));
       return std::nullopt;
     }
@@ -310,7 +311,7 @@ class TwinCatReader {
         if (number->second.value == options_.axis_number[index_of(one)]) by_number = one;
     if (by_name && by_number && *by_name != *by_number) {
       findings.add(number->second.line, 1,
-                   "the name of the axis says {}, its number {} is that of {}: give --axes with the numbers of the "
+                   "the name of the axis is {}, but its number {} is that of {}: give --axes with the numbers of the "
                    "control, or --axis",
                    letter_of(*by_name), number->second.value, letter_of(*by_number));
       return std::nullopt;
@@ -324,7 +325,7 @@ class TwinCatReader {
   [[nodiscard]] std::vector<std::string> notes(const std::string& file) const {
     std::vector<std::string> out;
     for (const std::string& other : other_)
-      out.push_back(fmt::format("{}: {} is no leadscrew compensation, left out", file, other));
+      out.push_back(fmt::format("{}: {} is not a leadscrew compensation, ignored", file, other));
     return out;
   }
 
@@ -346,12 +347,11 @@ class TwinCatReader {
     for (const bool adds : {false, true}) {
       if (!content.ends_with(list_sign(adds))) continue;
       if (says_adds_.value_or(adds) != adds)
-        findings.add(line_, 1, "this comment says another sign than the one before it: read one list at a time");
+        findings.add(line_, 1, "this comment states a different sign from the previous one: read one list at a time");
       else if (options_.adds.value_or(adds) != adds)
-        findings.add(
-            line_, 1,
-            "the list was written with --ssfk-sign {}, which --ssfk-sign {} contradicts: leave the option away",
-            sign_name(adds), sign_name(!adds));
+        findings.add(line_, 1,
+                     "the list was written with --ssfk-sign {}, but --ssfk-sign {} was given: omit the option",
+                     sign_name(adds), sign_name(!adds));
       says_adds_ = adds;
     }
   }
@@ -417,9 +417,9 @@ class TwinCatReader {
         findings.add(line_of(flag), 1, "kw.ssfk.{}: expected 0 or 1, found {}", flag, value);
     if (value_of("unit") == 0.0)
       findings.add(line_of("unit"), line_of("unit") > 0 ? 1 : 0,
-                   "kw.ssfk.unit is not 1: the list is in increments of an encoder, whose length it does not say");
+                   "kw.ssfk.unit is not 1: the list is in encoder increments, whose length it does not state");
     if (value_of("modulo") == 1.0)
-      findings.add(line_of("modulo"), 1, "kw.ssfk.modulo 1: a rotary axis, a map holds linear ones");
+      findings.add(line_of("modulo"), 1, "kw.ssfk.modulo 1: a rotary axis; a map covers linear axes only");
     if (const double interval = value_of("interval");
         interval < 0.0 || std::abs(interval) > kLargestPosition_mm * kTenthsPerMm)
       findings.add(line_of("interval"), 1, "kw.ssfk.interval: expected the step between points, or 0");
@@ -432,7 +432,7 @@ class TwinCatReader {
   void point(long long i, bool two, laser::MapTable& forward, laser::MapTable& reverse) {
     const Row row = table_.count(i) > 0 ? table_[i] : Row();
     const auto missing = [&](const char* what) {
-      findings.add(first_line(row), 0, "kw.ssfk.table[{}].{} is missing: the control would take 0", i, what);
+      findings.add(first_line(row), 0, "kw.ssfk.table[{}].{} is missing: the control would use 0", i, what);
     };
     const double interval = value_of("interval");
     if (interval == 0.0 && !row.setpoint) return missing("setpoint");
@@ -440,8 +440,8 @@ class TwinCatReader {
     if (two && !row.neg) return missing("neg");
     if (!two && row.neg && row.neg->value != row.pos->value && row.neg->value != 0.0)
       return findings.add(row.neg->line, 1,
-                          "neg differs from pos in a list for one direction (kw.ssfk.bilateral is not 1): which of "
-                          "them the control takes is not known");
+                          "neg differs from pos in a list for one direction (kw.ssfk.bilateral is not 1): it is not "
+                          "known which of them the control uses");
     const double place =
         interval == 0.0 ? row.setpoint->value : value_of("kw_startpos") + interval * static_cast<double>(i);
     const double place_mm = place / kTenthsPerMm;

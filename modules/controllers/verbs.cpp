@@ -64,7 +64,7 @@ Result<void> make_folder(const std::string& folder) {
   std::filesystem::create_directories(folder, error);
   if (!error && std::filesystem::is_directory(folder, error)) return {};
   return problem(ProblemKind::output, fmt::format("cannot make the folder {}: {}", folder,
-                                                  error ? error.message() : "something else of that name is there"));
+                                                  error ? error.message() : "another file of that name exists"));
 }
 
 /// Into a folder, or the only file under the name given.
@@ -78,7 +78,7 @@ Result<std::vector<WrittenFile>> write_all(const controllers::ControllerExport& 
   for (const OutputFile& file : files)
     if (!force && would_overwrite(file.path))
       return problem(ProblemKind::usage,
-                     fmt::format("{} exists already: give another name, or --force to overwrite it", file.path));
+                     fmt::format("{} already exists: give another name, or --force to overwrite it", file.path));
   if (folder) ECS_DO(make_folder(output));
   return write_together(files);
 }
@@ -89,7 +89,7 @@ void note_silent_directions(ExportWork& work, const std::vector<controllers::Res
     const std::size_t d = index_of(axis);
     const controllers::ResidualRow& volume = residuals.back();
     if (volume.before.largest_um[d] == 0.0 && volume.unit.largest_um[d] > 0.0)
-      work.notes.push_back(fmt::format("{} has no error along {}: what is left there is what the compensation adds",
+      work.notes.push_back(fmt::format("{} has no error along {}: the remaining error there is the added compensation",
                                        work.errors_from, letter_of(axis)));
   }
 }
@@ -99,7 +99,7 @@ void note_left_from_before(ExportWork& work, const std::string& folder, const st
                            const controllers::ControllerFormat& format) {
   const auto left = left_from_before(folder, written, format.is_file);
   if (!left.empty())
-    work.notes.push_back(fmt::format("left from before, not of this export: {}", fmt::join(left, ", ")));
+    work.notes.push_back(fmt::format("from an earlier export, not from this one: {}", fmt::join(left, ", ")));
 }
 
 struct WriteRequest {
@@ -191,10 +191,10 @@ struct ReadRequest {
     using R = ReadRequest;
     return {{"FILE", &R::files, "files of one control", Need::required},
             {"-o,--output", &R::output, "map CSV to write", Is::output},
-            {"--format", &R::format, "default: by its content", format_names()},
+            {"--format", &R::format, "format of the file; default: recognised from its content", format_names()},
             {&R::options, read_fields()},
             {"--params", &R::params, "parameters of the machine: identity, measurement lines"},
-            {"--params-out", &R::params_out, "the same with the squareness that was read", Is::output}};
+            {"--params-out", &R::params_out, "parameter file to write, with the squareness that was read", Is::output}};
   }
 };
 
@@ -218,9 +218,8 @@ Result<const controllers::ControllerFormat*> format_of(const ReadRequest& reques
   const auto* format =
       request.format == "auto" ? controllers::recognised_format(text) : controllers::controller_format(request.format);
   if (format) return format;
-  return problem_at(
-      file, 0, 0,
-      fmt::format("no compensation table that is known here: expected {}; --format says which", marks_of_all()));
+  return problem_at(file, 0, 0,
+                    fmt::format("not a known compensation table: expected {}; give --format", marks_of_all()));
 }
 
 Result<ReadFiles> read_files(const ReadRequest& request) {
@@ -230,10 +229,10 @@ Result<ReadFiles> read_files(const ReadRequest& request) {
     ECS_TRY(text, laser::decoded(bytes, file));
     ECS_TRY(format, format_of(request, file, text.text));
     if (all.format && format != all.format)
-      return problem(ProblemKind::usage,
-                     fmt::format("{} is of format {}, the files before it of {}: read the files of one controller at a "
-                                 "time",
-                                 file, format->id, all.format->id));
+      return problem(
+          ProblemKind::usage,
+          fmt::format("{} is of format {}, the previous files of {}: read the files of one controller at a time", file,
+                      format->id, all.format->id));
     all.format = format;
     ECS_TRY(tables, all.format->read({file, text.text, bytes, request.files.size() == 1, request.options.values()}));
     for (auto& source : tables.sources) source.name = std::filesystem::path(file).filename().string();
@@ -283,9 +282,9 @@ Result<bool> levers_from_lines(const ReadRequest& request, const ReadFiles& file
 /// Curves onto the lines of the parameters, with a note whatever was done.
 Result<void> bring_to_lines(const ReadRequest& request, const ReadFiles& files, Taken& made) {
   ECS_TRY(lines, levers_from_lines(request, files));
-  const std::string by = !levers_given(request).empty() ? "as --levers gives it"
+  const std::string by = !levers_given(request).empty() ? "as given by --levers"
                          : files.tables.levers_from_lines
-                             ? "as the head of the file states"
+                             ? "as stated in the head of the file"
                              : "the file does not state it: give --levers lines if it is wrong";
   made.levers_from = lines ? "measurement lines" : "machine zero";
   made.moved = !lines && made.parameters.has_value();
@@ -293,19 +292,18 @@ Result<void> bring_to_lines(const ReadRequest& request, const ReadFiles& files, 
   if (made.parameters) {
     const UnitParameters& parameters = made.parameters->parameters;
     made.read.map = files.format->at_measurement_lines(made.read.map, parameters, lines);
-    done = lines
-               ? fmt::format("the curves were not moved; the parameters must hold the lines they were measured on ({})",
-                             lines_in_words(parameters))
-               : fmt::format("the curves were moved from there to the measurement lines of the parameters ({})",
-                             lines_in_words(parameters));
+    done = lines ? fmt::format("the curves were not moved; the parameters must contain their measurement lines ({})",
+                               lines_in_words(parameters))
+                 : fmt::format("the curves were moved from there to the measurement lines of the parameters ({})",
+                               lines_in_words(parameters));
     made.read.map.header.processing.push_back(
         made.moved ? fmt::format("curves moved from the machine zero to {}", lines_in_words(parameters))
                    : "curves as on their measurement lines, not moved");
   } else {
-    done = lines ? "the curves were not moved; the file does not hold the lines: the parameters must have those they "
-                   "were measured on"
+    done = lines ? "the curves were not moved; the file does not contain their measurement lines: they must be in the "
+                   "parameters"
                  : "the curves were not moved: set measurement_line_mm to 0 in the parameters, or give --params to "
-                   "have them brought to its measurement lines";
+                   "move them to its measurement lines";
   }
   made.notes.push_back(fmt::format("lever arms count from the {} ({}); {}", made.levers_from, by, done));
   return {};
@@ -351,31 +349,31 @@ Cell squareness_of(const ReadRequest& request, const Taken& made) {
     values.emplace_back(square, made.read.squareness[index_of(square)]);
   Cell cell = squareness_cell(values);
   if (!values.empty())
-    cell.text += request.params_out.empty()
-                     ? "squareness is held in the parameters: put these there, or give --params and --params-out\n"
-                     : fmt::format("squareness is in {}\n", request.params_out);
+    cell.text +=
+        request.params_out.empty()
+            ? "squareness is stored in the parameters: add these values there, or give --params and --params-out\n"
+            : fmt::format("squareness is in {}\n", request.params_out);
   return cell;
 }
 
 Cell read_cell(const ReadRequest& request, const ReadFiles& files, const Taken& made,
                const std::vector<WrittenFile>& written) {
-  return record_cell("{format}\n\n{tables}{squareness}{notes}{map}{written}", "format"_is(files.format->id),
-                     "map"_is(text_or_null(request.output),
-                              request.output.empty() ? "no map written: give -o map.csv to keep it\n" : ""),
-                     "tables"_is(tables_cell(made.read.map.tables, false)),
-                     "squareness"_is(squareness_of(request, made)), "levers_from"_is(text_cell(made.levers_from)),
-                     "curves_moved"_is(made.moved), "written"_shown(written_files_cell(written).text),
-                     "replaced"_is(replaced_files_cell(written)),
-                     "warnings"_is(list_cell(files.tables.warnings,
-                                             [](const Problem& one) {
-                                               return Cell{problem_json(one), {}};
-                                             })),
-                     "notes"_is(paragraphs_cell(made.notes, "note: ")));
+  return record_cell(
+      "{format}\n\n{tables}{squareness}{notes}{map}{written}", "format"_is(files.format->id),
+      "map"_is(text_or_null(request.output), request.output.empty() ? "not saved: give -o map.csv to save it\n" : ""),
+      "tables"_is(tables_cell(made.read.map.tables, false)), "squareness"_is(squareness_of(request, made)),
+      "levers_from"_is(text_cell(made.levers_from)), "curves_moved"_is(made.moved),
+      "written"_shown(written_files_cell(written).text), "replaced"_is(replaced_files_cell(written)),
+      "warnings"_is(list_cell(files.tables.warnings,
+                              [](const Problem& one) {
+                                return Cell{problem_json(one), {}};
+                              })),
+      "notes"_is(paragraphs_cell(made.notes, "note: ")));
 }
 
 Result<Outcome> read(VerbContext& context, const ReadRequest& request) {
   if (!request.params_out.empty() && request.params.empty())
-    return problem(ProblemKind::usage, "--params-out needs --params: the other parameters are taken from it");
+    return problem(ProblemKind::usage, "--params-out needs --params: the other parameters are copied from it");
   std::vector<std::string> inputs = request.files;
   inputs.push_back(request.params);
   for (const std::string& output : {request.output, request.params_out}) ECS_DO(check_output_not_input(output, inputs));
@@ -389,7 +387,7 @@ Result<Outcome> read(VerbContext& context, const ReadRequest& request) {
 }
 
 const std::vector<Action> kExportReading{
-    action("export read", "the compensation tables of a control as a map CSV",
+    action("export read", "convert compensation tables of a control to a map CSV",
            "ecs export read x.comp y.comp z.comp --type 1 -o map.csv\n"
            "ecs export read AX_EEC.INI NC_CEC.INI --params mill.toml --params-out read.toml -o map.csv",
            read, {.logged = Logged::when_written, .kind = "export", .logged_as = "export"})};
@@ -397,10 +395,11 @@ const std::vector<Action> kExportReading{
 }  // namespace
 
 const Module& controllers_module() {
-  static const Module module{.menus = {{"export", "the error map as compensation tables of other controls, and back"}},
-                             .verbs = {{"volume", &export_writers()}, {"volume", &kExportReading}},
-                             .synonyms = {{"MORE", "export siemens heidenhain twincat linuxcnc"}},
-                             .advice = {{kTableOfControl, "`ecs export read` makes a map of it"}}};
+  static const Module module{
+      .menus = {{"export", "convert the error map to compensation tables of other controls, and back"}},
+      .verbs = {{"volume", &export_writers()}, {"volume", &kExportReading}},
+      .synonyms = {{"MORE", "export siemens heidenhain twincat linuxcnc"}},
+      .advice = {{kTableOfControl, "`ecs export read` makes a map of it"}}};
   return module;
 }
 

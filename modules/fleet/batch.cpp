@@ -68,8 +68,8 @@ Result<std::vector<PlannedUnit>> each_once(std::vector<PlannedUnit> units, const
       if (to_text(units[i].link) == to_text(units[k].link) && units[i].serial_number == units[k].serial_number &&
           !units[i].link.is_emulator()) {
         problems.push_back({ProblemKind::bad_input,
-                            fmt::format("{} and {} have the same link, {}, and no different serial numbers: each unit "
-                                        "once, or say which is which by `serial_number`",
+                            fmt::format("{} and {} have the same link, {}, and no different serial numbers: list each "
+                                        "unit once, or distinguish them by `serial_number`",
                                         units[k].name, units[i].name, to_text(units[i].link)),
                             name,
                             0,
@@ -118,7 +118,7 @@ Result<std::vector<PlannedUnit>> batch_plan_of(const Manifest& manifest) {
       problems.push_back({ProblemKind::bad_input, std::move(message), manifest.name(), row->line, 1, {}});
     };
     if (const auto first = manifest.doubles_line(i))
-      complain(fmt::format("the id {} is that of line {}: give each unit one of its own", row->id(), *first));
+      complain(fmt::format("the id {} is also used in line {}: give each unit its own id", row->id(), *first));
     auto link = parsed_link(link_from_folder(manifest.from_folder("."), row->cells[1]), "plan");
     if (!link) {
       complain(link.error().message);
@@ -176,7 +176,7 @@ void fail(BatchReport& report, BatchState state, Problem why) {
 
 /// Serial number against the plan, then the map's header and [identity] of the parameters against the unit.
 bool is_wrong_unit(const PlannedUnit& unit, const Load& load, BatchReport& report) {
-  if (unit.serial_number.empty()) report.notes.push_back("the plan gives no serial number: not checked");
+  if (unit.serial_number.empty()) report.notes.push_back("the plan states no serial number: not checked");
   if (!unit.serial_number.empty() && report.serial_number != unit.serial_number) {
     fail(report, BatchState::wrong_unit,
          problem(ProblemKind::refused,
@@ -214,7 +214,7 @@ void attempt(const PlannedUnit& unit, BatchMode mode, const protocol::ProgressCa
   const auto armed_s = link->client().armed_s();
   if (!armed_s) return fail(report, BatchState::failed, armed_s.error());
   if (*armed_s == 0 && !link->client().knows_code())
-    report.notes.push_back("the unit is not armed and no arm_code is given: it would refuse what is sent");
+    report.notes.push_back("the unit is not armed and no arm_code is given: it would refuse all writes");
   report.state = BatchState::ready;
   report.bytes = load->map ? load->map->image.bytes.size() : 0;
 }
@@ -306,7 +306,7 @@ class Run {
 }  // namespace
 
 std::string_view name_of(BatchState state) {
-  constexpr WordTable<BatchState, 6> kWords{{"ready", "sent", "held already", "failed", "skipped", "not attempted"}};
+  constexpr WordTable<BatchState, 6> kWords{{"ready", "sent", "already present", "failed", "skipped", "not attempted"}};
   return kWords.of(state);
 }
 

@@ -22,11 +22,11 @@ struct BatchRequest {
   static Fields<BatchRequest> fields() {
     using R = BatchRequest;
     return {{"PLAN", &R::plan,
-             "plan file (TOML), or a table (.csv) with the columns id, link, params, serial_number, map, arm_code",
+             "plan file (TOML) or table (.csv) with the columns id, link, params, serial_number, map, arm_code",
              Need::required},
             {"--dry-run", &R::dry_run, "check everything, write nothing"},
-            {"--lines", &R::lines, "lines that are served at the same time", Range{1, kMostLines}},
-            {"-o,--output", &R::output, "the report, a line of JSON a unit", Is::output}};
+            {"--lines", &R::lines, "number of links used at the same time", Range{1, kMostLines}},
+            {"-o,--output", &R::output, "report to write, one line of JSON per unit", Is::output}};
   }
 };
 
@@ -62,7 +62,7 @@ Result<void> write_report(const std::string& path, const std::vector<BatchReport
 
 Result<Outcome> batch(VerbContext& context, const BatchRequest& request) {
   if (!context.link_option.empty())
-    return problem(ProblemKind::usage, "batch: the plan names the link of each unit; leave --link out");
+    return problem(ProblemKind::usage, "batch: the plan gives the link of each unit; omit --link");
   ECS_TRY(plan, read_batch_plan(request.plan));
   BatchWatch watch;
   watch.started = [&context](const PlannedUnit& unit) {
@@ -84,12 +84,12 @@ Result<Outcome> batch(VerbContext& context, const BatchRequest& request) {
     object["error"] = problem_json(*problem);
   std::string text = units.text;
   if (request.dry_run)
-    text += "dry run: files, checks, images, links and serial numbers were looked at; nothing was written\n";
+    text += "dry run: files, checks, images, links and serial numbers were checked; no unit was changed\n";
   return Outcome{text, one_line(object), exit_code};
 }
 
 const std::vector<Action> kBatch{
-    action("batch", "parameters and maps for many units, by a plan",
+    action("batch", "send parameters and maps to many units, as listed in a plan",
            "ecs batch plan.toml --dry-run\n  plan.toml:  [[unit]]\n              name = \"mill 3\"\n              link "
            "= \"rtu:/dev/ttyUSB0:115200\"\n              serial_number = \"MCM-0107\"\n              params = "
            "\"mill3.toml\"\n              map = \"mill3_map.csv\"\n              arm_code = \"271828\"",
@@ -108,14 +108,16 @@ struct FleetDiagnoseRequest {
     using R = FleetDiagnoseRequest;
     return {
         {"MANIFEST", &R::manifest,
-         "table (.csv) with the columns id, model, data, machine, type, batch; files count from its folder",
+         "table (.csv) with the columns id, model, data, machine, type, batch; file names are relative to its folder",
          Need::required},
-        {"-o,--output", &R::output, "results, a line of JSON a machine; those of a former run are gone on with",
+        {"-o,--output", &R::output, "results, one line of JSON per machine; an earlier run is continued",
          Need::required},
-        {"--threads", &R::threads, "machines at the same time; 0: as many as there are cores", Range{0, kMostThreads}},
-        {"--blanks", &R::blanks, "simulated data sets of noise alone that a finding must beat", Range{50, 20'000}},
-        {"--part", &R::part, "only a share of the rows, for one host of many: 3/16"},
-        {"--limit", &R::limit, "for one machine, by the clock [s]; then the others go on", Range{0.1, 86'400.0}}};
+        {"--threads", &R::threads, "number of machines at the same time; 0: the number of cores",
+         Range{0, kMostThreads}},
+        {"--blanks", &R::blanks, "number of simulated noise-only data sets that a finding must beat",
+         Range{50, 20'000}},
+        {"--part", &R::part, "process only a share of the rows, for one host of many: 3/16"},
+        {"--limit", &R::limit, "time limit for one machine [s]; the others continue", Range{0.1, 86'400.0}}};
   }
 };
 
@@ -158,7 +160,7 @@ Result<Outcome> fleet_diagnose(VerbContext& context, const FleetDiagnoseRequest&
       "diagnosed"_is(report->diagnosed), "skipped"_is(report->skipped), "error_count"_is(report->errors.size()),
       "errors"_is(errors_cell(*report)), "verdicts"_is(verdicts_cell(*report)),
       "processor_s"_is(report->processor_s, 1), "seconds"_is(report->seconds, 1),
-      "stopped"_is(report->stopped, "stopped by a signal: the same command goes on\n", ""));
+      "stopped"_is(report->stopped, "stopped by a signal: repeat the command to continue\n", ""));
   return outcome_of(answer, report->errors.empty() ? kDone : kDoesNotHold);
 }
 
@@ -171,9 +173,9 @@ struct FleetMergeRequest {
   static Fields<FleetMergeRequest> fields() {
     using R = FleetMergeRequest;
     return {{"RESULTS", &R::results, "results of `ecs fleet diagnose`, from one host or many", Need::required},
-            {"--fdr", &R::rate, "share of false names among all names, on average", Range{1e-6, 1.0}},
-            {"--previous", &R::previous, "results of last time, or the answer of `fleet merge --json`: what changed"},
-            {"-o,--output", &R::output, "the results of all hosts as one file", Is::output}};
+            {"--fdr", &R::rate, "accepted mean share of false names among all names", Range{1e-6, 1.0}},
+            {"--previous", &R::previous, "earlier results, or the answer of `fleet merge --json`, for comparison"},
+            {"-o,--output", &R::output, "file for the results of all hosts", Is::output}};
   }
 };
 
@@ -236,7 +238,7 @@ Result<Outcome> fleet_merge(VerbContext& context, const FleetMergeRequest& reque
       "machines"_is(names.machines), "errors"_is(errors, fmt::format("{}", errors.size())),
       "conflicts"_is(gathered.conflicts), "fdr"_is(request.rate, fmt::format("{:g}", 100.0 * request.rate)),
       "count"_shown(names.named.size()), "named"_is(named_cell(names.named, "named (q-value)")),
-      "unconfirmed"_is(named_cell(names.unconfirmed, "not sure enough among so many machines")),
+      "unconfirmed"_is(named_cell(names.unconfirmed, "not certain enough for this number of machines")),
       "unexplained"_is(names.unexplained, names.unexplained.empty()
                                               ? ""
                                               : fmt::format("\n{} machines with structure that no effect explains\n",
@@ -257,12 +259,12 @@ Result<Outcome> fleet_merge(VerbContext& context, const FleetMergeRequest& reque
 }
 
 const std::vector<Action> kFleet{
-    action("fleet diagnose", "what is missing from the models of many machines, on all cores",
+    action("fleet diagnose", "find the effects missing from the models of many machines, on all cores",
            "ecs fleet diagnose fleet.csv -o results.jsonl\n"
            "  fleet.csv:  id,model,data,machine,type,batch\n"
            "              7001,mill.toml,7001.csv,mill_machine.toml,mill,2026-04",
            fleet_diagnose),
-    action("fleet merge", "results of many machines: which names hold, what changed, which batch shares a cause",
+    action("fleet merge", "combine the results of many machines: confirmed causes, changes, causes shared by a batch",
            "ecs fleet merge results*.jsonl --fdr 0.05 --previous yesterday.jsonl -o today.jsonl", fleet_merge)};
 
 }  // namespace

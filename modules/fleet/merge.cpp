@@ -246,7 +246,7 @@ Result<GatheredResults> gathered_results(const std::vector<std::string>& files) 
     if (lines.results.empty() && !text.empty()) return tl::unexpected(no_results(files[f], 1));
     if (lines.unreadable > 0)
       gathered.unreadable.push_back(
-          fmt::format("{}:{}: {} cut or unreadable line{} left out: run `ecs fleet diagnose` again", files[f],
+          fmt::format("{}:{}: {} truncated or unreadable line{} ignored: run `ecs fleet diagnose` again", files[f],
                       lines.first_unreadable, lines.unreadable, lines.unreadable == 1 ? "" : "s"));
     for (auto& one : lines.results) {
       FleetResult& result = one.result;
@@ -262,9 +262,9 @@ Result<GatheredResults> gathered_results(const std::vector<std::string>& files) 
       FleetResult& other = gathered.results[known->second.first];
       if (!result.error.empty() && other.error.empty()) continue;
       if (result.error.empty() && other.error.empty() && result.hash != other.hash)
-        gathered.conflicts.push_back(fmt::format(
-            "{}: {} has other contents than in {}: give each machine an id of its own, or leave old results out",
-            files[f], result.id, files[known->second.second]));
+        gathered.conflicts.push_back(
+            fmt::format("{}: {} differs from its entry in {}: give each machine its own id, or omit old results",
+                        files[f], result.id, files[known->second.second]));
       known->second.second = f;
       other = std::move(result);
     }

@@ -138,7 +138,7 @@ Result<ResultsFile> ResultsFile::open(const std::string& path) {
     ResultLines lines = result_lines(text, false);
     if (lines.first_unreadable == 1 && (text.find('\n') != std::string::npos || !text.starts_with("{\"id\":")))
       return problem(ProblemKind::usage,
-                     path + " exists and holds no results of `ecs fleet diagnose`: give another name");
+                     path + " exists and contains no results of `ecs fleet diagnose`: give another name");
     const bool rewrite = lines.errors + lines.unreadable + lines.replaced > 0;
     std::string kept;
     for (auto& one : lines.results) {
@@ -210,7 +210,7 @@ bool is_under_way(const std::string& text) {
 tl::unexpected<Problem> not_ours(const std::string& path) {
   return problem(
       ProblemKind::refused,
-      path + " is there and no file of `ecs fleet diagnose`: remove it, or give another name for the results");
+      path + " exists and is not a file of `ecs fleet diagnose`: remove it, or give another name for the results");
 }
 
 std::map<std::string, int> ends_in(const std::string& text) {
@@ -236,14 +236,15 @@ Result<UnderWay> UnderWay::open(const std::string& path, int threads) {
   for (;;) {
     file.handle_ = Descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666));
     if (!file.handle_ && errno == ELOOP)
-      return problem(ProblemKind::refused, path +
-                                               " is a symbolic link: what it leads to would be overwritten. Remove it, "
-                                               "or give another name for the results");
+      return problem(
+          ProblemKind::refused,
+          path +
+              " is a symbolic link: its target would be overwritten. Remove it, or give another name for the results");
     if (!file.handle_)
       return tl::unexpected(
           Problem{ProblemKind::output, fmt::format("cannot write: {}", std::strerror(errno)), path, 0, 0, {}});
     if (::flock(file.handle_.get(), LOCK_EX | LOCK_NB) != 0)
-      return problem(ProblemKind::refused, path + ": another `ecs fleet diagnose` writes these results");
+      return problem(ProblemKind::refused, path + ": another `ecs fleet diagnose` is writing these results");
     struct stat there {};
     if (::fstat(file.handle_.get(), &there) == 0 && there.st_nlink > 0) {
       if (!S_ISREG(there.st_mode) || there.st_nlink > 1) return not_ours(path);

@@ -186,8 +186,8 @@ class FleetRun {
     const auto ends = under_way_.ends().find(row->id());
     if (ends != under_way_.ends().end() && ends->second >= kMostUncleanEnds)
       return add_error(i, row->id(),
-                       fmt::format("the program ended {} times while it worked on these files: it is left out of this "
-                                   "run; the next run tries it again",
+                       fmt::format("the program ended {} times while processing these files: the machine is skipped in "
+                                   "this run; the next run tries it again",
                                    ends->second));
     const MachineSet set = machine_set_of(manifest_, *row);
     {
@@ -263,7 +263,7 @@ class FleetRun {
       if (const auto first = manifest_.doubles_line(i))
         if (const auto row = manifest_.row(i))
           add_error(i, row->id(),
-                    fmt::format("the id {} is that of line {}: give each machine one of its own", row->id(), *first),
+                    fmt::format("the id {} is also used in line {}: give each machine its own id", row->id(), *first),
                     true);
   }
 

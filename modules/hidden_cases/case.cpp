@@ -52,7 +52,7 @@ Result<void> check(const HiddenCaseRequest& request) {
   if (request.xytz && (request.kind || request.effect != nullptr))
     return refused("the XYTZ case has its own kind and effect: omit --kind and --effect");
   if (request.free_base && (request.xytz || request.kind == CaseKind::confounded))
-    return refused("a confounded design and the XYTZ case have base models of their own: omit --free-base");
+    return refused("a confounded design and the XYTZ case have their own base models: omit --free-base");
   if (request.noise != NoiseLaw::usual && request.kind != CaseKind::blank)
     return refused("noise: laws other than the usual one are for --kind blank");
   if (request.effect == nullptr || !request.kind) return {};
@@ -116,7 +116,7 @@ std::string sentence(const HiddenCase& c) {
     text += fmt::format("{} {}{}, {:.3g} um rms, signal to noise {:.3g}", &hidden == &c.hidden.front() ? "" : ";",
                         name_of(hidden.effect), number_words(hidden.effect), hidden.rms_um, hidden.snr);
   if (!c.group.empty()) {
-    text += "; these data cannot tell apart ";
+    text += "; these data cannot distinguish ";
     for (const std::string& name : c.group) text += (&name == &c.group.front() ? "" : ", ") + name;
   }
   return text + ".";
@@ -139,10 +139,9 @@ Result<HiddenCase> draw_hidden_case(const HiddenCaseRequest& request) {
     made->text = sentence(*made);
     return std::move(*made);
   }
-  return refused(
-      fmt::format("seed {}: no design was found that shows what was asked for with about {} readings; "
-                  "ask for more readings or take another seed",
-                  request.seed, wanted.readings));
+  return refused(fmt::format(
+      "seed {}: no design with about {} readings shows the requested effect; use more readings or another seed",
+      request.seed, wanted.readings));
 }
 
 namespace {

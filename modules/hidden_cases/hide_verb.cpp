@@ -181,7 +181,7 @@ class Workbench {
     fs::remove(folder_, error);  // an empty folder makes room
     fs::rename(beside_, folder_, error);
     if (error)
-      return problem(ProblemKind::output, fmt::format("{}: cannot make it: {}", folder_.string(), error.message()));
+      return problem(ProblemKind::output, fmt::format("{}: cannot create it: {}", folder_.string(), error.message()));
     return {};
   }
 
@@ -194,7 +194,7 @@ Result<void> write_case(const HiddenCase& c, const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error)
-    return problem(ProblemKind::output, fmt::format("{}: cannot make it: {}", folder.string(), error.message()));
+    return problem(ProblemKind::output, fmt::format("{}: cannot create it: {}", folder.string(), error.message()));
   for (const auto& [name, content] : files_of(c)) ECS_DO(write_file(folder / name, content));
   return {};
 }
@@ -262,20 +262,20 @@ struct HideRequest {
     const auto readings = [](R& r) -> cli::Argument::Target {
       return cli::OnInteger([&r](long long n) { r.readings = static_cast<std::size_t>(n); });
     };
-    return {
-        {"--seed", &R::seed, "the same seed gives the same files (1)"},
-        {"-o,--output", &R::folder, "folder that does not exist yet or is empty", Need::required},
-        {"--kind", &R::kind, "what is hidden; drawn where absent",
-         Words{"blank", "single", "pair", "out-of-library", "confounded"}},
-        {"--effect", &R::effect, "the effect to hide, as docs/physics.md names it; of a pair, one of the two"},
-        {"--snr", &R::snr, "rms of what the base model cannot absorb / sigma of one reading"},
-        {{"--readings", {}, "approximate number of readings, 100 to 20000"}, readings},
-        {"--count", &R::count, "number of cases, with seeds counting up, into DIR/0001 …", cli::Range{1, 9999}},
-        {"--free-base", &R::free_base,
-         "any effect may be in the base model, and its periods, places and time constants are not given"},
-        {"--noise", &R::noise, "of --kind blank: how the noise is distributed (usual)",
-         Words{kNoiseLaws.words.begin(), kNoiseLaws.words.end()}},
-        {"--case", &R::printed_case, "xytz: the XYTZ machine under the thesis's printed equation (27)", Words{"xytz"}}};
+    return {{"--seed", &R::seed, "seed of the random case; the same seed gives the same files (1)"},
+            {"-o,--output", &R::folder, "folder for the case; must be new or empty", Need::required},
+            {"--kind", &R::kind, "kind of hidden error; random if not given",
+             Words{"blank", "single", "pair", "out-of-library", "confounded"}},
+            {"--effect", &R::effect, "effect to hide (id in docs/physics.md); for a pair, one of the two"},
+            {"--snr", &R::snr, "ratio of the rms that the base model cannot absorb to the sigma of one reading"},
+            {{"--readings", {}, "approximate number of readings, 100 to 20000"}, readings},
+            {"--count", &R::count, "number of cases, with consecutive seeds, in DIR/0001 …", cli::Range{1, 9999}},
+            {"--free-base", &R::free_base,
+             "allow any effect in the base model, without given periods, positions and time constants"},
+            {"--noise", &R::noise, "distribution of the noise for --kind blank (usual)",
+             Words{kNoiseLaws.words.begin(), kNoiseLaws.words.end()}},
+            {"--case", &R::printed_case,
+             "predefined case; xytz: the XYTZ machine under the thesis's printed equation (27)", Words{"xytz"}}};
   }
 };
 
@@ -303,7 +303,7 @@ Result<Outcome> hide(VerbContext& /*context*/, const HideRequest& arguments) {
   return Outcome{fmt::format("{}", fmt::join(lines, "\n")), {}};
 }
 
-const std::vector<Action> kHide{action("hide", "measurements with a secret: a machine whose model lacks something",
+const std::vector<Action> kHide{action("hide", "make measurements of a machine whose model lacks a hidden effect",
                                        "ecs-emulator hide --seed 7 -o case\n"
                                        "  ecs-emulator hide --seed 1 --kind single --effect cyclic --snr 3 -o cyclic\n"
                                        "  ecs-emulator hide --seed 1000 --count 300 --kind blank -o blanks\n"

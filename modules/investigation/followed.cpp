@@ -69,7 +69,7 @@ Result<RunReadings> FollowedWorkshop::measure(const RequestedRun& run) {
     auto& steps = followed_.progress_.steps;  // those that another run led to are no longer
     if (steps.size() > kept_) steps.resize(kept_);
   }
-  say_doing(readings ? "looking for what is missing" : "");
+  say_doing(readings ? "looking for missing effects" : "");
   return readings;
 }
 

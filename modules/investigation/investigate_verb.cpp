@@ -20,16 +20,17 @@ struct InvestigateRequest : commissioning::WorkshopChoice {
   static Fields<InvestigateRequest> fields() {
     using R = InvestigateRequest;
     return {{"MODEL", &R::model, "model file (.toml)", Need::required},
-            {"--machine", &R::machine, "the machine (.toml): travels, lever arms, pitches", Need::required},
+            {"--machine", &R::machine, "machine file (.toml): travels, lever arms, pitches", Need::required},
             {"--params", &R::params,
-             "parameters of the unit; parameters.toml beside the machine if not given, else those that fit it"},
+             "parameters of the unit; default: parameters.toml in the folder of the machine file, else parameters made "
+             "from it"},
             {"--workshop", &R::socket,
-             "socket of a running `ecs-emulator serve`, which measures on its own; it names the link as well"},
+             "workshop socket of a running `ecs-emulator serve`, which makes the measurements and gives the link"},
             {"--watch", &R::folder,
-             "folder into which a person puts the readings; what was given is kept in its ledger.json"},
-            {"--minutes", &R::minutes, "that the runs may take, set-up and waiting included", Need::required,
-             Range{0.0, kMostMinutes}},
-            {"-o,--output", &R::output, "the model with the causes found; may be MODEL itself", Is::output}};
+             "folder in which a person places the readings; accepted files are listed in its ledger.json"},
+            {"--minutes", &R::minutes, "time available for the runs, including set-up and waiting [min]",
+             Need::required, Range{0.0, kMostMinutes}},
+            {"-o,--output", &R::output, "model file to write, with the causes found; may be MODEL itself", Is::output}};
   }
 };
 
@@ -97,7 +98,7 @@ Result<Outcome> investigate(VerbContext& context, const InvestigateRequest& requ
 }  // namespace
 
 extern const std::vector<Action> kModelInvestigation{
-    action("model investigate", "measure and diagnose until one cause is left, then compensate and measure again",
+    action("model investigate", "measure and diagnose until one cause remains, then compensate and measure again",
            "ecs model investigate model.toml --machine machine.toml --workshop /tmp/shop --minutes 120 -o found.toml\n"
            "  ecs model investigate model.toml --machine machine.toml --watch readings --minutes 240",
            investigate, {.link = Link::may_write, .logged = Logged::always, .kind = "investigation"})};

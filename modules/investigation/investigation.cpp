@@ -73,7 +73,7 @@ class Investigator {
       ECS_DO(step(*next));
     }
     if (!diagnosis_) {
-      result_.notes.push_back(fmt::format("nothing was measured: no run fits into {:g} minutes", options_.minutes));
+      result_.notes.push_back(fmt::format("no measurement: no run fits into {:g} minutes", options_.minutes));
       return std::move(result_);
     }
     result_.verdict = diagnosis_->verdict;
@@ -110,8 +110,9 @@ class Investigator {
       waiting_.erase(waiting_.begin());
       MeasurementProposal look = first_look(line, machine_, options_.times);
       if (look.minutes <= minutes_left()) return look;
-      result_.notes.push_back(fmt::format("{} along {} was not measured: {:.0f} minutes were left, it takes {:.0f}",
-                                          name_of(line.sense), letter_of(line.axis), minutes_left(), look.minutes));
+      result_.notes.push_back(
+          fmt::format("{} along {} was not measured: {:.0f} minutes were available, {:.0f} are needed",
+                      name_of(line.sense), letter_of(line.axis), minutes_left(), look.minutes));
     }
     if (auto turned = artefact_not_turned_over()) return turned;
     if (!diagnosis_ || settled()) return std::nullopt;
@@ -176,7 +177,7 @@ class Investigator {
     if (auto between = look_not_made(look_between)) return between;
     if (too_long)
       result_.notes.push_back(
-          fmt::format("{:.0f} minutes are left, and every run that separates takes more", minutes_left()));
+          fmt::format("{:.0f} minutes remain, and every separating run needs more", minutes_left()));
     else
       std::copy_if(next.notes.begin(), next.notes.end(), std::back_inserter(result_.notes),
                    [](const std::string& note) { return !is_zero_of_run(note); });
@@ -361,7 +362,7 @@ class Investigator {
     if (cancelled()) return stopped();
     if (was_compensated()) {
       result_.notes.emplace_back(
-          "not compensated: a map was active already while the lines were measured; a new one would have to hold both");
+          "not compensated: a map was active while the lines were measured; a new map would have to include both");
       return {};
     }
     if (auto active = workshop_.activate(result_.model); !active) {

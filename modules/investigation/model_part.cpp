@@ -102,7 +102,7 @@ Result<Investigation> investigated(const ModelArguments& files, const std::strin
   if (found)
     record({.kind = "investigation",
             .summary = fmt::format("MODEL: {} steps; {}", found->steps.size(),
-                                   found->verdict ? model::name_of(*found->verdict) : "nothing was measured"),
+                                   found->verdict ? model::name_of(*found->verdict) : "no measurement was made"),
             .content = one_line(object_of("screen"_is("MODEL"), "answer"_is(investigation_cell(*found).json)))});
   return found;
 }
@@ -113,7 +113,7 @@ bool InvestigationController::may_begin() {
     model_.message().say("open the model with its machine file: an investigation needs travels and lever arms",
                          Tone::bad);
   else if (model_.changed())
-    model_.message().say("save the model first (s): the investigation begins with its file", Tone::warning);
+    model_.message().say("save the model first (s): the investigation starts from its file", Tone::warning);
   else
     return true;
   return false;
@@ -147,7 +147,7 @@ void InvestigationController::start(const std::string& place, const std::string&
   if (!may_begin()) return;
   const auto number = number_in(minutes);
   if (!number || !(*number > 0.0))
-    return model_.message().say(fmt::format("expected minutes that the runs may take, found \"{}\"", minutes),
+    return model_.message().say(fmt::format("expected the minutes available for the runs, found \"{}\"", minutes),
                                 Tone::bad);
   model_.message().clear();
   const bool goes_on = followed_ && !found_ && place == place_;
@@ -168,10 +168,10 @@ void InvestigationController::take(Result<Investigation> investigation) {
   followed_->forget_messages();
   if (investigation) {
     found_ = std::move(*investigation);
-    model_.message().say("the investigation is at its end");
+    model_.message().say("the investigation is complete");
     noted_ = note(command({}));
   } else if (model_.added_work().cancelled()) {
-    model_.message().say("stopped; what was measured is kept, and i goes on", Tone::warning);
+    model_.message().say("stopped; the measurements are kept; press i to continue", Tone::warning);
   } else {
     model_.message().say(investigation.error());
   }
@@ -213,7 +213,7 @@ void ask_investigation(InvestigationController& investigation, Prompt& prompt) {
   const auto take = [&investigation, &prompt](const std::string& typed) {
     const auto place = investigation.place_of(typed);
     if (place)
-      prompt.ask("minutes that the runs may take:", Prompt::Kind::number, fmt::format("{:g}", investigation.minutes()),
+      prompt.ask("minutes available for the runs:", Prompt::Kind::number, fmt::format("{:g}", investigation.minutes()),
                  [&investigation, place = *place](const std::string& most) { investigation.start(place, most); });
   };
   prompt
@@ -262,17 +262,18 @@ NextPart investigation_part(ModelController& model, Prompt& prompt) {
                std::filesystem::path(model.model_file()).replace_extension(".found.toml").string(),
                [investigation](const std::string& file) { investigation->write_model(file); });
   };
-  return {{{"f", "write what was found", write_found, [investigation] { return investigation->found().has_value(); }},
-           {"i", "investigate", [investigation, &prompt] { ask_investigation(*investigation, prompt); }}},
-          [investigation](Canvas& canvas, const Area& area, const ScrollPlace& scroll) {
-            if (investigation->was_begun()) draw_ledger(canvas, area, *investigation, scroll);
-            return investigation->was_begun();
-          },
-          "Or i: measure, diagnose and take the next run, one after the other, until one cause is left; in the "
-          "workshop of an emulator, or with files that you bring.",
-          "On the page Next i investigates: a workshop is asked for one run after the other (with the bundled emulator "
-          "it is the emulated machine of the link) until one cause is left; the ledger shows minutes, error and the "
-          "causes still possible. Esc stops it, i goes on where it was, f writes the model with what was found."};
+  return {
+      {{"f", "save the findings", write_found, [investigation] { return investigation->found().has_value(); }},
+       {"i", "investigate", [investigation, &prompt] { ask_investigation(*investigation, prompt); }}},
+      [investigation](Canvas& canvas, const Area& area, const ScrollPlace& scroll) {
+        if (investigation->was_begun()) draw_ledger(canvas, area, *investigation, scroll);
+        return investigation->was_begun();
+      },
+      "Or press i to measure, diagnose and make the next run until one cause remains, in the workshop of an emulator "
+      "or with files that you provide.",
+      "On the page Next, press i to investigate: a workshop makes one run after the other until one cause remains "
+      "(with the bundled emulator this is the emulated machine of the link). The ledger shows minutes, error and the "
+      "causes still possible. Press Esc to stop, i to continue, and f to save the model with the causes found."};
 }
 
 }  // namespace

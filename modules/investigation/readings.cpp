@@ -222,24 +222,24 @@ Cell cause_cell(const InvestigatedCause& cause) {
 Cell micrometres_cell(const std::optional<double>& um) { return {number_or_null(um), micrometres(um)}; }
 
 std::string verdict_text(const Investigation& investigation) {
-  if (!investigation.verdict) return "Nothing was measured.";
+  if (!investigation.verdict) return "No measurement was made.";
   switch (*investigation.verdict) {
     case model::Verdict::adequate:
-      return "Nothing is missing from the model: what it leaves is noise.";
+      return "No effect is missing from the model: the residual is noise.";
     case model::Verdict::missing_effect:
       return fmt::format("{} missing from the model:",
                          investigation.causes.size() == 1 ? "One cause was" : "Causes were");
     case model::Verdict::partly_explained:
-      return "A cause is proved, but more is left than it explains:";
+      return "A cause is proved, but it does not explain the whole residual:";
     case model::Verdict::likely_effect:
       return "Probably missing from the model, but not proved:";
     case model::Verdict::cannot_tell:
-      return "These data cannot tell whether anything is missing from the model.";
+      return "These data cannot show whether an effect is missing from the model.";
     case model::Verdict::unexplained_structure:
-      if (!investigation.causes.empty()) return "Proved, but the lesser part of what the model leaves:";
+      if (!investigation.causes.empty()) return "Proved, but only the smaller part of the residual:";
       break;
   }
-  return "Nothing proved explains what the model leaves, and it is no noise.";
+  return "No proved cause explains the residual, which is not noise.";
 }
 
 }  // namespace

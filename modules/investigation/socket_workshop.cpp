@@ -157,7 +157,7 @@ Result<void> SocketWorkshop::with_unit(const std::function<Result<void>(protocol
       if (!arm_code.empty()) client.know_code(arm_code);
       return work(client);
     });
-  if (options_.link.empty()) return problem(ProblemKind::usage, "the workshop names no link to its unit: give --link");
+  if (options_.link.empty()) return problem(ProblemKind::usage, "the workshop gives no link to its unit: give --link");
   ECS_TRY(choice, chosen_link(options_.link));
   choice.arm_code = arm_code;
   ECS_TRY(unit, open_link(choice, cancelled_));
@@ -167,7 +167,7 @@ Result<void> SocketWorkshop::with_unit(const std::function<Result<void>(protocol
 /// The errors of the machine are looked for, not what a map leaves of them.
 Result<void> SocketWorkshop::stop_compensation() const {
   return with_unit([this](protocol::UnitClient& client) {
-    messages_.note("the unit compensates with a map that the model does not name: switched to integration mode");
+    messages_.note("the unit compensates with a map that the model does not state: switched to integration mode");
     return client.enter_integration();
   });
 }

@@ -23,7 +23,7 @@ namespace ecs::commissioning {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{100};
-constexpr const char* kNotInvestigated = "not part of the model that was investigated";
+constexpr const char* kNotInvestigated = "not part of the investigated model";
 
 /// Components of the machine that the map of the model does not hold.
 std::vector<std::string> declared_zero(const MapFromModel& built, const params::Machine& machine) {
@@ -72,7 +72,7 @@ Result<void> wait_for_compensation(protocol::UnitClient& client, double seconds)
     if (status.mode == UnitMode::compensating) return {};
     if (status.fault != Fault::none) return problem(ProblemKind::link, fault_sentence(status));
     if (status.mode == UnitMode::integration)
-      return problem(ProblemKind::link, "the unit went back to integration mode");
+      return problem(ProblemKind::link, "the unit returned to integration mode");
     if (std::chrono::steady_clock::now() >= end)
       return problem(ProblemKind::link, "the unit does not compensate: not every axis has been referenced");
     if (!client.link().pause(kPoll)) return problem(ProblemKind::link, "stopped while the axes were being referenced");
@@ -139,17 +139,17 @@ std::string not_asked_for(const laser::MeasurementSet& set, const RequestedRun& 
   bool forward = false, reverse = false;
   for (const laser::Reading& reading : set.readings) {
     if (reading.axis != asked.axis || reading.sense != asked.sense)
-      return fmt::format("it holds {}; asked for was {}", line_text(reading.axis, reading.sense),
+      return fmt::format("it contains {}; {} was requested", line_text(reading.axis, reading.sense),
                          line_text(asked.axis, asked.sense));
     for (const Axis a : kAllAxes)
       if (a != asked.axis && states(set, kColumns[index_of(a)]) &&
           std::abs(reading.position_mm[index_of(a)] - asked.parked_mm[index_of(a)]) > kOtherLine_mm)
-        return fmt::format("it was measured at {} {:g} mm; asked for was {} {:g} mm", letter_of(a),
+        return fmt::format("it was measured at {} {:g} mm; {} {:g} mm was requested", letter_of(a),
                            reading.position_mm[index_of(a)], letter_of(a), asked.parked_mm[index_of(a)]);
     forward = forward || reading.approach == Approach::forward;
     reverse = reverse || reading.approach == Approach::reverse;
     if (run.with_new_map && reading.compensated && !*reading.compensated)
-      return "it was measured without compensation; asked for was the line with the new map active";
+      return "it was measured without compensation; the line with the new map active was requested";
   }
   if ((asked.bidirectional || asked.approach > 0) && !forward) return "it has no readings of forward approach";
   if ((asked.bidirectional || asked.approach < 0) && !reverse) return "it has no readings of reverse approach";
@@ -198,7 +198,7 @@ Result<void> WatchedFolder::read_ledger() {
   for (const Json& one : ledger["runs"])
     if (auto given = given_in(one)) given_.push_back(std::move(*given));
   if (!given_.empty())
-    messages_.note(fmt::format("going on with {}: {} {} given", ledger_file().string(), given_.size(),
+    messages_.note(fmt::format("continuing with {}: {} {} already provided", ledger_file().string(), given_.size(),
                                given_.size() == 1 ? "run was" : "runs were"));
   return {};
 }
@@ -218,7 +218,7 @@ Result<RunReadings> WatchedFolder::measure(const RequestedRun& run) {
     if (given.number != run.number) continue;
     auto readings = given_before(run, given);
     if (readings) return readings;
-    messages_.warn(fmt::format("{}, given for run {}: {}", given.file, run.number, to_text(readings.error())));
+    messages_.warn(fmt::format("{}, provided for run {}: {}", given.file, run.number, to_text(readings.error())));
     std::erase_if(given_, [&](const GivenRun& one) { return one.number == run.number; });
     break;
   }
@@ -244,7 +244,7 @@ Result<void> WatchedFolder::ask_for(const RequestedRun& run) const {
   messages_.note(fmt::format("run {}{}: {}", run.number, run.with_new_map ? ", with the new map active" : "",
                              run.proposal.sentence));
   messages_.note(
-      fmt::format("part program {}, targets {}; put the readings into {}", program, targets, options_.folder.string()));
+      fmt::format("part program {}, targets {}; save the readings in {}", program, targets, options_.folder.string()));
   return {};
 }
 
@@ -253,8 +253,8 @@ bool WatchedFolder::model_is_the_same() {
   const bool same = content && sha256_hex(*content) == model_sha256_;
   if (!same && !model_named_)
     messages_.warn(
-        fmt::format("{} is not the model that this investigation began with. Put it back, or begin another "
-                    "investigation in another folder. No readings are taken until then.",
+        fmt::format("{} is not the model of this investigation. Restore it, or begin another investigation in another "
+                    "folder. No readings are accepted until then.",
                     options_.model.string()));
   model_named_ = !same;
   return same;
@@ -289,23 +289,24 @@ Result<RunReadings> WatchedFolder::wait_for(const RequestedRun& run) {
       const std::string hash = sha256_hex(*content);
       const auto old = std::find_if(given_.begin(), given_.end(), [&](const auto& one) { return one.sha256 == hash; });
       if (old != given_.end() && old->file == name) continue;
-      auto set = old == given_.end() ? taken(file, *content, run)
-                                     : Result<laser::MeasurementSet>(refused(fmt::format(
-                                           "the same readings were given as {} for run {}", old->file, old->number)));
+      auto set = old == given_.end()
+                     ? taken(file, *content, run)
+                     : Result<laser::MeasurementSet>(refused(
+                           fmt::format("the same readings were provided as {} for run {}", old->file, old->number)));
       if (!set) {
         seen_[name].refused = true;
-        messages_.warn(fmt::format("{} is not taken and stays where it is: {}. Run {} is still wanted.", name,
+        messages_.warn(fmt::format("{} is not accepted and not moved: {}. Run {} is still needed.", name,
                                    to_text(set.error()), run.number));
         continue;
       }
       given_.push_back({run.number, run.proposal.sentence, name, hash, run.proposal.minutes});
       ECS_DO(write_ledger());
-      messages_.note(fmt::format("{} is taken for run {}: {} readings", name, run.number, set->readings.size()));
+      messages_.note(fmt::format("{} accepted for run {}: {} readings", name, run.number, set->readings.size()));
       return RunReadings{std::move(*set), run.proposal.minutes};
     }
     if (cancelled_ || !options_.pause(kLook))
-      return refused(
-          fmt::format("stopped; what was given is kept in {}, and the same command goes on", ledger_file().string()));
+      return refused(fmt::format("stopped; the accepted readings are kept in {}; repeat the command to continue",
+                                 ledger_file().string()));
   }
 }
 
@@ -315,13 +316,13 @@ Result<laser::MeasurementSet> WatchedFolder::taken(const std::filesystem::path& 
   if (content.back() != '\n') return refused("its last line has no end; it may be half written");
   auto set = read_for(file, run.proposal);
   if (!set) return tl::unexpected(set.error());
-  if (set->readings.empty()) return refused("it holds no readings");
+  if (set->readings.empty()) return refused("it contains no readings");
   if (const std::string why = not_asked_for(*set, run); !why.empty()) return refused(why);
   const std::size_t asked = model::stops_of(run.proposal).size();
   if (set->readings.size() < asked && !is_complete(file))
     return refused(
-        fmt::format("it holds {} of the {} readings asked for; it may be half written. If no more will come, put an "
-                    "empty file {}{} beside it",
+        fmt::format("it contains {} of the {} requested readings; it may be half written. If it is complete, create an "
+                    "empty file {}{} in the same folder",
                     set->readings.size(), asked, file.filename().string(), kComplete));
   return set;
 }
@@ -341,7 +342,7 @@ Result<void> WatchedFolder::make_active(const model::Model& model) {
   if (options_.link.empty()) {
     messages_.note(
         fmt::format("send the map with `{}`, then switch the unit to compensation with `ecs utility mode compensate` "
-                    "and reference the axes; both take the stored link, or --link",
+                    "and reference the axes; both use the stored link, or --link",
                     shell_command({"ecs", "map", "send", files.map, "--params", files.params})));
     return {};
   }
@@ -350,7 +351,7 @@ Result<void> WatchedFolder::make_active(const model::Model& model) {
   ECS_TRY(unit, open_link(choice, cancelled_));
   ECS_DO(unit.client().status());
   ECS_DO(send_map_files(unit.client(), files));
-  messages_.note("the map was sent; reference every axis of the machine now: the unit watches");
+  messages_.note("the map was sent; reference every axis of the machine now; the unit is waiting");
   return wait_for_compensation(unit.client(), kReferencing_s);
 }
 

@@ -117,7 +117,7 @@ Result<void> has_travels(const JudgingLimits& limits, const ModelWork& work, con
   for (const HeldOutGroups& groups : limits.groups)
     if (groups.by == "half" && (work.data.rotary || !work.machine))
       return problem_at(limits_file, groups.line, 0,
-                        work.data.rotary ? "by: half is of linear axes; of rotary axes take sector or sign"
+                        work.data.rotary ? "by: half is for linear axes; for rotary axes use sector or sign"
                                          : "by: half needs the travel of the axis: give --machine");
   return {};
 }
@@ -190,16 +190,15 @@ Result<FrozenModel> parse_frozen_model(std::string_view text, const std::string&
     std::string unsealed(text);
     const std::size_t at = unsealed.find(line);
     if (at == std::string::npos || seal_line(sha256_hex(unsealed.replace(at, line.size(), open_seal_line()))) != line)
-      return problem_at(file, 0, 0, "this freeze was changed after it was written: its SHA-256 is another one");
+      return problem_at(file, 0, 0, "this freeze was changed after it was written: its SHA-256 differs");
     FrozenModel frozen = top.get<FrozenModel>();
     if (frozen.freeze == FrozenModel{}.freeze) return frozen;
     return problem_at(file, 0, 0,
                       fmt::format("expected a freeze of format {}, got {}", FrozenModel{}.freeze, frozen.freeze));
   } catch (const nlohmann::json::exception&) {
-    return problem_at(
-        file, 0, 0,
-        "expected what `ecs model freeze -o` writes, found a text that ends too early or is another kind of "
-        "file: take the freeze as it was written");
+    return problem_at(file, 0, 0,
+                      "expected a file written by `ecs model freeze -o`, found a truncated file or another kind of "
+                      "file: use the original freeze");
   }
 }
 

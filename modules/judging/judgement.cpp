@@ -44,8 +44,8 @@ Result<void> unchanged(const std::string& freeze_file, const FrozenFile& one, co
   return problem_at(
       file, 0, 0,
       fmt::format(
-          "the {} has changed since the freeze: expected SHA-256 {}, got {}; restore it, or freeze what is there", what,
-          one.sha256, now));
+          "the {} has changed since the freeze: expected SHA-256 {}, got {}; restore it, or freeze the present one",
+          what, one.sha256, now));
 }
 
 Result<void> same_program(const FrozenModel& frozen, const std::string& freeze_file) {
@@ -70,7 +70,7 @@ Result<std::map<std::string, std::string>> unseen_files(const FrozenModel& froze
         return problem_at(file, 0, 0,
                           fmt::format("the model was fitted to this file ({}): it is not held out", fitted.file));
     if (!file_of.emplace(sha256, file).second)
-      return problem_at(file, 0, 0, fmt::format("the same file is given twice, as {} too", file_of[sha256]));
+      return problem_at(file, 0, 0, fmt::format("the same file is given twice, also as {}", file_of[sha256]));
   }
   return file_of;
 }
@@ -212,7 +212,7 @@ Result<std::map<std::string, Rows, InOrder>> rows_by_value(const HeldOutGroups& 
     const auto value = value_of(groups, work, k);
     if (!value)
       return problem_at(work.set.source, 0, 0,
-                        fmt::format("row {}: it has no {}, by which {} divides the hold-out", work.data.row[k],
+                        fmt::format("row {}: it has no {}, which {} needs to divide the hold-out", work.data.row[k],
                                     groups.by, limits_file));
     if (groups.values.empty() || rows.contains(*value)) rows[*value].push_back(k);
   }
@@ -259,22 +259,21 @@ Result<std::vector<GroupRows>> groups_to_judge(const FrozenModel& frozen, const 
     for (const auto& [value, rows] : by_value) {
       held_out += rows.size();
       if (rows.size() < groups.readings)
-        return problem_at(file, groups.line, 0,
-                          rows.empty()
-                              ? fmt::format("{} {} is held out, and the files hold no reading of it", groups.by, value)
-                              : fmt::format("{} {}: expected at least {} readings to judge, got {}", groups.by, value,
-                                            groups.readings, rows.size()));
+        return problem_at(
+            file, groups.line, 0,
+            rows.empty() ? fmt::format("{} {} is held out, but the files contain no reading of it", groups.by, value)
+                         : fmt::format("{} {}: expected at least {} readings to judge, got {}", groups.by, value,
+                                       groups.readings, rows.size()));
       for (GroupRows& part : parts_of(groups, value, rows, work.data, conditions)) {
         const auto& limit = part.group.beyond ? groups.beyond : groups.inside;
         if (!limit)
-          return problem_at(
-              file, groups.line, 0,
-              part.group.beyond
-                  ? fmt::format("{} {} lies beyond what the model was fitted to ({}), and there is no limit for that: "
-                                "give one, or say in [inside] how far it may",
-                                groups.by, value, fmt::join(part.group.conditions, ", "))
-                  : fmt::format("{} {} lies inside what the model was fitted to, and there is no limit for that",
-                                groups.by, value));
+          return problem_at(file, groups.line, 0,
+                            part.group.beyond
+                                ? fmt::format("{} {} lies beyond the fitted range ({}), and there is no limit for "
+                                              "that: give one, or extend [inside]",
+                                              groups.by, value, fmt::join(part.group.conditions, ", "))
+                                : fmt::format("{} {} lies inside the fitted range, and there is no limit for that",
+                                              groups.by, value));
         part.group.limit = *limit;
         all.push_back(std::move(part));
       }
@@ -289,7 +288,7 @@ Result<std::vector<GroupRows>> groups_to_judge(const FrozenModel& frozen, const 
   for (const auto& [by, rows] : taken)
     if (rows < work.data.size())
       return problem_at(file, 0, 0,
-                        fmt::format("{} of {} readings have another {} than those held out: leave them out",
+                        fmt::format("{} of {} readings have a different {} from those held out: omit them",
                                     work.data.size() - rows, work.data.size(), by));
   return all;
 }
@@ -469,8 +468,8 @@ Result<Judgement> judge(MessageSink& messages, const std::string& freeze_file, c
   judgement.file_of = std::move(file_of);
   take_uses(judgement, frozen, sha256_hex(text));
   for (const std::string& column : Conditions(frozen, limits).unknown(work.data))
-    judgement.notes.push_back(
-        fmt::format("{}: the fitted readings do not say it, so it does not decide what is inside", column));
+    judgement.notes.push_back(fmt::format(
+        "{}: the fitted readings do not state it, so it is not used to decide between inside and beyond", column));
   judgement.notes.insert(judgement.notes.end(), fit.notes.begin(), fit.notes.end());
   judgement.zero_of_each_run = limits.zero_of_each_run;
   judgement.unit = work.data.reading_unit();

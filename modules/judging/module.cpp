@@ -18,12 +18,12 @@ cli::Fields<FreezeArguments> FreezeArguments::fields() {
   using M = ModelArguments;
   using R = FreezeArguments;
   const cli::Fields<M> of{{"MODEL", &M::model, "model file (.toml), fitted", cli::Need::required},
-                          {"--data", &M::data, "the measurement files that it was fitted to", cli::Need::required},
+                          {"--data", &M::data, "measurement files to which the model was fitted", cli::Need::required},
                           {"--machine", &M::machine, kMachineHelp},
                           &M::import};
   return {{&R::of, of},
           {"--limits", &R::limits, "acceptance limits of the held-out groups (.toml)", cli::Need::required},
-          {"-o,--output", &R::output, "the freeze (.json)", cli::Need::required, cli::Is::output}};
+          {"-o,--output", &R::output, "freeze to write (.json)", cli::Need::required, cli::Is::output}};
 }
 
 }  // namespace ecs::commissioning
@@ -52,7 +52,7 @@ Result<Outcome> freeze_verb(VerbContext& context, const FreezeArguments& request
       "readings"_is(frozen.readings), "rms_um"_is(frozen.rms_um, 3),
       "to_prove"_is(to_prove, to_prove.empty()
                                   ? ""
-                                  : paragraph(fmt::format("to predict better than the model without it: {}",
+                                  : paragraph(fmt::format("must predict better than the model without it: {}",
                                                           fmt::join(to_prove, "; ")),
                                               0, 2))));
 }
@@ -63,8 +63,8 @@ struct JudgeRequest {
   ImportArguments import;
   static Fields<JudgeRequest> fields() {
     using R = JudgeRequest;
-    return {{"FREEZE", &R::freeze, "what `ecs model freeze` wrote (.json)", Need::required},
-            {"HELD_OUT", &R::held_out, "measurement files that the model has not seen", Need::required},
+    return {{"FREEZE", &R::freeze, "file written by `ecs model freeze` (.json)", Need::required},
+            {"HELD_OUT", &R::held_out, "measurement files that were not used for the fit", Need::required},
             &R::import};
   }
 };
@@ -114,21 +114,21 @@ Cell use_cell(const RecordedUse& one, const Judgement& judgement) {
 std::string opened_text(const Judgement& judgement) {
   if (!judgement.openings)
     return paragraph(
-        "No logbook is kept of this machine: nobody can know whether this hold-out was opened, or looked at before the "
+        "No logbook is kept of this machine: it cannot be checked whether this hold-out was opened, or used before the "
         "freeze.",
         0, 2);
   std::string text;
   if (judgement.openings->empty()) {
     text = "The hold-out is opened for the first time.\n";
   } else {
-    text = paragraph(
-        fmt::format("This is opening {} of this freeze or these files, so it is no independent judgement. Before:",
-                    judgement.openings->size() + 1),
-        0, 2);
+    text = paragraph(fmt::format("This is opening {} of this freeze or these files, so it is not an independent "
+                                 "judgement. Earlier openings:",
+                                 judgement.openings->size() + 1),
+                     0, 2);
     for (const RecordedUse& one : *judgement.openings) text += use_cell(one, judgement).text;
   }
-  if (judgement.seen->empty()) return text + "The logbook knows no look at these files before the freeze.\n";
-  text += "Seen before the freeze:\n";
+  if (judgement.seen->empty()) return text + "The logbook has no use of these files before the freeze.\n";
+  text += "Used before the freeze:\n";
   for (const RecordedUse& one : *judgement.seen) text += use_cell(one, judgement).text;
   return text;
 }
@@ -174,10 +174,10 @@ Result<Outcome> judge_verb(VerbContext& context, const JudgeRequest& request) {
 }
 
 const std::vector<Action> kJudging{
-    action("model freeze", "keeps a model with its acceptance limits, before a hold-out is opened",
+    action("model freeze", "freeze a model with its acceptance limits, before a hold-out is opened",
            "ecs model freeze model.toml --data data.csv --machine machine.toml --limits limits.toml -o frozen.json",
            freeze_verb, {.logged = Logged::always, .kind = "model"}),
-    action(kJudgeVerb, "whether a frozen model holds in readings that it has not seen",
+    action(kJudgeVerb, "test a frozen model on readings that were not used for its fit",
            "ecs model judge frozen.json held_out.csv", judge_verb, {.logged = Logged::always, .kind = "test"})};
 
 }  // namespace

@@ -58,14 +58,14 @@ std::string what_is_missing(Component component, const LengthTest& test, const M
   const Axis axis = moving_axis(component);
   const auto moving = while_moving(test, axis);
   if (moving.empty())
-    return fmt::format("{} is not determined: {} stands at one place in every set-up: add lengths while {} moves", name,
+    return fmt::format("{} is not determined: {} is at one position in every set-up: add lengths while {} moves", name,
                        letter_of(axis), letter_of(axis));
   std::set<double> places;
   for (const std::size_t i : moving) places.insert(test.readings[i].position_mm[index_of(axis)]);
   const auto needed = static_cast<std::size_t>(curves.block(component).even) + 1;
   if (places.size() < needed)
     return fmt::format(
-        "{} is not determined: {} places of {} for a curve that needs {}: add targets, or take knots farther apart",
+        "{} is not determined: {} positions of {} for a curve that needs {}: add targets, or use a larger knot spacing",
         name, places.size(), letter_of(axis), needed);
   std::vector<std::string> lacks;
   bool some_lever_changes = false;
@@ -106,7 +106,7 @@ std::string what_is_missing(Component component, const LengthTest& test, const M
   std::string text = name + " is not determined";
   if (!some_lever_changes && !lacks.empty()) return fmt::format("{}: {}", text, fmt::join(lacks, "; "));
   if (!together_with.empty())
-    text += fmt::format(": these lengths hold it only together with {}", letters_in(together_with));
+    text += fmt::format(": these lengths determine it only together with {}", letters_in(together_with));
   text += ": add lines at other offsets, in other directions or with a tool of another length";
   return text;
 }
@@ -303,19 +303,20 @@ class LengthReport {
     for (const auto& [of, first] : fitted_.nuisance.station) {
       const Eigen::Vector3d off_mm = fitted_.solution.x.segment(first, 3) / kUmPerMm;
       if (off_mm.norm() <= kStationByTape_mm) continue;
-      out.notes.push_back(fmt::format(
-          "set-up {}, tool {}: the station lies {:.1f} mm from where the file puts it (by {:+.1f}, {:+.1f}, {:+.1f} "
-          "mm); a tape finds it within {:g} mm. Check its coordinates (# set_up) and the offset of the tool (# tool)",
-          fitted_.test.set_ups[of.first].name, fitted_.test.tools[of.second].name, off_mm.norm(), off_mm(0), off_mm(1),
-          off_mm(2), kStationByTape_mm));
+      out.notes.push_back(
+          fmt::format("set-up {}, tool {}: the station lies {:.1f} mm from its position in the file (by {:+.1f}, "
+                      "{:+.1f}, {:+.1f} mm); a tape measure locates it within {:g} mm. Check its coordinates (# "
+                      "set_up) and the offset of the tool (# tool)",
+                      fitted_.test.set_ups[of.first].name, fitted_.test.tools[of.second].name, off_mm.norm(), off_mm(0),
+                      off_mm(1), off_mm(2), kStationByTape_mm));
     }
     if (fitted_.misplaced) {
       const MisplacedStation& one = *fitted_.misplaced;
       const double far_mm = std::hypot(one.off_mm[0], one.off_mm[1], one.off_mm[2]);
       if (far_mm <= kStationByTape_mm) return;
       out.notes.push_back(fmt::format(
-          "set-up {}: the lengths look from another place than the file says, {:.0f} mm away (U = {:.0f}; by {:+.0f}, "
-          "{:+.0f}, {:+.0f} mm): every component takes up what the directions lack. Correct its coordinates (# set_up)",
+          "set-up {}: the lengths start {:.0f} mm from the position in the file (U = {:.0f}; by {:+.0f}, {:+.0f}, "
+          "{:+.0f} mm): the error of the directions falsifies every component. Correct its coordinates (# set_up)",
           fitted_.test.set_ups[one.set_up].name, far_mm, 2.0 * one.u_mm, one.off_mm[0], one.off_mm[1], one.off_mm[2]));
     }
   }
@@ -331,9 +332,9 @@ class LengthReport {
       const double u_um = std::sqrt(
           std::max(0.0, covariance_(after, after) + covariance_(before, before) - 2.0 * covariance_(after, before)));
       out.notes.push_back(fmt::format(
-          "set-up {}, tool {}: the lengths jump by {:+.1f} um (U = {:.1f}) at line {} and stay there: a beam that was "
-          "lost, or an instrument that was touched. The zero is taken again from that line on. Give these rows a run "
-          "of their own, or measure the set-up again",
+          "set-up {}, tool {}: the lengths jump by {:+.1f} um (U = {:.1f}) at line {} and do not return: the beam was "
+          "lost, or the instrument was touched. A new zero is used from that line on. Give these rows their own run "
+          "number, or measure the set-up again",
           fitted_.test.set_ups[jump.set_up].name, fitted_.test.tools[jump.tool].name, um, 2.0 * u_um, jump.line));
     }
   }
@@ -360,15 +361,15 @@ class LengthReport {
 
   void compare_repeats(Identification& out) const {
     if (!out.repeat_um) {
-      out.notes.push_back("no pose is measured in two runs: noise is known from the residuals alone");
+      out.notes.push_back("no pose is measured in two runs: the noise is estimated from the residuals alone");
       return;
     }
     constexpr double kMuchMore = 1.3;
     if (out.residual_um > kMuchMore * *out.repeat_um)
-      out.notes.push_back(
-          fmt::format("residuals {:.2f} um, repeats {:.2f} um: the machine holds form that the curves do not: take "
-                      "knots closer together (--knots) or look for drift; uncertainties count the residuals",
-                      out.residual_um, *out.repeat_um));
+      out.notes.push_back(fmt::format(
+          "residuals {:.2f} um, repeats {:.2f} um: the curves do not follow the machine closely enough: use a smaller "
+          "knot spacing (--knots) or check for drift; the uncertainties include the residuals",
+          out.residual_um, *out.repeat_um));
   }
 
   const FittedLengths& fitted_;

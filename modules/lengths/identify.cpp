@@ -301,8 +301,8 @@ std::string contradiction(Component component, const Identification& found) {
                        letter_of(moving_axis(component)), at_mm);
   }
   return fmt::format(
-      "{0} is declared zero, but the lengths show {1} where it is free: the other components take up what it lacks. "
-      "Fit without --zero {0}, or find out what the lengths show there",
+      "{0} is declared zero, but the lengths show {1} if it is fitted: the other components absorb its error. Fit "
+      "without --zero {0}, or find the cause",
       name_of(component), size);
 }
 
@@ -365,7 +365,7 @@ Problem too_few(const LengthTest& test, IdentifySettings settings, MachineCurves
       problem_at(
           test.source, 0, 0,
           fmt::format("expected at least {} readings for {} unknowns (knots {:.0f}, {:.0f}, {:.0f} mm), found {}: "
-                      "measure more lines, or take knots farther apart (--knots)",
+                      "measure more lines, or use a larger knot spacing (--knots)",
                       unknowns + kLeastFreedom, unknowns, knots_mm[0], knots_mm[1], knots_mm[2], test.readings.size()))
           .value()};
   settings.keep_outliers = true;
@@ -414,7 +414,7 @@ Result<Identification> identify(const LengthTest& test, const params::Machine& m
   Identification out;
   if (sides.size() == 1 && curves.reversal_degree >= 0) {
     curves.reversal_degree = -1;
-    out.notes.push_back("every pose is approached from the same side: nothing is known of the reversal errors");
+    out.notes.push_back("every pose is approached from the same side: the reversal errors are unknown");
   }
   out.knots_mm = curves.knots_mm;
   MachineCurves made(known, curves);

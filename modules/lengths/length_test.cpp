@@ -184,7 +184,7 @@ class LengthReader {
             fmt::format("{}: expected 1 or -1, the direction of the last motion, found {:g}", kApproaches[a], *side));
       if (mm && std::abs(*mm) > kFarthest_mm)
         findings_.add(row.line, row.fields[*place_of(table_, kPlaces[a])].column,
-                      fmt::format("{}: expected a place in mm, found {:g}", kPlaces[a], *mm));
+                      fmt::format("{}: expected a position in mm, found {:g}", kPlaces[a], *mm));
       whole = whole && mm && side;
       reading.position_mm[a] = mm.value_or(0.0);
       reading.approach[a] = side.value_or(1.0) < 0.0 ? -1 : 1;
@@ -195,7 +195,7 @@ class LengthReader {
       reading.deviation_um = deviation.value_or(0.0);
       if (std::abs(reading.deviation_um) > kLargestDeviation_um)
         findings_.add(row.line, row.fields[*place_of(table_, kDeviation)].column,
-                      fmt::format("deviation_um: expected measured less nominal length, at most {:g} um, found {:g}",
+                      fmt::format("deviation_um: expected measured minus nominal length, at most {:g} um, found {:g}",
                                   kLargestDeviation_um, reading.deviation_um));
     }
     if (!whole) return;

@@ -140,7 +140,7 @@ laser::ErrorMap map_of(const LengthsWork& work, const LengthsArguments& argument
   }
   header.processing.push_back(
       fmt::format("identified from {} lengths of {} set-ups: {} unknowns, knots {:.0f}, {:.0f}, {:.0f} mm, reversal of "
-                  "degree {}, {} readings left out, residual {:.3f} um",
+                  "degree {}, {} readings excluded, residual {:.3f} um",
                   work.found.readings, work.test.set_ups.size(), work.found.unknowns, work.found.knots_mm[0],
                   work.found.knots_mm[1], work.found.knots_mm[2], arguments.settings.reversal_degree,
                   work.found.outliers.size(), work.found.residual_um));
@@ -154,22 +154,22 @@ cli::Fields<LengthsArguments> LengthsArguments::fields() {
   using cli::Is, cli::Need, cli::Range;
   return {{"LENGTHS", &A::file, "measured lengths (.csv, modules/lengths/README.md)", Need::required},
           {"--machine", &A::machine, "machine file: chain, travels, datum", Need::required},
-          {"--params", &A::params, "parameters of the unit that the map is for"},
+          {"--params", &A::params, "parameters of the unit to be compensated"},
           {"-o,--output", &A::output, "map CSV to write; needs --params", Is::output},
-          {"--params-out", &A::params_out, "parameters to write, with the squareness that was found", Is::output},
+          {"--params-out", &A::params_out, "parameter file to write, with the identified squareness", Is::output},
           {"--knots", &A::knots,
-           "spacing of the curves' knots X,Y,Z [mm]; by default as the file says, else twice the "
-           "spacing of its coordinates"},
+           "knot spacing of the curves X,Y,Z [mm]; default: as in the file, else twice the spacing of its coordinates"},
           {&A::settings,
-           cli::Fields<S>{{"--reversal-degree", &S::reversal_degree,
-                           "of the reversal error as a polynomial; -1: the approach does not matter", Range{-1, 6}},
-                          {"--scale", &S::scale_um_per_m,
-                           "of each set-up (air, wavelength), standard uncertainty [um/m]; 0: none", Range{0.0}}}},
+           cli::Fields<S>{
+               {"--reversal-degree", &S::reversal_degree,
+                "degree of the reversal error as a polynomial; -1: no reversal error", Range{-1, 6}},
+               {"--scale", &S::scale_um_per_m,
+                "standard uncertainty of the scale of each set-up (air, wavelength) [um/m]; 0: none", Range{0.0}}}},
           {"--zero", &A::zero, "declare a component zero: EBY=\"too small to measure\""},
-          {&A::settings, cli::Fields<S>{{"--keep-outliers", &S::keep_outliers, "leave no reading out"}}},
-          {"--customer", &A::customer, "for the header"},
-          {"--engineer", &A::engineer, "for the header"},
-          {"--date", &A::date, "for the header, as in 2026-03-12"}};
+          {&A::settings, cli::Fields<S>{{"--keep-outliers", &S::keep_outliers, "exclude no readings"}}},
+          {"--customer", &A::customer, "customer, as stated in the map header"},
+          {"--engineer", &A::engineer, "engineer, as stated in the map header"},
+          {"--date", &A::date, "date in the map header, as in 2026-03-12"}};
 }
 
 /// "100,50,50" as three lengths above 0. @param option  as problems name it
@@ -260,35 +260,38 @@ cli::Fields<LengthsPlanAsked> LengthsPlanAsked::fields() {
   using A = LengthsPlanAsked;
   using S = model::LengthPlanSettings;
   using cli::Is, cli::Need, cli::Range, cli::Words;
-  return {{"--machine", &A::machine, "machine file: chain, travels, datum", Need::required},
-          {"--volume-um", &A::volume_um,
-           "wanted expanded uncertainty (k = 2) of the error vector, root mean "
-           "square over the volume and the tools [um]",
-           Need::required, Range{0.01, 1e6}},
-          {"--instrument", &A::instrument, "what measures", Words{"tracker", "interferometer", "ball_bar"}},
-          {"-o,--output", &A::output, "the plan (.csv): for `ecs-emulator lengths`, or by hand", Is::output},
-          {"--tools", &A::tools, "offsets of the reflector: 0,0,0;0,0,-250;150,0,-120 [mm]"},
-          {"--stations", &A::stations,
-           "where the instrument may stand: -250,-200,-750;1450,800,-700 [mm]; "
-           "by default around the volume, of a ball bar within it"},
-          {"--knots", &A::knots, "spacing of the curves' knots X,Y,Z [mm]; default: a twelfth of the travel"},
-          {&A::settings,
-           cli::Fields<S>{
-               {"--reversal-degree", &S::reversal_degree, "of the reversal error as a polynomial", Range{0, 6}},
-               {"--instrument-um", &S::instrument_um, "of a reading, standard deviation [um]", Range{0.001}},
-               {"--scatter-um", &S::scatter_um, "of a stop of the machine, each axis and direction [um]", Range{0.0}},
-               {"--scatter-um-per-m", &S::scatter_um_per_m, "the same of its angles [um/m]", Range{0.0}},
-               {"--scale", &S::scale_um_per_m, "of each set-up, standard uncertainty [um/m]", Range{0.0}},
-               {"--ball-bar-mm", &S::ball_bar_mm, "reach of a ball bar: its radius [mm]", Range{1.0}},
-               {"--bar-um", &S::bar_um, "of a ball bar's length, standard uncertainty [um]; 0: not known", Range{0.0}},
-               {"--bar-lowest-deg", &S::bar_lowest_deg, "elevation below which the post of the ball is in the way",
-                Range{-90.0, 0.0}},
-               {"--targets", &S::targets_an_interval, "of a line, between two knots (and four more)", Range{0.1, 10.0}},
-               {"--feed", &S::feed_mm_min, "between targets [mm/min]", Range{1.0}},
-               {"--dwell", &S::dwell_s, "before each reading [s]", Range{0.0}}}},
-          {"--set-up-minutes", &A::set_up_minutes, "instrument to another station or line", Range{0.0}},
-          {&A::settings,
-           cli::Fields<S>{{"--tool-minutes", &S::tool_minutes, "another tool at the same station", Range{0.0}}}}};
+  return {
+      {"--machine", &A::machine, "machine file: chain, travels, datum", Need::required},
+      {"--volume-um", &A::volume_um,
+       "required expanded uncertainty (k = 2) of the error vector, root mean square over the volume and the tools [um]",
+       Need::required, Range{0.01, 1e6}},
+      {"--instrument", &A::instrument, "measuring instrument", Words{"tracker", "interferometer", "ball_bar"}},
+      {"-o,--output", &A::output, "plan to write (.csv), for manual measurement or `ecs-emulator lengths`", Is::output},
+      {"--tools", &A::tools, "offsets of the reflector: 0,0,0;0,0,-250;150,0,-120 [mm]"},
+      {"--stations", &A::stations,
+       "permitted positions of the instrument: -250,-200,-750;1450,800,-700 [mm]; default: around the volume, for a "
+       "ball bar within it"},
+      {"--knots", &A::knots, "knot spacing of the curves X,Y,Z [mm]; default: a twelfth of the travel"},
+      {&A::settings,
+       cli::Fields<S>{
+           {"--reversal-degree", &S::reversal_degree, "degree of the reversal error as a polynomial", Range{0, 6}},
+           {"--instrument-um", &S::instrument_um, "standard deviation of a reading [um]", Range{0.001}},
+           {"--scatter-um", &S::scatter_um, "standard deviation of a stop of the machine, each axis and direction [um]",
+            Range{0.0}},
+           {"--scatter-um-per-m", &S::scatter_um_per_m, "standard deviation of its angles at a stop [um/m]",
+            Range{0.0}},
+           {"--scale", &S::scale_um_per_m, "standard uncertainty of the scale of each set-up [um/m]", Range{0.0}},
+           {"--ball-bar-mm", &S::ball_bar_mm, "radius of a ball bar [mm]", Range{1.0}},
+           {"--bar-um", &S::bar_um, "standard uncertainty of a ball bar's length [um]; 0: not known", Range{0.0}},
+           {"--bar-lowest-deg", &S::bar_lowest_deg, "lowest elevation that the post of the ball permits",
+            Range{-90.0, 0.0}},
+           {"--targets", &S::targets_an_interval, "number of targets of a line between two knots (and four more)",
+            Range{0.1, 10.0}},
+           {"--feed", &S::feed_mm_min, "feed between targets [mm/min]", Range{1.0}},
+           {"--dwell", &S::dwell_s, "dwell before each reading [s]", Range{0.0}}}},
+      {"--set-up-minutes", &A::set_up_minutes, "time to move the instrument to another station or line", Range{0.0}},
+      {&A::settings, cli::Fields<S>{{"--tool-minutes", &S::tool_minutes, "time to change the tool at the same station",
+                                     Range{0.0}}}}};
 }
 
 Result<model::LengthPlan> lengths_plan(const LengthsPlanAsked& asked, const std::function<bool()>& stopped) {
@@ -296,7 +299,7 @@ Result<model::LengthPlan> lengths_plan(const LengthsPlanAsked& asked, const std:
   ECS_TRY(settings, settings_of(asked));
   settings.stopped = stopped;
   auto plan = model::planned_lengths(machine.machine, settings);
-  if (plan && stopped && stopped()) return problem(ProblemKind::refused, "stopped: there is no plan");
+  if (plan && stopped && stopped()) return problem(ProblemKind::refused, "stopped: no plan was made");
   return plan;
 }
 
@@ -353,7 +356,7 @@ Cell set_up_cell(const model::IdentifiedSetUp& set_up) {
 }
 
 Cell outlier_cell(const model::LengthOutlier& outlier) {
-  return record_cell("  left out: line {line}, residual {residual_um} um, {sigmas} sigma\n", "line"_is(outlier.line),
+  return record_cell("  excluded: line {line}, residual {residual_um} um, {sigmas} sigma\n", "line"_is(outlier.line),
                      "residual_um"_is(outlier.residual_um, 2), "sigmas"_is(outlier.sigmas, 1));
 }
 
@@ -376,7 +379,7 @@ std::vector<std::string> without_effect(const model::Identification& found) {
 std::string idle_text(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? text : fmt::format("  {}: only a tool offset levers them, and none was used\n", text);
+  return text.empty() ? text : fmt::format("  {}: they act only through a tool offset, and none was used\n", text);
 }
 
 Cell single_cell(const model::SingleSetUps& single, double U_um, double minutes) {
@@ -395,7 +398,7 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
   for (const auto& curve : found.curves)
     if (curve.acts) acting.push_back(curve);
   const std::string none = found.whole() ? "map not written: give --params and -o map.csv\n"
-                                         : "map not written: something is not determined\n";
+                                         : "map not written: some components are not determined\n";
   return record_cell(
       "{file}: {readings} lengths, {unknowns} unknowns, {degrees_of_freedom} degrees of freedom\n"
       "{components}{squareness}{without_effect}{not_determined}"
@@ -445,7 +448,7 @@ Cell lengths_plan_cell(const model::LengthPlan& plan, double wanted_U_um, const 
 Result<Outcome> fit_lengths(VerbContext&, const LengthsArguments& a) {
   if (const auto wrong = wrong_date(a.date)) return problem(ProblemKind::usage, "--date: " + *wrong);
   if ((!a.output.empty() || !a.params_out.empty()) && a.params.empty())
-    return problem(ProblemKind::usage, "--params is required for a map: the parameters of the unit that it is for");
+    return problem(ProblemKind::usage, "--params is required for a map: the parameters of the unit to be compensated");
   for (const std::string& output : {a.output, a.params_out})
     ECS_DO(check_output_not_input(output, {a.file, a.machine, a.params}));
   ECS_TRY(work, lengths_work(a));
@@ -468,12 +471,11 @@ Result<Outcome> plan_the_lengths(VerbContext&, const LengthsPlanAsked& a) {
 
 extern const std::vector<Action> kLengths{
     action("lengths fit",
-           "the 21 components from lengths alone, with uncertainties; which are determined and which are not",
+           "identify the 21 components from lengths alone, with uncertainties; shows which are determined",
            "ecs lengths fit lengths.csv --machine machine.toml --params parameters.toml -o map.csv --params-out "
            "measured.toml",
            fit_lengths),
-    action("lengths plan",
-           "the lengths with the fewest minutes for a wanted uncertainty of the volume, beside single set-ups",
+    action("lengths plan", "plan the lengths that need the fewest minutes for a required uncertainty of the volume",
            "ecs lengths plan --machine machine.toml --volume-um 2 -o plan.csv", plan_the_lengths)};
 
 }  // namespace ecs::app

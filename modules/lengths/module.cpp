@@ -26,9 +26,8 @@ std::optional<std::string> plan_in(const FormValues& values) {
   if (!text || text->find("deviation_um") != std::string::npos) return std::nullopt;
   const auto plan = model::parse_lengths(*text, file, true);
   if (!plan) return std::nullopt;
-  std::string out =
-      fmt::format("{}: a plan of {} lengths{}, nothing measured yet\n", plan->source, plan->readings.size(),
-                  plan->minutes ? fmt::format(", {:.1f} minutes", *plan->minutes) : "");
+  std::string out = fmt::format("{}: a plan of {} lengths{}, not measured yet\n", plan->source, plan->readings.size(),
+                                plan->minutes ? fmt::format(", {:.1f} minutes", *plan->minutes) : "");
   for (std::size_t s = 0; s < plan->set_ups.size(); ++s) {
     const model::LengthSetUp& set_up = plan->set_ups[s];
     std::set<std::string> tools;
@@ -52,27 +51,28 @@ std::optional<std::string> plan_in(const FormValues& values) {
 
 FormEntry lengths_entry() {
   return {
-      "all 21 components from lengths; what is missing",
+      "all 21 components from lengths; undetermined ones",
       {.verb = "lengths fit",
        .title = "LENGTHS",
        .asks = "Which lengths, of which machine?",
-       .about = "All 21 components of a three-axis machine from lengths alone: along the beam of an "
-                "interferometer, from a tracking interferometer or the ball of a ball bar. Each component with its "
-                "expanded uncertainty (95 %), the scatter that was found and the set-ups; what the lengths do not "
-                "determine, and which lengths would. s saves the map, and the parameters with the squareness. Of a "
-                "plan it says what it asks for. PLAN OF LENGTHS makes one.",
+       .about = "All 21 components of a three-axis machine from lengths alone: along the beam of an interferometer, "
+                "from a tracking interferometer or the ball of a ball bar. Shows each component with its expanded "
+                "uncertainty (95 %), the scatter and the set-ups, the components that are not determined and the "
+                "lengths that would determine them. Press s to save the map, and the parameters with the squareness. "
+                "For a plan, the planned lengths are listed. PLAN OF LENGTHS makes a plan.",
        .fields = {"LENGTHS", "--machine", "--params", "--knots"},
        .opens = {{FileKind::lengths, "LENGTHS"}, {FileKind::machine, "--machine"}, {FileKind::parameters, "--params"}},
        .instead = plan_in}};
 }
 
 FormEntry plan_entry() {
-  return {"which lengths to measure for a wanted uncertainty, in the fewest minutes",
+  return {"the lengths to measure for a required uncertainty, in the fewest minutes",
           {.verb = "lengths plan",
            .title = "PLAN OF LENGTHS",
-           .asks = "Which machine, and how certain is its volume to be?",
-           .about = "The set-ups and lengths with the fewest minutes for a wanted uncertainty of the volume, beside "
-                    "single set-ups; the search takes half a minute. s saves the plan. Measured, it goes to LENGTHS.",
+           .asks = "Choose the machine and the required uncertainty of its volume.",
+           .about = "The set-ups and lengths that need the fewest minutes for a required uncertainty of the volume, "
+                    "compared with single set-ups. The search needs half a minute. Press s to save the plan. After "
+                    "measuring, open it in LENGTHS.",
            .fields = {"--machine", "--volume-um", "--knots"}}};
 }
 

@@ -105,8 +105,8 @@ class LengthPlanner {
     }
     plan_.undetermined.assign(names.begin(), names.end());
     plan_.notes.push_back(
-        fmt::format("no length of these set-ups determines {} by {}: {} hold{} something that leaves every length as "
-                    "it is; the uncertainty is that of the rest",
+        fmt::format("no length of these set-ups determines {} by {}: {} contain{} a part that changes no length; the "
+                    "uncertainty is that of the remaining part",
                     names.size() == 1 ? "a component" : "components", names.size() == 1 ? "itself" : "themselves",
                     fmt::join(names, ", "), names.size() == 1 ? "s" : ""));
   }

@@ -143,7 +143,7 @@ std::string day_of(const Logbook& book, const LogFile& file, const LogbookEntry&
     const std::string date(trimmed(std::string_view(*content).substr(begin, content->find('\n', begin) - begin)));
     if (is_iso_date(date)) return date.substr(0, kDay);
   }
-  certificate.remarks.push_back(fmt::format("{} states no date: the day on which it came into the logbook is given",
+  certificate.remarks.push_back(fmt::format("{} states no date: the day of its logbook entry is used",
                                             std::filesystem::path(file.name).filename().string()));
   return entry.time.substr(0, kDay);
 }
@@ -171,7 +171,7 @@ Result<Json> stats_of(const std::string& name, const laser::MeasurementSet& set,
   const Json answer = Json::parse(said, nullptr, false);
   if (answer.is_object() && answer.contains("lines") && answer["lines"].is_array() && answer["lines"].size() == 1)
     return answer["lines"][0];
-  return problem(ProblemKind::bad_input, "it holds no line of ISO 230-2");
+  return problem(ProblemKind::bad_input, "it contains no line of ISO 230-2");
 }
 
 /// A straightness is what its readings hold beside a straight line, which is how the laser was set up; of a square the
@@ -217,7 +217,7 @@ bool add_lines(Certificate& certificate, const Logbook& book, const LogFile& fil
     if (!one.values.empty()) certificate.lines.push_back(std::move(one));
   }
   if (certificate.lines.size() > before) return true;
-  if (certificate.remarks.size() == remarks) refuse("it holds no line of ISO 230-2");
+  if (certificate.remarks.size() == remarks) refuse("it contains no line of ISO 230-2");
   return false;
 }
 
@@ -248,7 +248,7 @@ Result<Certificate> certificate_of(const Logbook& book, const CertificateWishes&
                                    const std::string& now) {
   ECS_TRY(owner, book.owner());
   ECS_TRY(entries, book.entries());
-  if (entries.empty()) return problem(ProblemKind::refused, "the logbook is empty: there is nothing to certify");
+  if (entries.empty()) return problem(ProblemKind::refused, "the logbook is empty: no measurement to certify");
   Certificate certificate;
   certificate.schema_version = wishes.schema_version;
   certificate.country = wishes.country;
@@ -279,7 +279,7 @@ Result<Certificate> certificate_of(const Logbook& book, const CertificateWishes&
   if (certificate.lines.empty()) {
     std::vector<Problem> why{{ProblemKind::refused,
                               after > 0
-                                  ? "nothing was measured since the last certificate; --all certifies everything again"
+                                  ? "no measurement since the last certificate; --all certifies every measurement again"
                                   : "no measurement in the logbook can be certified",
                               {},
                               0,
@@ -312,7 +312,7 @@ Result<std::string> signed_by(const std::string& xml, const std::string& key, co
   auto done = write_file(draft, xml);
   auto answer =
       done ? output_of({"xmlsec1", "--sign", "--privkey-pem", signer.empty() ? key : key + "," + signer, draft}, "",
-                       {"xmlsec1", "install the package xmlsec1, or leave --sign out", 30.0})
+                       {"xmlsec1", "install the package xmlsec1, or omit --sign", 30.0})
            : tl::unexpected(done.error());
   std::filesystem::remove(draft, error);
   return answer;

@@ -32,7 +32,7 @@ struct LogChoice {
   std::string log, machine;
   static Fields<LogChoice> fields() {
     using C = LogChoice;
-    return {{"--log", &C::log, "logbook file (.ecslog); by default the one of --machine, else the one written last"},
+    return {{"--log", &C::log, "logbook file (.ecslog); default: that of --machine, else the last one written"},
             {"--machine", &C::machine, "name or serial number of the machine, or its machine file or parameters"}};
   }
 };
@@ -47,8 +47,8 @@ tl::unexpected<Problem> none_found(const LogbookSetting& setting, const std::str
   return problem_at(
       where, 0, 0,
       machine.empty()
-          ? "no logbook yet: verbs and screens begin one when they work on a machine (modules/logbook/README.md)"
-          : fmt::format("no logbook of {} there", machine));
+          ? "no logbook yet: one is started when verbs or screens work on a machine (modules/logbook/README.md)"
+          : fmt::format("no logbook of {} in that folder", machine));
 }
 
 /// Refused where the file is the logbook of another machine than --machine.
@@ -61,8 +61,7 @@ Result<Logbook> chosen_logbook(VerbContext& context, const LogChoice& choice) {
   if (choice.log.empty()) {
     ECS_TRY(set, logbook_setting());
     if (set.off)
-      return problem(ProblemKind::usage,
-                     "no logbook is kept (ECS_LOGBOOK or the setting says off): name one with --log");
+      return problem(ProblemKind::usage, "no logbook is kept (ECS_LOGBOOK or the setting is off): give one with --log");
     setting = set;
     files = logbooks(setting);
   }
@@ -89,7 +88,7 @@ Result<Logbook> chosen_logbook(VerbContext& context, const LogChoice& choice) {
   }
   if (!chosen) return none_found(setting, choice.machine);
   if (!others.empty() && choice.machine.empty())
-    context.console.note(fmt::format("{} is the logbook written last of {}: --machine chooses another one",
+    context.console.note(fmt::format("{} is the last logbook written of {}: --machine selects another one",
                                      chosen->path().string(), others.size() + 1));
   return std::move(*chosen);
 }
@@ -116,9 +115,9 @@ struct ListLogRequest {
   static Fields<ListLogRequest> fields() {
     using R = ListLogRequest;
     return {&R::book,
-            {"--kind", &R::kind, "entries of one kind: measurement, map, activation, diagnosis, report …"},
-            {"--since", &R::since, "entries of this day and later: 2026-03-12"},
-            {"--last", &R::last, "that many of the last; 0: all", Range{0, 1'000'000}}};
+            {"--kind", &R::kind, "show entries of one kind: measurement, map, activation, diagnosis, report …"},
+            {"--since", &R::since, "show entries of this day and later: 2026-03-12"},
+            {"--last", &R::last, "number of the last entries to show; 0: all", Range{0, 1'000'000}}};
   }
 };
 
@@ -145,7 +144,7 @@ struct ShowLogRequest {
   int number = 0;
   static Fields<ShowLogRequest> fields() {
     using R = ShowLogRequest;
-    return {&R::book, {"NUMBER", &R::number, "of the entry", Range{1, 1'000'000'000}, Need::required}};
+    return {&R::book, {"NUMBER", &R::number, "number of the entry", Range{1, 1'000'000'000}, Need::required}};
   }
 };
 
@@ -161,8 +160,8 @@ struct CompareLogRequest {
   static Fields<CompareLogRequest> fields() {
     using R = CompareLogRequest;
     return {&R::book,
-            {"FROM", &R::from, "a day: 2025-03-12", Need::required},
-            {"TO", &R::to, "a later day", Need::required}};
+            {"FROM", &R::from, "first day to compare: 2025-03-12", Need::required},
+            {"TO", &R::to, "later day to compare", Need::required}};
   }
 };
 
@@ -177,7 +176,7 @@ struct VerifyLogRequest {
   std::string hash;
   static Fields<VerifyLogRequest> fields() {
     using R = VerifyLogRequest;
-    return {&R::book, {"--hash", &R::hash, "an entry must have it: as a report or certificate states it"}};
+    return {&R::book, {"--hash", &R::hash, "hash that an entry must have, as stated in a report or certificate"}};
   }
 };
 
@@ -203,7 +202,7 @@ struct ReplayRequest {
   bool unit = false;
   static Fields<ReplayRequest> fields() {
     using R = ReplayRequest;
-    return {&R::book, {"--unit", &R::unit, "compare with the image that the connected unit holds"}};
+    return {&R::book, {"--unit", &R::unit, "compare with the image in the connected unit"}};
   }
 };
 
@@ -213,12 +212,12 @@ Result<std::string> image_of_unit(VerbContext& context, const Logbook& book) {
   ECS_TRY(identity, unit.client().identity());
   ECS_TRY(owner, book.owner());
   if (const LogOwner of{identity.machine, identity.serial_number}; !belongs(owner, of))
-    return problem(ProblemKind::refused, fmt::format("{} is the logbook of {}; the unit is that of {}",
+    return problem(ProblemKind::refused, fmt::format("{} is the logbook of {}; the unit belongs to {}",
                                                      book.path().string(), in_words(owner), in_words(of)));
   const auto image = read_active_image(unit.client(), progress_bar(context, "image"));
   context.console.end_progress();
   if (!image) return tl::unexpected(image.error());
-  if (!*image) return problem(ProblemKind::refused, "the unit holds no image");
+  if (!*image) return problem(ProblemKind::refused, "the unit contains no image");
   return std::string((*image)->begin(), (*image)->end());
 }
 
@@ -240,9 +239,11 @@ struct InstrumentRequest {
   static Fields<InstrumentRequest> fields() {
     using R = InstrumentRequest;
     return {
-        {"FILE", &R::file, "its Digital Calibration Certificate (.xml), or an instrument file (.toml); none: show it"},
-        {"--use", &R::use, "keep it as the instrument in use: entries of measurements name it from then on"},
-        {"--interval-days", &R::interval, "from one calibration to the next; 0: as the file says", Range{0, 36'500}},
+        {"FILE", &R::file,
+         "Digital Calibration Certificate (.xml) of the instrument, or an instrument file (.toml); if not given, the "
+         "instrument is shown"},
+        {"--use", &R::use, "use it from now on: entries of measurements then refer to it"},
+        {"--interval-days", &R::interval, "interval between calibrations [days]; 0: as in the file", Range{0, 36'500}},
         {"--force", &R::force, "replace the instrument in use"}};
   }
 };
@@ -280,12 +281,13 @@ struct GivenUncertainty {
   static Fields<GivenUncertainty> fields() {
     using U = GivenUncertainty;
     return Fields<U>{
-        {"--instrument-um-per-m", &U::instrument_um_per_m, "of the instrument, expanded, in proportion to the length"},
-        {"--instrument-um", &U::instrument_um, "of the instrument, expanded, the constant part"},
-        {"--misalignment-mm", &U::misalignment_mm, "lateral offset of beam and axis over the measured length"},
+        {"--instrument-um-per-m", &U::instrument_um_per_m,
+         "expanded uncertainty of the instrument, length-proportional part"},
+        {"--instrument-um", &U::instrument_um, "expanded uncertainty of the instrument, constant part"},
+        {"--misalignment-mm", &U::misalignment_mm, "lateral offset between beam and axis over the measured length"},
         {"--environment-um", &U::environment_um, "environmental variation error EVE: range of a drift test"},
         {"--temperature-range", &U::temperature_range, "range of the error of the machine's temperature [degC]"},
-        {"--off-20", &U::off_20, "the machine's temperature less 20 degC"},
+        {"--off-20", &U::off_20, "machine temperature minus 20 degC"},
         {"--expansion", &U::expansion, "expansion coefficient of the correction [um/m/degC]"},
         {"--expansion-range", &U::expansion_range, "range of the expansion coefficient [um/m/degC]"}}
         .under("Uncertainty of the certificate (ISO 230-2 annex A, k = 2)");
@@ -308,19 +310,19 @@ struct ExportLogRequest : CertificateWishes {
   static Fields<ExportLogRequest> fields() {
     using R = ExportLogRequest;
     return {&R::book,
-            {"-o,--output", &R::output, "file for all entries, one JSON object a line", Is::output},
-            {"--entry", &R::entry, "number of the entry whose files are wanted"},
+            {"-o,--output", &R::output, "file for all entries, one JSON object per line", Is::output},
+            {"--entry", &R::entry, "number of the entry whose files are exported"},
             {"--files", &R::folder, "folder for the files of --entry"},
-            {"--dcc", &R::dcc, "a Digital Calibration Certificate (XML) of what was measured", Is::output},
-            {"--schema", &R::schema, "folder with the schemas of the certificate; by default $ECS_DCC_SCHEMA"},
+            {"--dcc", &R::dcc, "Digital Calibration Certificate (XML) of the measurements", Is::output},
+            {"--schema", &R::schema, "folder with the schemas of the certificate; default: $ECS_DCC_SCHEMA"},
             {"--all", &R::all, "certify every measurement, not only those since the last certificate"},
-            {"--laboratory", &R::laboratory, "who calibrates"},
-            {"--city", &R::city, "of the laboratory"},
-            {"--country", &R::country, "of the laboratory, two letters (ISO 3166-1)"},
-            {"--customer", &R::customer, "who owns the machine"},
-            {"--person", &R::person, "who answers for it; by default the operator"},
+            {"--laboratory", &R::laboratory, "name of the calibration laboratory"},
+            {"--city", &R::city, "city of the laboratory"},
+            {"--country", &R::country, "country code of the laboratory, two letters (ISO 3166-1)"},
+            {"--customer", &R::customer, "owner of the machine"},
+            {"--person", &R::person, "responsible person; default: the operator"},
             {"--sign", &R::sign, "private key (PEM) to sign with: needs the program xmlsec1"},
-            {"--signer", &R::signer, "certificate (PEM) of that key, kept in the signature"},
+            {"--signer", &R::signer, "certificate (PEM) of that key, included in the signature"},
             &R::given};
   }
 };
@@ -358,7 +360,7 @@ Result<void> check_words(const ExportLogRequest& request) {
   if (request.output.empty() && request.entry.empty() && request.dcc.empty())
     return problem(ProblemKind::usage, "give -o FILE for all entries, --entry NUMBER --files FOLDER, or --dcc FILE");
   if (request.entry.empty() != request.folder.empty())
-    return problem(ProblemKind::usage, "--entry and --files go together");
+    return problem(ProblemKind::usage, "--entry and --files must be given together");
   const std::string& country = request.country;
   if (!country.empty() &&
       (country.size() != 2 || country.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") != std::string::npos))
@@ -408,7 +410,7 @@ Result<WrittenCertificate> certified(VerbContext& context, const ExportLogReques
     ECS_DO(valid_by_schema(xml, *schema, request.dcc));
     written.schema = schema->version;
   } else {
-    context.console.note("not validated: name the folder of the published schema with --schema or ECS_DCC_SCHEMA");
+    context.console.note("not validated: give the folder of the published schema with --schema or ECS_DCC_SCHEMA");
   }
   ECS_DO(write_file(request.dcc, xml));
   written.sha256 = sha256_hex(xml);
@@ -466,20 +468,22 @@ Result<Outcome> export_log(VerbContext& context, const ExportLogRequest& request
 }  // namespace
 
 extern const std::vector<Action> kLog{
-    action("log list", "what was done at a machine: every entry of its logbook",
+    action("log list", "list every entry of the logbook of a machine",
            "ecs log list --machine machine.toml --kind activation", list_log),
-    action("log show", "one entry whole: files with their hashes, instrument, answer", "ecs log show 12", show_log),
-    action("log compare", "what has worn between two days: curves, causes and volume side by side",
+    action("log show", "show one entry in full: files with their hashes, instrument, answer", "ecs log show 12",
+           show_log),
+    action("log compare", "show the wear between two days: curves, causes and volume side by side",
            "ecs log compare 2025-03-12 2026-03-12", compare_log),
-    action("log export", "every entry as text, the files of one entry, or a Digital Calibration Certificate",
+    action("log export", "write every entry as text, the files of one entry, or a Digital Calibration Certificate",
            "ecs log export -o log.jsonl\n  ecs log export --entry 12 --files entry12/\n  ecs log export --dcc "
            "certificate.xml --schema schemas/ --laboratory \"Example Ltd\" --customer Works --instrument-um-per-m 0.5",
            export_log),
-    action("log verify", "every entry against its hash and the one before; exit 1 names the first that does not fit",
+    action("log verify",
+           "check every entry against its hash and the previous entry; exit 1 with the first that does not fit",
            "ecs log verify --hash 3f0c…", verify_log),
-    action("log replay", "the active map derived again from the raw readings, compared bit for bit",
+    action("log replay", "derive the active map again from the raw readings and compare it bit for bit",
            "ecs log replay --json", replay_log, {.link = Link::reads}),
-    action("log instrument", "the measuring instrument and its calibration, from its own certificate",
+    action("log instrument", "set or show the measuring instrument and its calibration, from its certificate",
            "ecs log instrument laser-certificate.xml --use --interval-days 365", instrument)};
 
 }  // namespace ecs::app

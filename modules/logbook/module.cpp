@@ -40,7 +40,7 @@ std::filesystem::file_time_type time_of(const std::string& path) {
 class LogbookScreen final : public ListScreen {
  public:
   LogbookScreen() {
-    keys_ = {{"Enter", "the entry whole", [this] { show_entry(); }},
+    keys_ = {{"Enter", "full entry", [this] { show_entry(); }},
              {"v", "verify", [this] { run("checking every entry", "verify"); }},
              {"r", "replay", [this] { run("deriving the active map again", "replay"); }},
              {"Tab", "next logbook", [this] { open_next(); }}};
@@ -49,11 +49,11 @@ class LogbookScreen final : public ListScreen {
 
   [[nodiscard]] std::string title() const override { return "LOGBOOK"; }
   [[nodiscard]] std::string help() const override {
-    return "What verbs and screens did at a machine, written automatically: measurements, maps, parameters, transfers, "
-           "diagnoses, reports, each with its files and tied by its hash to the entry before. v checks every entry: a "
-           "change is found and the first one named. r derives the active map again from the raw readings and compares "
-           "it bit for bit. `ecs log` does the same, compares two years and writes a calibration certificate "
-           "(modules/logbook/README.md). ECS_LOGBOOK=off keeps no logbook.";
+    return "The actions of verbs and screens on a machine, recorded automatically: measurements, maps, parameters, "
+           "transfers, diagnoses, reports. Each entry contains its files and the hash of the previous entry. Press v "
+           "to check every entry; the first changed entry is shown. Press r to derive the active map again from the "
+           "raw readings and compare it bit for bit. `ecs log` does the same, compares two years and writes a "
+           "calibration certificate (modules/logbook/README.md). ECS_LOGBOOK=off disables the logbook.";
   }
   [[nodiscard]] bool advance() override {
     const auto words = logbook_words();
@@ -80,7 +80,7 @@ class LogbookScreen final : public ListScreen {
                        books_.size() > 1 ? fmt::format(" ({} logbooks, Tab shows the next)", books_.size()) : "");
   }
   [[nodiscard]] std::string below_heading() const override { return book(); }
-  [[nodiscard]] std::string while_empty() const override { return absent_.empty() ? "It holds no entry." : absent_; }
+  [[nodiscard]] std::string while_empty() const override { return absent_.empty() ? "It contains no entry." : absent_; }
   [[nodiscard]] std::string whole(std::size_t row) const override {
     const auto open = Logbook::open_to_read(book());
     const auto entry = open ? open->entry(entries_[row].number) : tl::unexpected(open.error());
@@ -103,8 +103,8 @@ class LogbookScreen final : public ListScreen {
     }
     books_ = logbooks(*setting);
     if (books_.empty())
-      absent_ = setting->off ? "No logbook is kept: ECS_LOGBOOK or the setting says off."
-                             : "No logbook yet. Verbs and screens begin one when they work on a machine.";
+      absent_ = setting->off ? "No logbook is kept: ECS_LOGBOOK or the setting is off."
+                             : "No logbook yet. One is started when verbs or screens work on a machine.";
     read();
   }
 
@@ -243,9 +243,9 @@ extern const std::vector<Action> kLog;
 
 const Module& logbook_module() {
   static const Module module{
-      .menus = {{"log", "LOGBOOK: what was done at a machine, each entry tied to the one before"}},
+      .menus = {{"log", "LOGBOOK: the actions on a machine, each entry linked to the previous one"}},
       .verbs = {{"volume", &kLog}},
-      .screens = {{"LOGBOOK", "what was done at a machine; verify, replay",
+      .screens = {{"LOGBOOK", "the actions on a machine; verify, replay",
                    [](const auto&) { return logbook_screen(); }}},
       .synonyms = {{"LOGBOOK", "history entries certificate audit traceability who when wear"},
                    {"log compare", "wear worn year drift history"},

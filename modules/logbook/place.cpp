@@ -125,7 +125,7 @@ Result<std::optional<fs::path>> logbook_of(const LogbookSetting& setting, const 
   fs::create_directories(setting.folder, error);
   if (error)
     return tl::unexpected(
-        Problem{ProblemKind::output, "cannot be made: " + error.message(), setting.folder.string(), 0, 0, {}});
+        Problem{ProblemKind::output, "cannot be created: " + error.message(), setting.folder.string(), 0, 0, {}});
   std::optional<fs::path> by_name_alone;
   for (const fs::path& path : logbooks(setting)) {
     const auto of = owner_of(path);

@@ -239,7 +239,7 @@ void say_what_cannot_be_read() {
   if (!setting) return;
   for (const std::filesystem::path& path : logbooks(*setting))
     if (const auto book = Logbook::open_to_read(path); !book)
-      say_once(true, fmt::format("nothing is added to a logbook that cannot be read: {}", to_text(book.error())));
+      say_once(true, fmt::format("no entry is added to a logbook that cannot be read: {}", to_text(book.error())));
 }
 
 Result<void> write(const std::filesystem::path& path, std::vector<LogRecord> wanted) {
@@ -256,7 +256,7 @@ Result<void> write(const std::filesystem::path& path, std::vector<LogRecord> wan
   if (book->is_new()) say_what_cannot_be_read();
   if (book->is_new())
     say_once(false,
-             fmt::format("a logbook of {} was started: {} (modules/logbook/README.md; ECS_LOGBOOK=off keeps none)",
+             fmt::format("a logbook of {} was started: {} (modules/logbook/README.md; ECS_LOGBOOK=off disables it)",
                          in_words({records.back().machine, records.back().serial_number}), path.string()));
   return {};
 }
@@ -309,7 +309,7 @@ std::optional<std::vector<RecordedUse>> logbook_uses(const std::vector<std::stri
   const auto book = Logbook::open_to_read(*path);
   const auto entries = book ? book->entries() : tl::unexpected(book.error());
   if (!entries) {
-    say_once(true, fmt::format("the logbook cannot be asked: {}", to_text(entries.error())));
+    say_once(true, fmt::format("the logbook cannot be read: {}", to_text(entries.error())));
     return std::nullopt;
   }
   std::vector<RecordedUse> uses;
@@ -380,7 +380,7 @@ void record_transfer(const SentImage& one) {
   content["bytes_sent"] = one.sent->bytes_sent;
   content["commit_sequence"] = one.sent->commit_sequence;
   if (one.sent->already_held)
-    return record(entry("transfer", fmt::format("nothing sent: the unit held image {} already", check)));
+    return record(entry("transfer", fmt::format("not sent: the unit already contained image {}", check)));
   const bool rollback = is_rollback(owner, sha256);
   LogRecord active = entry(rollback ? "rollback" : "activation",
                            fmt::format("image {} is active, commit {}{}", check, one.sent->commit_sequence,

@@ -171,7 +171,7 @@ Result<std::string> Derivation::made_again(const LogbookEntry& entry, const std:
     if (content == nullptr) {
       const std::string why = answer ? "it did not write " + one.name : to_text(answer.error());
       return problem(ProblemKind::refused,
-                     fmt::format("entry {} cannot be done again: `ecs {}`: {}", entry.number, verb, why));
+                     fmt::format("entry {} cannot be repeated: `ecs {}`: {}", entry.number, verb, why));
     }
     derived.push_back({entry.number, verb, one.name, one.sha256, sha256_hex(*content) == one.sha256});
     done_[one.sha256] = *content;
@@ -187,12 +187,12 @@ Result<Replay> replayed(const Logbook& book, const RunVerb& run, const std::stri
     ECS_TRY(one, read_activation(book, *entry));
     if (!has_map(one))
       return problem(ProblemKind::refused,
-                     fmt::format("entry {}: the image that is active holds parameters but no map", entry->number));
+                     fmt::format("entry {}: the active image contains parameters but no map", entry->number));
     last = std::move(one);
   }
   if (!last)
     return tl::unexpected(Problem{ProblemKind::refused,
-                                  "no map was made active while this logbook was kept: there is nothing to derive",
+                                  "no map became active while this logbook was kept: no map to derive",
                                   book.path().string(),
                                   0,
                                   0,
@@ -216,8 +216,7 @@ Result<Replay> replayed(const Logbook& book, const RunVerb& run, const std::stri
     ECS_TRY(read, params::parse_parameters(text, last->parameters->name));
     parameters = read.parameters;
   } else {
-    replay.notes.emplace_back(
-        "the parameters are those of the active image: the logbook does not say which file they were");
+    replay.notes.emplace_back("the parameters are those of the active image: the logbook does not state their file");
   }
   ECS_TRY(image, image_text(csv, parameters, last->image));
   replay.map_sha256 = sha256_hex(image);
@@ -228,7 +227,7 @@ Result<Replay> replayed(const Logbook& book, const RunVerb& run, const std::stri
   if (std::none_of(replay.derived.begin(), replay.derived.end(),
                    [&](const DerivedFile& one) { return one.sha256 == last->map->sha256; }))
     replay.notes.push_back(
-        fmt::format("{} was not made while this logbook was kept: it is taken as it was sent", last->map->name));
+        fmt::format("{} was not made while this logbook was kept: it is used as sent", last->map->name));
   return replay;
 }
 
@@ -392,7 +391,7 @@ std::vector<ComparedCause> causes_of(const std::array<LoggedState, 2>& states) {
 std::optional<ComparedVolume> volume_of(const LoggedMap& one, const RunVerb& run, std::vector<std::string>& notes,
                                         const std::string& date) {
   if (one.parameters_toml.empty()) {
-    notes.push_back(fmt::format("{}: no parameters beside the map: no volume", date));
+    notes.push_back(fmt::format("{}: no parameters with the map: no volume", date));
     return std::nullopt;
   }
   KeptFiles kept("/");
@@ -437,7 +436,7 @@ Result<LogComparison> compared(const Logbook& book, const std::string& from, con
       state.volume = volume_of(*maps[day], run, comparison.notes, state.date);
     else
       comparison.notes.push_back(fmt::format("{}: no map had been built by then: no curves", state.date));
-    if (!state.diagnosis) comparison.notes.push_back(fmt::format("{}: nothing had been diagnosed by then", state.date));
+    if (!state.diagnosis) comparison.notes.push_back(fmt::format("{}: no diagnosis by then", state.date));
     comparison.states[day] = std::move(state);
   }
   if (comparison.states[0].map && comparison.states[1].map &&

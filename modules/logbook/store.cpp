@@ -120,7 +120,7 @@ std::optional<Problem> schema_fault(const fs::path& path, sqlite3* file) {
     return file_fault(
         path, ProblemKind::bad_input,
         fmt::format("is damaged, or was changed by another program: expected the tables entry and original of a "
-                    "logbook and nothing else, found {}. Restore an older copy, or look at it with `sqlite3`",
+                    "logbook and nothing else, found {}. Restore an older copy, or inspect it with `sqlite3`",
                     found));
   };
   Statement rows(file, "SELECT type, name, sql FROM sqlite_master");
@@ -287,9 +287,9 @@ Result<Logbook> Logbook::opened_unwritable(const fs::path& path) {
   const fs::path there = copy->folder / "copy.ecslog";
   if (made == nullptr || !fs::copy_file(path, there, error) ||
       !fs::copy_file(beside(path, kWriteAhead), beside(there, kWriteAhead), error))
-    return tl::unexpected(file_fault(
-        path, ProblemKind::output,
-        "cannot be read here: its last entries are in the file beside it, and there is no room for a copy of both"));
+    return tl::unexpected(file_fault(path, ProblemKind::output,
+                                     "cannot be read here: its last entries are in a second file in the same folder, "
+                                     "and there is no space for a copy of both"));
   auto book = opened(path, there.string(), SQLITE_OPEN_READWRITE);
   if (book) book->copy_ = std::move(copy);
   return book;

@@ -137,7 +137,7 @@ class RowsWithinFile {
   std::int64_t left_ = -1;
 };
 
-constexpr const char* kMoreThanFile = "the file is damaged: it gives more than it holds";
+constexpr const char* kMoreThanFile = "the file is damaged: it gives more than it contains";
 
 /// All that the statement gives.
 Result<std::vector<LogbookEntry>> entries_of(Statement rows, sqlite3* file, const std::filesystem::path& path) {
@@ -174,7 +174,7 @@ Result<LogbookEntry> Logbook::entry(std::int64_t number) const {
   if (step != SQLITE_DONE) return tl::unexpected(sqlite_fault(path_, file_.get()));
   const auto held = count();
   return tl::unexpected(file_fault(path_, ProblemKind::refused,
-                                   fmt::format("there is no entry {}; it holds {}", number, held ? *held : 0)));
+                                   fmt::format("there is no entry {}; it contains {}", number, held ? *held : 0)));
 }
 
 Result<std::optional<LogbookEntry>> Logbook::last_of(std::string_view kind, std::string_view until) const {
@@ -197,7 +197,7 @@ Result<std::string> Logbook::original(const std::string& sha256) const {
   const int step = row.with(sha256).step();
   if (step == SQLITE_DONE)
     return tl::unexpected(
-        file_fault(path_, ProblemKind::refused, fmt::format("it does not hold the file with hash {}", sha256)));
+        file_fault(path_, ProblemKind::refused, fmt::format("it does not contain the file with hash {}", sha256)));
   if (step != SQLITE_ROW) return tl::unexpected(sqlite_fault(path_, file_.get()));
   auto content = unpacked(row.text(1), row.number(0), sha256);
   if (!content)
@@ -255,8 +255,8 @@ std::string misfit(const Statement& row, const LogbookEntry& entry, std::int64_t
                    const std::set<std::string>& originals) {
   if (entry.number != expected) return fmt::format("entry {} is missing", expected);
   if (!is_as_written(row)) return "a field of it is damaged";
-  if (entry.previous != previous) return "it does not name the hash of the entry before";
-  if (hash_of(entry) != entry.hash) return "its hash is not that of its fields: it was changed";
+  if (entry.previous != previous) return "it does not contain the hash of the previous entry";
+  if (hash_of(entry) != entry.hash) return "its hash does not match its fields: it was changed";
   for (const LogFile& file : files_of(entry))
     if (file.kept && !originals.contains(file.sha256))
       return fmt::format("its file {} is missing or was changed", file.name);

@@ -80,8 +80,8 @@ std::string volume_text(const std::array<LoggedState, 2>& states) {
   };
   row("largest, not compensated", &ComparedVolume::before_largest_um);
   row("rms, not compensated", &ComparedVolume::before_rms_um);
-  row("largest that the map leaves", &ComparedVolume::after_largest_um);
-  row("rms that the map leaves", &ComparedVolume::after_rms_um);
+  row("largest, compensated", &ComparedVolume::after_largest_um);
+  row("rms, compensated", &ComparedVolume::after_rms_um);
   return text;
 }
 

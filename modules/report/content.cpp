@@ -89,7 +89,7 @@ Result<ReportFiles> report_files(const ReportArguments& arguments) {
   if (!arguments.circle.empty()) files.circles.assign(arguments.circle.begin(), arguments.circle.end());
   if (problems.empty() && files.before.empty() && files.after.empty())
     problems.push_back({ProblemKind::bad_input,
-                        "expected measurements: a folder that holds before/ or after/, or --before and --after",
+                        "expected measurements: a folder that contains before/ or after/, or --before and --after",
                         arguments.places.empty() ? "" : arguments.places.front(),
                         0,
                         0,
@@ -117,9 +117,10 @@ Result<PlannedMeasurement> unplanned(const std::string& name, const fs::path& fi
   ECS_TRY(set, laser::read_measurement_set(file));
   const auto groups = laser::groups_of(set);
   if (groups.size() != 1)
-    return problem_at(file.string(), 0, 0,
-                      fmt::format("expected one measurement line, found {}: give a plan that names the line to report",
-                                  groups.size()));
+    return problem_at(
+        file.string(), 0, 0,
+        fmt::format("expected one measurement line, found {}: give a plan that selects the line to report",
+                    groups.size()));
   PlannedMeasurement out;
   out.name = name;
   out.axis = groups.front().axis;
@@ -254,8 +255,8 @@ Result<void> of_one_machine(const std::vector<Owner>& owners) {
       if (first == nullptr) first = &owner;
       if (owner.*member != first->*member)
         problems.push_back({ProblemKind::refused,
-                            fmt::format("{} \"{}\", but {} says \"{}\": files of different machines make no report",
-                                        what, owner.*member, first->file, first->*member),
+                            fmt::format("{} \"{}\", but {} says \"{}\": a report needs files of one machine", what,
+                                        owner.*member, first->file, first->*member),
                             owner.file,
                             0,
                             0,

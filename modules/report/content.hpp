@@ -38,22 +38,22 @@ struct ReportArguments {
   static Fields<ReportArguments> fields() {
     using R = ReportArguments;
     return {{"PLACE", &R::places,
-             "a plan, or folders that hold plan.toml, before/, after/, machine.toml, map.csv, parameters.toml, "
+             "plan, or folders that contain plan.toml, before/, after/, machine.toml, map.csv, parameters.toml, "
              "model.toml, diagnosis.json, status.json, circles/"},
-            {"-o,--output", &R::output, "the page", Is::output, Need::required},
-            {"--before", &R::before, "folder of NAME.csv, measured without compensation"},
-            {"--after", &R::after, "folder of NAME.csv, measured with compensation"},
-            {"--machine", &R::machine, "the machine (.toml)"},
-            {"--map", &R::map, "the error map (.csv)"},
-            {"--params", &R::params, "the unit's parameters (.toml)"},
+            {"-o,--output", &R::output, "HTML page to write", Is::output, Need::required},
+            {"--before", &R::before, "folder with NAME.csv files measured without compensation"},
+            {"--after", &R::after, "folder with NAME.csv files measured with compensation"},
+            {"--machine", &R::machine, "machine file (.toml)"},
+            {"--map", &R::map, "error map (.csv)"},
+            {"--params", &R::params, "parameters of the unit (.toml)"},
             {"--model", &R::model, "error model (.toml): fitted, diagnosed, predicted against achieved"},
-            {"--data", &R::data, "readings for the model; without: those of its senses in --before"},
-            {"--diagnosis", &R::diagnosis, "answer of `ecs model diagnose --json`; without: diagnosed here"},
-            {"--circle", &R::circle, "circular test (.csv), as `ecs test circle` takes it"},
-            {"--status", &R::status, "state of the unit, as `ecs utility status --save` keeps it"},
-            {"--header", &R::header, "key=value of the head of the page, such as customer=…; wins over files"},
-            {"--date", &R::date, "of the report; without: the last date in the files"},
-            {"--blanks", &R::blanks, "simulated data sets of noise alone for the diagnosis", Range{50, 20'000}}};
+            {"--data", &R::data, "readings for the model; default: those of its senses in --before"},
+            {"--diagnosis", &R::diagnosis, "answer of `ecs model diagnose --json`; default: diagnosed now"},
+            {"--circle", &R::circle, "circular test (.csv), as for `ecs test circle`"},
+            {"--status", &R::status, "state of the unit, saved by `ecs utility status --save`"},
+            {"--header", &R::header, "key=value for the head of the page, such as customer=…; overrides files"},
+            {"--date", &R::date, "date of the report; default: the last date in the files"},
+            {"--blanks", &R::blanks, "number of simulated noise-only data sets for the diagnosis", Range{50, 20'000}}};
   }
 };
 

@@ -159,10 +159,10 @@ Markup notes_of(const std::vector<TableRow>& rows) {
 
 ReportSection components_section(const ReportContent& content, const std::vector<std::string>& ids) {
   Markup body = paragraph_of(
-      "Grey bars: from the least to the greatest reading at each target. Before and after have the same scale. Symbols "
-      "of ISO 230-2: A accuracy, E systematic deviation, M range of the mean, R repeatability, B reversal error and "
-      "its mean; ↑ forward, ↓ reverse. ±3s: band of mean ± 3 standard deviations, 6s: largest 6 standard deviations "
-      "(BS 4656 Part 16).",
+      "Grey bars: from the smallest to the largest reading at each target. Before and after have the same scale. "
+      "Symbols of ISO 230-2: A accuracy, E systematic deviation, M range of the mean, R repeatability, B reversal "
+      "error and its mean; ↑ forward, ↓ reverse. ±3s: band of mean ± 3 standard deviations, 6s: largest 6 standard "
+      "deviations (BS 4656 Part 16).",
       "class=\"small intro\"");
   for (std::size_t i = 0; i < content.rows.size(); ++i) body += component(content, content.rows[i], ids[i]);
   body += notes_of(content.rows);
@@ -200,7 +200,7 @@ std::string decay_text(const model::CircleFaultFound& fault) {
 }
 
 Markup causes_table(const model::CircleDiagnosis& diagnosis) {
-  TableMarkup table(columns("cause|>share|>size|>±|unit|cannot be told from"));
+  TableMarkup table(columns("cause|>share|>size|>±|unit|cannot be distinguished from"));
   for (const model::CircleFaultFound& fault : diagnosis.faults)
     table.row({element("strong", fault.title) + text(decay_text(fault)),
                text(fmt::format("{:.0f} %", 100.0 * fault.share)), text(number_text(fault.value, kCircleDecimals)),
@@ -216,10 +216,10 @@ Markup circle_markup(const CircleWork& circle) {
   if (circle.test.feed_mm_min) head += fmt::format(", {} mm/min", plain_number(*circle.test.feed_mm_min));
   Markup body = element("h3", head) + Markup::literal("\n");
   body += element("figure", inline_svg(polar_figure(circle.test, circle.values))) + values_table(circle);
-  if (diagnosis.faults.empty()) return body + paragraph_of("No fault of a circle stands out of the noise.");
+  if (diagnosis.faults.empty()) return body + paragraph_of("No fault of a circle exceeds the noise.");
   return body + causes_table(diagnosis) +
-         paragraph_of(fmt::format("Deviations of {} rms about the centre, of which {} are left; noise of a reading {}. "
-                                  "± is twice the standard uncertainty.",
+         paragraph_of(fmt::format("Deviations of {} rms about the centre, residual {}; noise of a reading {}. ± is "
+                                  "twice the standard uncertainty.",
                                   quantity_text(diagnosis.rms_um, 2, "um"), quantity_text(diagnosis.left_um, 2, "um"),
                                   quantity_text(diagnosis.noise_um, 2, "um")),
                       "class=\"small\"") +
@@ -301,13 +301,13 @@ std::string volume_sentence(const ReportedVolume& volume) {
   std::vector<std::string_view> unmeasured;
   for (const Component component : volume.declared_zero) unmeasured.push_back(name_of(component));
   return fmt::format(
-      "{0}. The unit puts out all that {1} holds but {2}{3}. After compensation this stays, and what {1} does not "
-      "hold: with the uncertainty of the map at most {4} anywhere (95 %).{5}",
+      "{0}. The unit outputs all of {1} except {2}{3}. This remains after compensation, as do errors that are not in "
+      "{1}: with the uncertainty of the map at most {4} anywhere (95 %).{5}",
       before, volume.prepared.errors_from, after, volume.from_map() ? ": that is interpolation" : "",
       size(volume.uncertainty.largest_95_um),
       unmeasured.empty() ? ""
-                         : fmt::format(" This assumes that what was not measured but declared zero ({} of {} "
-                                       "components: {}) is zero within a standard uncertainty of {:g} µm or µm/m each.",
+                         : fmt::format(" This assumes that the components declared zero ({} of {}: {}) are zero within "
+                                       "a standard uncertainty of {:g} µm or µm/m each.",
                                        unmeasured.size(), volume.components, fmt::join(unmeasured, ", "),
                                        volume::UncertaintySettings{}.declared_zero));
 }
@@ -317,16 +317,17 @@ ReportSection volume_section(const ReportContent& content) {
   const ReportedVolume& volume = *content.volume;
   Markup body = paragraph_of(volume_sentence(volume));
   std::string how = fmt::format(
-      "{} in {}{}, each with all axes arriving forward, then all in reverse; counted from the reference point, as a "
-      "work offset is. After: what the unit puts out with these parameters and the whole map. Nothing was measured "
-      "across the volume: the achieved figures are bands on the measured lines alone.",
+      "{} in {}{}, each with all axes arriving forward, then all in reverse; relative to the reference point, as with "
+      "a work offset. After: with the output of the unit for these parameters and the whole map. The volume itself was "
+      "not measured: the achieved figures are bands on the measured lines alone.",
       counted(volume.answer.grid.places(), "place", "places"), travels_in_words(volume.prepared.machine.travel_mm),
       volume.prepared.travels_of_machine ? "" : " (as far as the map reaches: no machine file was given)");
-  how += fmt::format(" What {} does not hold counts as zero before compensation; scatter and drift are not in it.",
-                     volume.prepared.errors_from);
+  how +=
+      fmt::format(" Errors that are not in {} count as zero before compensation; scatter and drift are not included.",
+                  volume.prepared.errors_from);
   if (content.machine && !content.machine->rotary_configuration.empty())
     how += fmt::format(
-        " The machine has rotary axes ({}), which the unit does not compensate: these figures hold with their angles "
+        " The machine has rotary axes ({}), which the unit does not compensate: these figures apply with their angles "
         "at 0 and without their errors.",
         content.machine->rotary_configuration);
   body += paragraph_of(how, "class=\"small intro\"");

@@ -151,7 +151,7 @@ Result<void> add_model(VerbContext& context, const ReportArguments& arguments, c
   ECS_TRY(model, model::read_model(files.model));
   ECS_TRY(readings, readings_for(context, arguments, model, content));
   if (readings.before.readings.empty())
-    return problem(ProblemKind::usage, "--model: no readings before compensation to put beside it; give --data");
+    return problem(ProblemKind::usage, "--model: no readings before compensation to compare with; give --data");
   if (auto judged = judge(context, arguments, readings, model, content); !judged)
     return tl::unexpected(in_file(judged.error(), files.model.string()));
   return {};
@@ -197,11 +197,10 @@ std::string scatter_sentence(const TableRow& row) {
   const auto& iso = row.after->iso;
   if (!iso.R || !iso.E) return "";
   if (is_scatter(row) && scatters_more(row))
-    return fmt::format(" It is scatter for the most part: repeatability R = {}, before compensation {}.",
-                       quantity(row, *iso.R), quantity(row, *row.before->iso.R));
+    return fmt::format(" It is mostly scatter: repeatability R = {}, before compensation {}.", quantity(row, *iso.R),
+                       quantity(row, *row.before->iso.R));
   if (is_scatter(row))
-    return fmt::format(" It is scatter for the most part (repeatability R = {}), which no map removes.",
-                       quantity(row, *iso.R));
+    return fmt::format(" It is mostly scatter (repeatability R = {}), which no map removes.", quantity(row, *iso.R));
   return fmt::format(" The systematic part of it is E = {}, the repeatability R = {}.", quantity(row, *iso.E),
                      quantity(row, *iso.R));
 }
@@ -209,16 +208,16 @@ std::string scatter_sentence(const TableRow& row) {
 std::string worst_sentence_of(const TableRow& row) {
   const auto& limit = row.planned.published_after;
   return fmt::format(
-      "Largest {}: {}, {} after compensation{}.{}", limit ? "share of its limit" : "band left", named(row),
+      "Largest {}: {}, {} after compensation{}.{}", limit ? "share of its limit" : "remaining band", named(row),
       quantity(row, band_after(row)),
       limit ? fmt::format(", {:.0f} % of {}", 100.0 * band_after(row) / *limit, quantity(row, *limit)) : "",
       scatter_sentence(row));
 }
 
 std::string sentence_of(const ReportContent& content, const Judgement& j) {
-  if (j.after == 0) return "Measured before compensation only: what compensation achieves is not known yet.";
+  if (j.after == 0) return "Measured before compensation only: the effect of compensation is not known yet.";
   if (j.judged == 0)
-    return fmt::format("{} measured after compensation; no limits were given to judge them by.",
+    return fmt::format("{} measured after compensation; no limits were given for them.",
                        counted(j.after, "component was", "components were"));
   if (j.within == j.judged)
     return j.judged == 1 ? "The one measurement with a limit is within it."
@@ -255,8 +254,8 @@ void predictions_to_do(const ReportContent& content, std::vector<std::string>& n
     if (content.rows[i].after && is_scatter(content.rows[i]) && !scatters_more(content.rows[i])) continue;
     if (one.rms && one.rms_after && *one.rms > 0.0 && *one.rms_after > kSurprise * *one.rms)
       next.push_back(fmt::format(
-          "{}: rms {} is left where the map should leave {}; something changed between the two "
-          "measurements (temperature, set-up, machine): find it, or measure again.",
+          "{}: rms {} remains, but {} was expected with the map. A condition changed between the two measurements "
+          "(temperature, set-up, machine): find it, or measure again.",
           named(content.rows[i]), quantity(content.rows[i], *one.rms_after), quantity(content.rows[i], *one.rms)));
   }
 }
@@ -277,7 +276,9 @@ void model_to_do(const ReportContent& content, std::vector<std::string>& next) {
   if (!content.diagnosis || content.diagnosis->verdict == "adequate") return;
   if (content.diagnosis->verdict == "cannot_tell") return next.push_back("Error model: " + content.diagnosis->headline);
   if (content.diagnosis->verdict == "unexplained_structure" || content.diagnosis->verdict == "partly_explained")
-    next.push_back("Error model: the measurements hold structure that nothing proved explains. See there.");
+    next.push_back(
+        "Error model: the measurements contain structure that no proved effect explains. See the section on the error "
+        "model.");
   for (const ReportedEffect& effect : content.diagnosis->effects)
     if (effect.named && !effect.next_measurement.empty())
       next.push_back(fmt::format("Error model: {} ({}) is {}missing from it. {}", effect.title, effect.place,
@@ -321,7 +322,7 @@ Judgement judgement_of(const ReportContent& content) {
                               counted(j.missing, "planned measurement is", "planned measurements are"));
   if (j.worst != nullptr) j.worst_sentence = worst_sentence_of(*j.worst);
   rows_to_do(content, j.next);
-  if (j.after == 0 && j.missing == 0) j.next.push_back("Measure the same again with the unit compensating.");
+  if (j.after == 0 && j.missing == 0) j.next.push_back("Measure the same lines again with the unit compensating.");
   others_to_do(content, j.next);
   predictions_to_do(content, j.next);
   model_to_do(content, j.next);

@@ -297,12 +297,12 @@ Markup axes_table(const UnitParameters& parameters) {
 }
 
 Markup findings_of(const std::vector<params::Finding>& findings) {
-  if (findings.empty()) return paragraph_of("The check of the parameters found nothing.");
+  if (findings.empty()) return paragraph_of("The check of the parameters has no findings.");
   std::vector<std::string> items;
   for (const params::Finding& finding : findings)
     items.push_back(
         fmt::format("{}: {}: {}", params::name_of(finding.severity), fmt::join(finding.keys, ", "), finding.message));
-  return element("h3", "What the check of the parameters found") + list_of(without_commands(items));
+  return element("h3", "Findings of the check of the parameters") + list_of(without_commands(items));
 }
 
 // --- map
@@ -323,7 +323,7 @@ Markup tables_of(const laser::ErrorMap& map) {
 std::string squareness_text(const ReportContent& content) {
   if (!content.parameters) return "";
   const UnitParameters& p = content.parameters->file.parameters;
-  return fmt::format("C0Y {}, B0Z {}, A0Z {} (errors, held in the parameters)",
+  return fmt::format("C0Y {}, B0Z {}, A0Z {} (errors, stored in the parameters)",
                      quantity_text(p.C0Y_um_per_m, 2, "um/m"), quantity_text(p.B0Z_um_per_m, 2, "um/m"),
                      quantity_text(p.A0Z_um_per_m, 2, "um/m"));
 }
@@ -346,9 +346,9 @@ Markup declared_zeros(const laser::MapHeader& header) {
 Markup against_map(const ReportedMap& map, bool judged) {
   Markup out;
   if (!map.objections.empty())
-    out += element("h3", "Objections to sending it") + list_of(without_commands(map.objections));
-  if (!map.remarks.empty()) out += element("h3", "Worth knowing") + list_of(without_commands(map.remarks));
-  if (!judged) out += absence("No parameters were given: whether the map is complete for the unit was not judged.");
+    out += element("h3", "Reasons why it cannot be sent") + list_of(without_commands(map.objections));
+  if (!map.remarks.empty()) out += element("h3", "Remarks") + list_of(without_commands(map.remarks));
+  if (!judged) out += absence("No parameters were given: completeness of the map for the unit was not checked.");
   return out;
 }
 
@@ -396,8 +396,8 @@ ReportSection unit_section(const ReportContent& content) {
                                      s.status.watchdog_trips)}});
   if (content.map && content.map->check && s.status.block_check_found != 0)
     body += paragraph_of(*content.map->check == s.status.block_check_found
-                             ? "The unit holds this map with these parameters: its block check is theirs."
-                             : "The unit held another map or other parameters: its block check is not theirs.");
+                             ? "The unit contains this map with these parameters: the block checks agree."
+                             : "The unit contained another map or other parameters: the block checks differ.");
   return {"unit", "State of the unit", std::move(body)};
 }
 

@@ -20,8 +20,8 @@ std::string percent(double share) { return fmt::format("{}\u202f%", number_text(
 // --- predicted against achieved
 
 constexpr const char* kByTheMap =
-    "By the map: the compensation that the unit puts out at each place and approach, computed by the core that runs in "
-    "it, is added to the readings taken before; what is left is predicted. Scatter is part of both. ";
+    "By the map: the compensation that the unit outputs at each position and approach, computed by the same core as in "
+    "the unit, is added to the readings taken before; the sum is the predicted error. Scatter is part of both. ";
 
 /// A map that was made from these readings holds their noise; with means of n runs noise alone gives √((n + 1)/(n −
 /// 1)).
@@ -34,8 +34,8 @@ std::string noise_ratio_text(const std::vector<TableRow>& rows) {
   if (fewest < 2) return "";
   const auto n = static_cast<double>(fewest);
   return fmt::format(
-      "The map was made from such readings and carries their noise: with {} runs, noise alone makes the last column "
-      "{:.1f} where nothing was smoothed.",
+      "The map was made from such readings and contains their noise: with {} runs, noise alone gives {:.1f} in the "
+      "last column if no smoothing was applied.",
       fewest, std::sqrt((n + 1.0) / (n - 1.0)));
 }
 
@@ -103,7 +103,7 @@ Markup evidence_table(const ReportedDiagnosis& d, bool named) {
   if (table.empty()) return {};
   if (left_out == 0) return table.markup();
   return table.markup() +
-         paragraph_of(fmt::format("{} not shown.", counted(left_out, "more is", "more are")), "class=\"small\"");
+         paragraph_of(fmt::format("{} not shown.", counted(left_out, "one more is", "more are")), "class=\"small\"");
 }
 
 Markup details(const ReportedDiagnosis& d) {
@@ -118,7 +118,7 @@ Markup details(const ReportedDiagnosis& d) {
     for (const EffectFact& fact : effect.facts) facts.push_back(fmt::format("{}: {}", fact.label, fact.text));
     if (!facts.empty()) body += list_of(facts);
     body += paragraph_of(effect.rivals.empty()
-                             ? "No other effect of the library does the same on these data."
+                             ? "No other effect of the library explains these data equally well."
                              : fmt::format("Cannot be distinguished from: {}.", first_few(effect.rivals)));
     if (!effect.next_measurement.empty()) body += paragraph_of("Next: " + without_commands(effect.next_measurement));
     out += element("article", body);
@@ -128,28 +128,28 @@ Markup details(const ReportedDiagnosis& d) {
 
 Markup diagnosis_part(const ReportedDiagnosis& d) {
   Markup body = paragraph_of(unit_text(without_commands(d.headline)), "class=\"lead\"");
-  std::string numbers = fmt::format("{}: the model leaves rms {}; the noise of one reading is {}.",
+  std::string numbers = fmt::format("{}: the residual is {} rms; the noise of one reading is {}.",
                                     counted(d.readings, "reading", "readings"), um(d.rms_um), um(d.noise_um));
   if (d.rms_after_um && *d.rms_after_um < d.rms_um && d.verdict != "adequate")
-    numbers +=
-        fmt::format(" With {}: rms {}.", d.verdict == "missing_effect" ? "what is named" : "what is proved or likely",
-                    um(*d.rms_after_um));
+    numbers += fmt::format(" With {}: rms {}.",
+                           d.verdict == "missing_effect" ? "the named effects" : "the proved or likely effects",
+                           um(*d.rms_after_um));
   body += paragraph_of(numbers);
   body += evidence_table(d, true) + details(d) + evidence_table(d, false);
   std::vector<std::string> where;
   for (const ReportedDependence& one : d.where)
     if (one.strength >= 0.01) where.push_back(fmt::format("{} {}", one.variable, percent(one.strength)));
   if (!where.empty())
-    body +=
-        paragraph_of(fmt::format("What the residual depends on, share of its variance: {}.", fmt::join(where, ", ")));
+    body += paragraph_of(
+        fmt::format("Variables that the residual depends on, share of its variance: {}.", fmt::join(where, ", ")));
   if (!d.left.empty()) {
-    body += paragraph_of("What is left beside these effects:");
+    body += paragraph_of("Residual after these effects:");
     body += list_of(d.left);
   }
   if (!d.formula.empty()) body += paragraph_of(fmt::format("As a formula: {}.", d.formula));
   if (d.noise_replicates > 0 && !d.effects.empty())
-    body += paragraph_of(fmt::format("Noise alone was made up {} times on the same design. Held out: rms of readings "
-                                     "that the effect was not fitted to.",
+    body += paragraph_of(fmt::format("Noise alone was simulated {} times on the same design. Held out: rms of readings "
+                                     "that were not used to fit the effect.",
                                      d.noise_replicates),
                          "class=\"small\"");
   if (!d.notes.empty()) body += element("div", list_of(without_commands(d.notes)), "class=\"small\"");
@@ -206,7 +206,7 @@ Markup ladder(const std::vector<model::LadderStep>& history) {
                cell(step.peak_um, 2), cell(step.noise_um, 2), cell(step.held_out_rms_um, 2)});
   }
   panel.series = {std::move(bars), std::move(noise)};
-  const PlotFigure figure{"rms of what is left after each effect", {std::move(panel)}, 1, false};
+  const PlotFigure figure{"rms of the residual after each effect", {std::move(panel)}, 1, false};
   return element("article", element("h3", "The ladder: error after every effect added") +
                                 element("figure", inline_svg(figure)) + table.markup());
 }
@@ -217,7 +217,7 @@ ReportSection prediction_section(const ReportContent& content) {
   const Markup by_map = content.predicted.empty() ? Markup() : map_prediction(content);
   const std::string why =
       fmt::format("no prediction by the map: {}",
-                  content.predicted.empty() ? content.no_prediction : "nothing was measured both before and after");
+                  content.predicted.empty() ? content.no_prediction : "no line was measured both before and after");
   if (by_map.empty() && !content.model) return {"prediction", "Predicted against achieved", {}, why};
   Markup body = by_map.empty() ? absence("There is " + why + ".") : by_map;
   if (content.model) body += model_prediction(*content.model);

@@ -136,11 +136,11 @@ Result<Outcome> report(VerbContext& context, const ReportArguments& request) {
   std::error_code ignored;
   if (std::filesystem::is_directory(request.output, ignored))
     return problem(ProblemKind::usage,
-                   fmt::format("-o {} is a folder: name the page in it, as in {}", request.output,
+                   fmt::format("-o {} is a folder: give a file name, as in {}", request.output,
                                (std::filesystem::path(request.output) / "report.html").lexically_normal().string()));
   ECS_TRY(files, report_files(request));
   if (!request.data.empty() && files.model.empty())
-    return problem(ProblemKind::usage, "--data: readings for an error model, and there is none: give --model");
+    return problem(ProblemKind::usage, "--data gives readings for an error model, but there is none: give --model");
   ECS_TRY(content, report_content(context, request));
   ECS_DO(check_page_not_source(request, files, content));
   const Judgement judgement = judgement_of(content);
@@ -150,7 +150,7 @@ Result<Outcome> report(VerbContext& context, const ReportArguments& request) {
 }
 
 const std::vector<Action> kReport{
-    action("report", "one self-contained HTML page of a commissioning, to read, print and keep",
+    action("report", "write one self-contained HTML page of a commissioning",
            "ecs report plan.toml --before before/ --after after/ --map map.csv --params parameters.toml "
            "-o report.html\n  ecs report commissioning/ -o report.html",
            report, {.logged = Logged::when_written, .kind = "report"})};

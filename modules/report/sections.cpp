@@ -199,13 +199,13 @@ ReportSection summary_section(const ReportContent& content, const Judgement& jud
   body += Markup::literal("\n") + summary_table(content.rows, ids);
   body += paragraph_of(
       "Bars: pale before, solid after. Before, after: error band, the largest minus the smallest of all readings, both "
-      "approaches and all runs, after "
-      "the slope named with each component is removed. Ratio: before over after. E, R: systematic deviation and "
-      "repeatability by ISO 230-2 of what is left; where R is most of the band, no map can take more away." +
+      "approaches and all runs, after the slope named with each component is removed. Ratio: before over after. E, R: "
+      "systematic deviation and repeatability by ISO 230-2 of the remaining error; where R is most of the band, no map "
+      "can reduce it further." +
           std::string(content.planned ? " Limit: the largest band that the plan allows or cites as published." : ""),
       "class=\"small\"");
   body += element("h3", "What to do next");
-  body += judgement.next.empty() ? paragraph_of("Nothing is open in what this report was given.")
+  body += judgement.next.empty() ? paragraph_of("No open points in the data of this report.")
                                  : list_of(without_commands(judgement.next));
   return {"summary", "Summary", std::move(body)};
 }

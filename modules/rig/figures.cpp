@@ -60,9 +60,9 @@ set key center right
 plot 'figure_3_3.csv' using 1:2 every ::1 with lines lw 2 lc rgb '#0050a0' title 'Kw = 0.0632298 V s/rad', \
      'figure_3_3_printed_kw.csv' using 1:2 every ::1 with lines lw 1.5 dt (12,6) lc rgb '#c04000' title 'Kw = 0.632298, as printed'
 set output 'figure_3_5.svg'
-set title 'Moving slide: error 0.25 um/mm, compensation in steps of one pulse (2 um)'
+set title 'Moving slide: error 0.25 µm/mm, compensation in steps of one pulse (2 µm)'
 set xlabel 'desired position (mm)'
-set ylabel 'deviation (um)'
+set ylabel 'deviation (µm)'
 set yrange [-24:24]
 set key bottom left
 plot 'figure_3_5.csv' using 1:2 every ::1 with lines lw 2 lc rgb '#804000' title 'uncompensated', \
@@ -76,7 +76,7 @@ std::string calibration_commands(const Calibration& c) {
   return fmt::format(R"(set output 'figure_{0}.svg'
 set title '{1}: +/- 3 sigma error band {2:.3f} mm, non-repeatability {3:.3f} mm'
 set xlabel 'position (mm)'
-set ylabel 'error (um)'
+set ylabel 'error (µm)'
 set yrange [{4}:{5}]
 set key top right
 plot 'means_{0}.dat' index 0 using 1:2 with lines lw 1.5 lc rgb '#0050a0' title 'forward, mean', \
@@ -115,8 +115,8 @@ Result<void> draw_rig_pictures(const std::filesystem::path& folder, const RigPic
        {"3_10", "Slideway calibration, 0.2 mm steps", pictures.turns_before, 280.0},
        {"3_12", "With compensation over 2 revolutions", pictures.turns_after, 280.0}}};
   std::string script =
-      "set terminal svg size 900,520 enhanced font 'sans,13' background rgb 'white'\n"
-      "set datafile separator ','\nset grid lc rgb '#d0d0d0'\n" +
+      "set terminal svg size 900,520 enhanced font 'sans,13' background rgb 'white'\nset encoding utf8\nset datafile "
+      "separator ','\nset grid lc rgb '#d0d0d0'\n" +
       servo_commands() + "set datafile separator whitespace\n";
   for (const Calibration& c : calibrations) {
     script += calibration_commands(c);
@@ -335,8 +335,8 @@ struct RigRequest {
     using R = RigRequest;
     return {{"-o,--output", &R::folder, "folder for data (CSV) and pictures (SVG)", Need::required},
             {"--seed", &R::seed, "seed of the scatter (7)"},
-            {"--force", &R::force, "overwrites files that are there"},
-            {"--json", &R::json, "the numbers as JSON"}};
+            {"--force", &R::force, "overwrite existing files"},
+            {"--json", &R::json, "write the numbers as JSON"}};
   }
 };
 
@@ -359,9 +359,9 @@ Result<Outcome> draw_rig(VerbContext& /*context*/, const RigRequest& arguments) 
 
 }  // namespace
 
-extern const std::vector<Action> kRig{action("rig",
-                                             "the thesis's single-axis rig: figures 3.3, 3.5, 3.9 to 3.12 with numbers",
-                                             "ecs-emulator rig -o rig", draw_rig)};
+extern const std::vector<Action> kRig{
+    action("rig", "reproduce the thesis's single-axis rig: figures 3.3, 3.5, 3.9 to 3.12 with numbers",
+           "ecs-emulator rig -o rig", draw_rig)};
 
 const Module& rig_emulator_module() {
   static const Module module{{"program", &kRig}};

@@ -402,10 +402,10 @@ bool tries_pitch(const std::vector<CircleFault>& faults, char axis, double pitch
 
 std::string no_pitch_note(char axis, PitchSource source) {
   if (source == PitchSource::nowhere)
-    return fmt::format("no pitch of {} is known: cyclic errors of it are not tried. Give --machine", axis);
+    return fmt::format("no pitch of {} is known: its cyclic errors are not tried. Give --machine", axis);
   return fmt::format(
-      "the machine file has no pitch of {0}: cyclic errors of it are not tried. Give screw_pitch_mm or scale_pitch_mm "
-      "in [axis.{0}]",
+      "the machine file has no pitch of {0}: its cyclic errors are not tried. Give screw_pitch_mm or scale_pitch_mm in "
+      "[axis.{0}]",
       axis);
 }
 
@@ -417,10 +417,10 @@ std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise&
       data.passes, [&](const PassRows& pass) { return pass.clockwise == data.passes.front().clockwise; });
   if (one_way)
     notes.emplace_back(
-        "one direction only: squareness and servo mismatch have the same form. Contour the other way as well");
+        "one direction only: squareness and servo mismatch have the same shape. Contour the other way as well");
   if (!noise.from_repeats)
     notes.emplace_back(
-        "no repeated pass: the noise is estimated from neighbouring readings and misses what is slow. Repeat the "
+        "no repeated pass: the noise is estimated from neighbouring readings and excludes slow changes. Repeat the "
         "circle");
   for (std::size_t i = 0; i < pitches_mm.size(); ++i)
     if (pitches_mm[i].empty()) notes.push_back(no_pitch_note(letter_of(data.points.plane[i]), source));
@@ -434,13 +434,12 @@ std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise&
                         axis, pitch_mm));
   for (const CircleFaultFound& fault : diagnosis.faults)
     if (fault.name.starts_with(kReversalSpike) && !fault.nonlinear_sigma_mm)
-      notes.push_back(
-          fmt::format("{}: the readings put their decay at the end of what is looked for, {:.3g} mm; their size holds "
-                      "for that decay only",
-                      fault.title, fault.nonlinear_mm));
+      notes.push_back(fmt::format(
+          "{}: the fitted decay is at the end of its range, {:.3g} mm; their size applies to that decay only",
+          fault.title, fault.nonlinear_mm));
   if (diagnosis.lack_of_fit_ln_p < std::log(kLackOfFit))
     notes.push_back(fmt::format(
-        "what is left, {:.2f} um rms, is more than the noise of {:.2f} um: no fault of the library explains it",
+        "the residual, {:.2f} um rms, is more than the noise of {:.2f} um: no fault of the library explains it",
         diagnosis.left_um, diagnosis.noise_um));
   return notes;
 }

@@ -108,7 +108,7 @@ PlotFigure polar_figure(const laser::CircleTest& test, const laser::CircleValues
   const double magnified = round_below(kLargestShare * test.radius_mm / (largest / 1000.0));
   const double ring_um = round_below(largest / 2.0);
   const auto drawn_mm = [&](double deviation_um) { return test.radius_mm + deviation_um / 1000.0 * magnified; };
-  PlotPanel panel{fmt::format("{} plane, nominal radius {:g} mm; deviations {:g} times, a ring each {:g} um",
+  PlotPanel panel{fmt::format("{} plane, nominal radius {:g} mm; deviations enlarged {:g} times, a ring every {:g} um",
                               laser::plane_name(test.plane), test.radius_mm, magnified, ring_um),
                   fmt::format("{} [mm]", letter_of(test.plane[0])),
                   fmt::format("{} [mm]", letter_of(test.plane[1])),

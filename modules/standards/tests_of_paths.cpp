@@ -22,10 +22,10 @@ struct CircleRequest {
   bool draw = false;
   static Fields<CircleRequest> fields() {
     using R = CircleRequest;
-    return {{"FILE", &R::file, "radial deviations: angle_deg,deviation_um,direction,run", Need::required},
-            {"--machine", &R::machine, "machine file, for the pitches of its axes"},
-            {"--draw", &R::draw, "the polar plot in characters"},
-            {"--plot", &R::plot, "the polar plot: OUT.svg or OUT.png", Is::output}};
+    return {{"FILE", &R::file, "file of radial deviations: angle_deg,deviation_um,direction,run", Need::required},
+            {"--machine", &R::machine, "machine file with the pitches of its axes"},
+            {"--draw", &R::draw, "show the polar plot in characters"},
+            {"--plot", &R::plot, "polar plot to write: OUT.svg or OUT.png", Is::output}};
   }
 };
 
@@ -53,8 +53,8 @@ Cell pair_cell(const laser::CirclePair& pair) {
 Cell fault_cell(const model::CircleFaultFound& fault) {
   std::string rivals;
   if (!fault.indistinguishable_from.empty())
-    rivals =
-        fmt::format("          these readings cannot tell it from {}\n", fmt::join(fault.indistinguishable_from, ", "));
+    rivals = fmt::format("          these readings cannot distinguish it from {}\n",
+                         fmt::join(fault.indistinguishable_from, ", "));
   const std::string decay = fault.nonlinear_sigma_mm ? fmt::format(", decay {:.3g} +- {:.2g} mm", fault.nonlinear_mm,
                                                                    *fault.nonlinear_sigma_mm)
                                                      : std::string();
@@ -71,11 +71,11 @@ Cell fault_cell(const model::CircleFaultFound& fault) {
 
 Cell diagnosis_cell(const model::CircleDiagnosis& diagnosis) {
   const std::string heading = diagnosis.faults.empty()
-                                  ? std::string("  no fault of the library stands out of the noise\n")
+                                  ? std::string("  no fault of the library exceeds the noise\n")
                                   : fmt::format("  {:>8} {:>8} {:>8}  {}\n", "share", "rms [um]", "G [um]", "cause");
   return record_cell(
-      "causes: deviations {rms_um} um rms about the centre, noise {noise_um} um{from}, {left_um} um rms left\n"
-      "{faults}{notes}",
+      "causes: deviations {rms_um} um rms about the centre, noise {noise_um} um{from}, residual {left_um} um "
+      "rms\n{faults}{notes}",
       "rms_um"_is(diagnosis.rms_um, 3), "noise_um"_is(diagnosis.noise_um, 3),
       "noise_from_repeats"_is(diagnosis.noise_from_repeats),
       "from"_shown(diagnosis.noise_from_repeats ? " (from repeats)" : " (from neighbouring readings)"),
@@ -111,7 +111,7 @@ struct DiagonalRequest {
   std::string file;
   static Fields<DiagonalRequest> fields() {
     using R = DiagonalRequest;
-    return {{"FILE", &R::file, "deviations along diagonals: diagonal,position_mm,deviation_um,approach,run",
+    return {{"FILE", &R::file, "file of deviations along diagonals: diagonal,position_mm,deviation_um,approach,run",
              Need::required}};
   }
 };
@@ -172,10 +172,10 @@ Result<Outcome> diagonals(VerbContext&, const DiagonalRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kTestsOfPaths{
-    action("test circle", "ISO 230-4: circular deviations G, F and D, and their causes by share",
+    action("test circle", "ISO 230-4: circular deviations G, F and D, and their causes with their shares",
            "ecs test circle circle.csv --machine machine.toml --plot circle.svg", circle,
            {.logged = Logged::always, .kind = "test"}),
-    action("test diagonals", "ISO 230-6: body and face diagonals, step diagonals with their warning",
+    action("test diagonals", "ISO 230-6: body and face diagonals; step diagonals with a warning",
            "ecs test diagonals diagonals.csv --json", diagonals, {.logged = Logged::always, .kind = "test"})};
 
 }  // namespace ecs::app

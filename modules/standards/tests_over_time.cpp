@@ -23,9 +23,10 @@ struct DriftRequest {
   ImportArguments import;
   static Fields<DriftRequest> fields() {
     using R = DriftRequest;
-    return {{"FILE", &R::file, "readings at one place over time (time_s)", Need::required},
-            {"--window", &R::window_h, "length of the windows: that of a measurement [h]", Range{1e-3, 1e3}},
-            {"--plot", &R::plot, "drift and temperatures over time: OUT.svg or OUT.png", Is::output},
+    return {{"FILE", &R::file, "file of readings at one position over time (time_s)", Need::required},
+            {"--window", &R::window_h, "length of the windows, equal to the duration of a measurement [h]",
+             Range{1e-3, 1e3}},
+            {"--plot", &R::plot, "plot of drift and temperatures over time: OUT.svg or OUT.png", Is::output},
             &R::import};
   }
 };
@@ -39,7 +40,7 @@ Cell drift_sense_cell(const laser::Drift& drift) {
 }
 
 PlotFigure drift_figure(const laser::DriftTest& test) {
-  PlotPanel drifts{"drift from the first reading", "time [h]", "drift [um, um/m]", {}};
+  PlotPanel drifts{"drift from the first reading", "time [h]", "drift [µm, µm/m]", {}};
   constexpr Mark kMarks[] = {Mark::forward, Mark::reverse, Mark::both};
   for (std::size_t i = 0; i < test.senses.size(); ++i) {
     const laser::Drift& drift = test.senses[i];
@@ -79,10 +80,10 @@ struct FlatnessRequest {
   double closure_um = laser::kLargestClosure_um;
   static Fields<FlatnessRequest> fields() {
     using R = FlatnessRequest;
-    return {{"FILE", &R::file, "readings of the eight lines: line,station_mm,reading", Need::required},
+    return {{"FILE", &R::file, "file of readings of the eight lines: line,station_mm,reading", Need::required},
             {"--closure-um", &R::closure_um, "largest closure error at the centre [um]", Range{0.0, 1e6}},
-            {"-o,--output", &R::output, "CSV of the heights", Is::output},
-            {"--plot", &R::plot, "the lines seen obliquely: OUT.svg or OUT.png", Is::output}};
+            {"-o,--output", &R::output, "CSV file for the heights", Is::output},
+            {"--plot", &R::plot, "oblique view of the lines: OUT.svg or OUT.png", Is::output}};
   }
 };
 
@@ -121,9 +122,9 @@ PlotFigure oblique_view(const laser::Flatness& flatness) {
                      height_um + kDepth_y * highest_um * y_mm / flatness.depth_mm};
   };
   const double w = flatness.width_mm, d = flatness.depth_mm;
-  PlotPanel panel{fmt::format("flatness {:.2f} um (minimum zone)", flatness.minimum_zone_um),
+  PlotPanel panel{fmt::format("flatness {:.2f} µm (minimum zone)", flatness.minimum_zone_um),
                   "along the plate [mm], shifted to the right with its depth",
-                  "height [um], raised with the depth",
+                  "height [µm], raised with the depth",
                   {}};
   panel.series.push_back(
       {"plane of the lowest station", Mark::level, {at(0, 0, 0), at(w, 0, 0), at(w, d, 0), at(0, d, 0), at(0, 0, 0)}});
@@ -170,9 +171,9 @@ struct WarmUpRequest {
   ImportArguments import;
   static Fields<WarmUpRequest> fields() {
     using R = WarmUpRequest;
-    return {{"FILE", &R::file, "readings at both ends of an axis that moves (time_s)", Need::required},
-            {"--window", &R::window_h, "length of the first and the last part that are compared [h]", Range{1e-3, 1e3}},
-            {"--plot", &R::plot, "every curve over time: OUT.svg or OUT.png", Is::output},
+    return {{"FILE", &R::file, "file of readings at both ends of a moving axis (time_s)", Need::required},
+            {"--window", &R::window_h, "length of the first and the last part to compare [h]", Range{1e-3, 1e3}},
+            {"--plot", &R::plot, "plot of every curve over time: OUT.svg or OUT.png", Is::output},
             &R::import};
   }
 };
@@ -217,7 +218,7 @@ Cell warm_up_difference_cell(const laser::WarmUpDifference& difference) {
       difference.range_um_per_m > 0.0 ? fmt::format(", {:.2f} um/m", difference.range_um_per_m) : std::string();
   append(fields, "to_mm"_is(difference.to_mm, fmt::format("{:g}", difference.to_mm)),
          "range_um_per_m"_is(difference.range_um_per_m), "per_m"_shown(per_m));
-  return record_cell("  {sense} at {to_mm} less that at {position_mm} mm {side}: range {range}{per_m}; {words}\n",
+  return record_cell("  {sense} at {to_mm} minus that at {position_mm} mm {side}: range {range}{per_m}; {words}\n",
                      fields);
 }
 

@@ -91,7 +91,7 @@ Result<DriftTest> drift_test_of(const MeasurementSet& set, double window_h) {
     const std::string name(name_of(group.sense));
     const bool twice = std::ranges::any_of(test.senses, [&](const Drift& drift) { return drift.sense == group.sense; });
     if (places != 1 || twice)
-      findings.add(0, 0, "{}: expected readings at one place over time, found several places", name);
+      findings.add(0, 0, "{}: expected readings at one position over time, found several positions", name);
     else if (values.size() < kLeastDriftReadings)
       findings.add(0, 0, "{}: expected {} readings or more, found {}", name, kLeastDriftReadings, values.size());
     else
@@ -232,7 +232,7 @@ void add_curves(const MeasurementSet& set, const Group& group, double start_s, W
   const auto targets = targets_of(set, group, tolerance_mm);
   const std::string name(name_of(group.sense));
   if (targets.size() < 2)
-    return findings.add(0, 0, "{}: expected two places or more, found one (`ecs test drift` takes it)", name);
+    return findings.add(0, 0, "{}: expected two or more positions, found one (use `ecs test drift`)", name);
   std::map<std::pair<std::size_t, Approach>, WarmUpCurve> curves;
   for (const std::size_t i : group.readings) {
     const Reading& reading = set.readings[i];

@@ -99,7 +99,7 @@ std::string group_text(const DriveCandidate& candidate, const model::DriveParame
         fmt::format("{} ({}) is {}", name_of(c.constant), model::info_of(c.constant).meaning, fault_text(c.factor)));
   std::string text =
       paragraph(fmt::format("{}{}.", fmt::join(faults, candidate.together ? ", and " : ", or "),
-                            faults.size() > 1 && !candidate.together ? ": this recording cannot tell which" : ""));
+                            faults.size() > 1 && !candidate.together ? ": this recording cannot show which" : ""));
   for (const DriveChange& c : candidate.alternatives)
     text += paragraph(fmt::format("{}{}, rms then {} V", value_of(c, given),
                                   candidate.together ? "" : " if all the others are right", few_digits(c.rms_after, 2)),
@@ -119,7 +119,7 @@ std::string separation_by(const model::SignalDifference& difference, DriveConsta
     if (m.relative >= model::kClearDifference)
       others.push_back(fmt::format("{} {} if it is {}", few_digits(m.peak), info.unit, name_of(m.member)));
   if (others.empty()) return "";
-  return paragraph(fmt::format("To tell {} apart record {} ({}): at most {} {} if it is {}, {}.",
+  return paragraph(fmt::format("To distinguish {}, record {} ({}): at most {} {} if it is {}, {}.",
                                others.size() == difference.members.size() ? "them" : "some of them", info.name,
                                info.words, few_digits(difference.peak), info.unit, name_of(first),
                                fmt::join(others, ", ")));
@@ -130,13 +130,13 @@ std::string separation_text(const DriveCandidate& candidate) {
   std::string text;
   for (const model::SignalDifference& s : candidate.signals)
     text += separation_by(s, candidate.alternatives.front().constant);
-  return text.empty() ? "No other signal of the axis tells them apart.\n" : text;
+  return text.empty() ? "No other signal of the axis distinguishes them.\n" : text;
 }
 
 std::string verdict_text(const DriveDiagnosis& d) {
   switch (d.verdict) {
     case DriveVerdict::agrees:
-      return "The simulation agrees with the recording: what is left is noise.\n";
+      return "The simulation agrees with the recording: the residual is noise.\n";
     case DriveVerdict::wrong_constant:
       return "One constant explains the difference:\n";
     case DriveVerdict::wrong_constants:
@@ -144,7 +144,7 @@ std::string verdict_text(const DriveDiagnosis& d) {
     case DriveVerdict::unexplained:
       break;
   }
-  return "Neither one constant nor two explain the difference. What comes nearest:\n";
+  return "Neither one constant nor two explain the difference. Nearest:\n";
 }
 
 Json names_json(const std::vector<DriveConstant>& constants) {
@@ -210,7 +210,7 @@ Cell drive_candidates_cell(const DriveDiagnosis& d, const model::DriveParameters
     if (shown && !list.json.empty() && candidate.explains) one.text.insert(0, "or\n");
     list.add(one);
     if (!candidate.explains && d.candidates.front().explains)
-      weaker.push_back(fmt::format("{} (leaves {} V)", name_of(candidate.alternatives.front().constant),
+      weaker.push_back(fmt::format("{} (residual {} V)", name_of(candidate.alternatives.front().constant),
                                    few_digits(candidate.rms_after_V)));
   }
   if (!weaker.empty()) list.text += "\n" + paragraph(fmt::format("Not enough alone: {}.", fmt::join(weaker, ", ")));
@@ -231,7 +231,8 @@ Cell drive_diagnosis_cell(const DriveDiagnosis& d, const model::DriveTrace& trac
       "candidates"_is(drive_candidates_cell(d, given)),
       "says_nothing_about"_is(
           names_json(d.silent),
-          d.silent.empty() ? "" : paragraph(fmt::format("The recording says nothing about {}.", names(d.silent)))),
+          d.silent.empty() ? ""
+                           : paragraph(fmt::format("The recording gives no information about {}.", names(d.silent)))),
       "notes"_is(d.notes, d.notes.empty() ? "" : "\n" + notes_text(d.notes)));
   return {
       object_of(fields),
@@ -253,7 +254,7 @@ PlotFigure trace_figure(const model::DriveTrace& trace, const DriveDiagnosis& di
   panel.series.push_back(series("recorded", Mark::reading, trace.dac().value, 800));
   panel.series.push_back(series("simulated as given", Mark::level, diagnosis.as_given_V, 800));
   if (!diagnosis.candidates.empty())
-    panel.series.push_back(series("simulated as mended", Mark::both, diagnosis.mended_V, 120));
+    panel.series.push_back(series("simulated with corrections", Mark::both, diagnosis.mended_V, 120));
   return {fmt::format("step of {} mm at {} mm/min", few_digits(trace.move.distance_mm),
                       few_digits(trace.move.feed_mm_min, 4)),
           {panel},

@@ -55,7 +55,7 @@ class DriveSearch {
     found_.rms_V = fitter_.rms(given_, 0);
     found_.measured = shape_of(trace_.time_s, trace_.dac().value, found_.noise_V);
     found_.as_given = simulated_shape(given_);
-    if (!given_.possible) found_.notes.emplace_back("the loop as given is unstable: its simulation runs away");
+    if (!given_.possible) found_.notes.emplace_back("the loop as given is unstable: its simulation diverges");
     DriveFit best = given_;
     if (!explains(given_)) best = search();
     conclude(best);

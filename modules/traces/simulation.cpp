@@ -23,8 +23,8 @@ namespace {
 using enum DriveConstant;
 
 constexpr std::array<DriveConstantInfo, kDriveConstants> kInfo{{
-    {Kd, "Kd", "Kd_V_per_pulse", "V/pulse", 0.0099734, "gain of the D/A converter behind the position error counter"},
-    {K, "K", "K", "", 1.0 / 3.0, "scaling of the velocity command in front of the amplifier"},
+    {Kd, "Kd", "Kd_V_per_pulse", "V/pulse", 0.0099734, "gain of the D/A converter after the position error counter"},
+    {K, "K", "K", "", 1.0 / 3.0, "scaling of the velocity command before the amplifier"},
     {Ka, "Ka", "Ka_A_per_V", "A/V", 30.06, "proportional gain of the PI velocity regulator"},
     {Ti, "Ti", "Ti_s", "s", 0.0204, "integral action time of the PI velocity regulator"},
     {Tc, "Tc", "Tc_s", "s", 0.0003, "time constant of the current regulator"},
@@ -35,8 +35,8 @@ constexpr std::array<DriveConstantInfo, kDriveConstants> kInfo{{
     {Kw, "Kw", "Kw_V_s_per_rad", "V s/rad", 0.632298, "gain of the tacho generator"},
     {Ke, "Ke", "Ke_pulses_per_rad", "pulses/rad", 636.62, "pulses of the encoder per radian of the motor"},
     {Ks, "Ks", "Ks_mm_per_rad", "mm/rad", 1.2773, "travel of the slide per radian of the motor"},
-    {pitch, "pitch", "pitch_mm", "mm", 8.0, "travel that the controller takes for one turn of the encoder"},
-    {dac_limit, "dac_limit", "dac_limit_V", "V", 10.0, "greatest output of the D/A converter, either sign"},
+    {pitch, "pitch", "pitch_mm", "mm", 8.0, "travel that the controller assumes for one turn of the encoder"},
+    {dac_limit, "dac_limit", "dac_limit_V", "V", 10.0, "largest output of the D/A converter, either sign"},
 }};
 
 /// The tables that a model file may hold; here only their spelling is of interest.
@@ -47,7 +47,7 @@ void take(TomlReader& reader, const toml::table& table, const DriveConstantInfo&
   const bool both = info.key != info.name && table.contains(info.key) && table.contains(info.name);
   if (both)
     return reader.complain(*table.get(info.name),
-                           fmt::format("expected {} or {}, found both: leave one out", info.name, info.key));
+                           fmt::format("expected {} or {}, found both: omit one", info.name, info.key));
   const std::string_view key = table.contains(info.key) ? info.key : info.name;
   const auto value = reader.number(table, key);
   if (!value) return;

@@ -119,7 +119,7 @@ class TraceReader {
         return complain(line_, field.column, fmt::format("expected every column once, found {} twice", field.text));
       columns_.push_back(field.text);
       if (field.text == "time_s" || signal_named(field.text)) continue;
-      trace_.notes.push_back(fmt::format("column {} is not a signal of the axis: left out", field.text));
+      trace_.notes.push_back(fmt::format("column {} is not a signal of the axis: ignored", field.text));
     }
     for (const char* needed : {"time_s", "dac_V"})
       if (std::ranges::find(columns_, needed) == columns_.end())
@@ -257,8 +257,8 @@ void TraceReader::finish() {
     for (const auto& edge : {s.clipped_above, s.clipped_below})
       if (edge && !full_scale_)
         trace_.notes.push_back(
-            fmt::format("{} runs into a flat end at {:.3g} {}: taken as a limit of the recorder or of "
-                        "the converter; samples there only say \"at least\"",
+            fmt::format("{} is clipped at {:.3g} {}: assumed to be a limit of the recorder or of the converter; "
+                        "samples there are lower bounds",
                         info_of(s.id).name, *edge, info_of(s.id).unit));
   }
 }

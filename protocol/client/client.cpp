@@ -25,7 +25,7 @@ constexpr milliseconds kSlowestPoll = 200ms;
 constexpr int kMostArmings = 3;  ///< for one command, of a unit that starts again and again
 
 constexpr std::string_view kOpensByItself =
-    "the unit opens its relays 60 s after it was asked last, the emergency stop is quicker";
+    "the unit opens its relays 60 s after the last request; the emergency stop is quicker";
 
 }  // namespace
 
@@ -112,7 +112,7 @@ Result<CommandResult> UnitClient::outcome_of(const Command& command, const Comma
       return problem(ProblemKind::link, fmt::format("{} failed: {}", name_of(command.code), reason));
     default:
       return problem(ProblemKind::link,
-                     fmt::format("{}: the unit has forgotten the command; was it restarted?", name_of(command.code)));
+                     fmt::format("{}: the unit no longer knows the command; was it restarted?", name_of(command.code)));
   }
 }
 
@@ -146,7 +146,8 @@ Result<SessionState> UnitClient::armed_session() {
   auto now = session_now();
   for (int armings = 0; now && now->armed_s == 0 && knows_code(); ++armings) {
     if (armings == kMostArmings)
-      return problem(ProblemKind::link, "the unit is armed, but restarts each time; look at its supply and its faults");
+      return problem(ProblemKind::link,
+                     "the unit is armed, but restarts each time; check its power supply and its faults");
     const std::string code = std::exchange(arm_code_, {});
     const auto done = arm(code);
     wants_code_ = !done && done.error().kind == ProblemKind::refused;
@@ -208,7 +209,7 @@ Result<CommandResult> UnitClient::wait_for(const Command& command, CommandResult
   }
   if (!ours())
     return problem(ProblemKind::link,
-                   fmt::format("{}: the unit answers another command; it was restarted, or another host uses it",
+                   fmt::format("{}: the unit answers a different command; it was restarted, or another host uses it",
                                name_of(command.code)));
   return outcome_of(command, result);
 }
@@ -239,7 +240,7 @@ Result<void> UnitClient::run_acting(const Command& command, std::chrono::millise
 
 Result<void> UnitClient::enter_integration() {
   return run_acting({.code = CommandCode::enter_integration}, kShortLimit,
-                    "until the unit's status says so, count on it compensating as before");
+                    "assume that it is still compensating until its status shows otherwise");
 }
 
 Result<void> UnitClient::enter_compensation() {
@@ -256,13 +257,13 @@ Result<void> UnitClient::output_compensation(Axis axis, double output_um, bool r
   const Command command{
       .code = CommandCode::output_compensation, .axis = axis, .output_um = output_um, .relay_on = relay_on};
   return run_acting(command, kShortLimit,
-                    fmt::format("the relay of {} may be closed, or still be closed, and {} um act; {}", letter_of(axis),
-                                output_um, kOpensByItself));
+                    fmt::format("the relay of {} may be closed, or still be closed, and {} um may act; {}",
+                                letter_of(axis), output_um, kOpensByItself));
 }
 
 Result<void> UnitClient::output_off() {
   return run_acting({.code = CommandCode::output_off}, kShortLimit,
-                    fmt::format("if it was not, a relay that was closed still is; {}", kOpensByItself));
+                    fmt::format("if it was not, a closed relay is still closed; {}", kOpensByItself));
 }
 
 Result<Address> UnitClient::begin_staging(StagingFrom from) {

@@ -59,7 +59,7 @@ std::string_view exception_text(unsigned code) {
       return "it is busy";
     case MODBUS_EXCEPTION_GATEWAY_PATH:
     case MODBUS_EXCEPTION_GATEWAY_TARGET:
-      return "no unit of this number is there";
+      return "there is no unit with this number";
     default:
       return "an exception that this program does not know";
   }
@@ -187,17 +187,14 @@ tl::unexpected<Problem> Link::Connection::fail(const Trouble& trouble, int tries
                              what_to_check));
     case LinkFailure::garbled:
       if (!address.is_serial())
-        return say(
-            fmt::format("replies that are no answers of a unit ({} {}); check the port: does a unit listen there?",
-                        tries, tries == 1 ? "try" : "tries"));
+        return say(fmt::format("replies that are not answers of a unit ({} {}); check that a unit is at this port",
+                               tries, tries == 1 ? "try" : "tries"));
       return say(fmt::format("garbled replies, bad CRC ({} {}); check cable, baud rate, parity and grounding", tries,
                              tries == 1 ? "try" : "tries"));
     case LinkFailure::stale:
       if (trouble.foreign)
-        return say(
-            fmt::format("only answers to another host's requests ({} tries); end the other program, or take it "
-                        "off the link",
-                        tries));
+        return say(fmt::format(
+            "only answers to another host's requests ({} tries); end the other program, or disconnect it", tries));
       return say(fmt::format(
           "only late replies to earlier requests ({} tries); the unit is too slow or two hosts use one link", tries));
     case LinkFailure::exception:

@@ -58,8 +58,8 @@ Address inactive_bank_beside(Bank active) { return active == Bank::A ? kBankB.fi
 
 Problem wrong_bank(Address named, const ActiveMap& before) {
   return {ProblemKind::link,
-          fmt::format("the unit names 0x{:06X} to write the map to, expected 0x{:06X}, the bank beside the active one; "
-                      "another host uses the unit, or its answers are wrong; nothing was written",
+          fmt::format("the unit gives 0x{:06X} as the address for the map, expected 0x{:06X}, the inactive bank; "
+                      "another host uses the unit, or its answers are wrong. Not written",
                       named, inactive_bank_beside(before.active_bank)),
           {},
           0,
@@ -132,11 +132,11 @@ Result<WindowAck> UnitClient::ask_ack(const WindowOpen& window) {
   if (ack->error == UnitError::session_unknown) session_ = 0;
   if (ack->error == UnitError::not_armed) wants_code_ = true;
   if (ack->error == UnitError::check_mismatch)
-    return problem(ProblemKind::link,
-                   fmt::format("memory at {:06X}: the unit takes no more blocks here, since several came with a wrong "
-                               "check: another program writes on this link, or the line changes what it carries. Look "
-                               "for both, then send again",
-                               window.address));
+    return problem(
+        ProblemKind::link,
+        fmt::format("memory at {:06X}: the unit accepts no more blocks here, because several had a wrong check: "
+                    "another program writes on this link, or the line corrupts data. Check both, then send again",
+                    window.address));
   if (ack->error != UnitError::none)
     return problem(ProblemKind::refused, fmt::format("memory at {:06X}: the unit refuses to write: {}", window.address,
                                                      reason_of(ack->error)));
@@ -191,12 +191,12 @@ Result<void> UnitClient::fill_window(const WindowFrames& frames, const FrameCall
     fruitless = ack && ack->received == before ? fruitless + 1 : 0;
     if (fruitless >= kFruitlessRounds)
       return problem(ProblemKind::link,
-                     fmt::format("memory at {:06X}: the unit answers, but takes no block", frames.address));
+                     fmt::format("memory at {:06X}: the unit answers, but accepts no block", frames.address));
   }
   if (!ack) return tl::unexpected(ack.error());
   if (ack->crc != crc32_of(frames.bytes))
     return problem(ProblemKind::link,
-                   fmt::format("memory at {:06X} does not hold what was written; run the RAM test", frames.address));
+                   fmt::format("memory at {:06X} differs from the written data; run the RAM test", frames.address));
   return {};
 }
 
@@ -220,7 +220,7 @@ Result<void> UnitClient::write_memory(Address address, std::span<const std::uint
   ECS_TRY(crc, check_memory(address, static_cast<std::uint32_t>(bytes.size())));
   if (crc != crc32_of(bytes))
     return problem(ProblemKind::link,
-                   fmt::format("memory at {:06X} does not hold what was written; run the RAM test", address));
+                   fmt::format("memory at {:06X} differs from the written data; run the RAM test", address));
   return {};
 }
 
@@ -324,24 +324,25 @@ constexpr std::chrono::milliseconds kCommitLimit = 60s;  ///< checking and switc
 constexpr std::chrono::milliseconds kIdleLimit = 5s;
 constexpr std::chrono::milliseconds kIdlePoll = 200ms;
 constexpr std::string_view kHowToFindOut =
-    "`ecs map verify` compares the unit with a map, `ecs utility status` names the commit";
+    "`ecs map verify` compares the unit with a map, `ecs utility status` shows the commit";
 
 std::string another_is_active(const ActiveMap& now) {
   return fmt::format(
-      "the active map is another one ({} bytes, commit {}): another host uses the unit, or another unit is on this "
-      "link now; compare before compensating",
+      "the active map has changed ({} bytes, commit {}): another host uses the unit, or another unit is on this link "
+      "now; compare before compensating",
       now.image_length_bytes, now.commit_sequence);
 }
 
 std::string not_taken(const ActiveMap& before) {
-  if (before.active_bank == Bank::none) return "; the unit has not taken the map: it holds none, as before";
-  return fmt::format("; the unit has not taken the new map: the old map is active (commit {})", before.commit_sequence);
+  if (before.active_bank == Bank::none) return "; the unit has not accepted the map: it contains none, as before";
+  return fmt::format("; the unit has not accepted the new map: the old map is active (commit {})",
+                     before.commit_sequence);
 }
 
 std::string unknown_after(const ActiveMap& before) {
   return fmt::format(
-      "; the commit had been sent and its reply did not come: it is not known which map is active, the unit may have "
-      "taken the new map (commit {} was active before); {}",
+      "; the commit was sent, but no reply was received: it is not known which map is active. The unit may have "
+      "accepted the new map (commit {} was active before); {}",
       before.commit_sequence, kHowToFindOut);
 }
 
@@ -363,7 +364,7 @@ Result<ActiveMap> UnitClient::active_map_when_idle() {
     ECS_TRY(result, result_now());
     if (result.state != CommandState::busy) return active_map();
     if (std::chrono::steady_clock::now() >= until || !link_.pause(kIdlePoll))
-      return problem(ProblemKind::link, "another command of the unit does not end");
+      return problem(ProblemKind::link, "another command of the unit does not finish");
   }
 }
 
@@ -400,9 +401,9 @@ Result<std::uint32_t> UnitClient::settled(const ActiveMap& before, const SentIma
     why.message += "; " + another_is_active(*now);
   else if (cancelled)
     why.message +=
-        fmt::format("; the unit had already taken the new map: it is active (commit {})", now->commit_sequence);
+        fmt::format("; the unit had already accepted the new map: it is active (commit {})", now->commit_sequence);
   else if (why.kind == ProblemKind::refused)
-    why.message += fmt::format("; another host has sent this very map: it is active (commit {})", now->commit_sequence);
+    why.message += fmt::format("; another host has sent the same map: it is active (commit {})", now->commit_sequence);
   else
     return now->commit_sequence;
   return tl::unexpected(std::move(why));
@@ -412,10 +413,9 @@ Result<std::uint32_t> UnitClient::settled(const ActiveMap& before, const SentIma
 /// or another unit may have come between.
 Result<std::uint32_t> UnitClient::confirmed(std::uint32_t commit, const SentImage& sent) {
   const auto in_doubt = [&](const Problem& why) {
-    return problem(ProblemKind::link,
-                   fmt::format("the unit has taken the new map, it is active (commit {}); it could not be looked at "
-                               "afterwards: {}; {}",
-                               commit, why.message, kHowToFindOut));
+    return problem(ProblemKind::link, fmt::format("the unit has accepted the new map, and it is active (commit {}); it "
+                                                  "could not be checked afterwards: {}; {}",
+                                                  commit, why.message, kHowToFindOut));
   };
   const auto now = active_map();
   if (!now) return in_doubt(now.error());
@@ -429,7 +429,7 @@ Result<std::uint32_t> UnitClient::confirmed(std::uint32_t commit, const SentImag
 Result<void> UnitClient::nothing_else_committed(const ActiveMap& before) {
   ECS_TRY(now, active_map());
   if (now.commit_sequence == before.commit_sequence && now.active_bank == before.active_bank) return {};
-  return problem(ProblemKind::refused, "another host has sent a map meanwhile; nothing was committed");
+  return problem(ProblemKind::refused, "another host has sent a map in the meantime; this map was not committed");
 }
 
 /// Takes back what was staged before any commit, even after a cancel, and says which map is active. What the unit has
@@ -441,8 +441,8 @@ Problem UnitClient::given_up(Problem why, const ActiveMap& before) {
   link_.heed_cancel(true);
   if (!now)
     why.message +=
-        "; nothing was committed, but what was sent could not be abandoned; the old map is active unless "
-        "another host has sent one";
+        "; this map was not committed, but staging could not be abandoned; the old map is active unless another host "
+        "has sent one";
   else if (now->commit_sequence != before.commit_sequence)
     why.message += "; " + another_is_active(*now);
   else

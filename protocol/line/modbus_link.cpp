@@ -177,8 +177,8 @@ tl::expected<void, PortProblem> ModbusLink::show_token(const TcpPeer& peer) {
   disconnect();
   return failed(LinkFailure::no_permission,
                 fmt::format("{}:{}: {}", peer.host, peer.port,
-                            takes_none ? "this unit asks for no token; leave ?token= out"
-                                       : fmt::format("the unit does not take the token in {}", peer.token_file)));
+                            takes_none ? "this unit requires no token; omit ?token="
+                                       : fmt::format("the unit does not accept the token in {}", peer.token_file)));
 }
 
 bool ModbusLink::prepare() {

@@ -18,24 +18,25 @@ constexpr std::array<std::string_view, kUnitErrorCount> kErrorTexts{
     "this memory cannot be written by the host",
     "an argument is out of its range",
     "the unit does not know this command; its firmware may be older than this program",
-    "nothing is staged; begin staging first",
-    "the unit's memory does not hold what was announced; send it again",
+    "no image is staged; begin staging first",
+    "the unit's memory differs from the announced image; send it again",
     "not a map for this unit",
-    "another command is under way; stop it, or wait for its end",
+    "another command is running; stop it, or wait until it ends",
     "the unit has no such axis",
     "the axis is not referenced yet; give it a position or run its datum sequence",
     "a fault of the unit prevents it; see the unit's status",
     "stopped on request",
-    "the unit gave up waiting",
-    "this transfer has ended: another host has begun one or sent a map, or the unit was restarted; send the map again",
+    "the unit timed out while waiting",
+    "this transfer has ended: another host has started one or sent a map, or the unit was restarted; send the map "
+    "again",
     "the image is not for this unit and its machine",
-    "the unit does not know this host any more; it was restarted, or many other hosts have used it",
-    "the command came too late: more than two seconds after it was given; it was not carried out",
+    "the unit no longer knows this host; it was restarted, or many other hosts have used it",
+    "the command arrived too late, more than two seconds after it was given; it was not carried out",
     "everything was switched off after this command had been given; it was not carried out",
     "host and unit speak different versions of the protocol",
     "the unit is read-only for this host until it is armed: ecs unit arm --code CODE, or --arm-code CODE; the unit "
     "shows its code",
-    "this is not the code that the unit shows",
+    "this is not the code shown by the unit",
     "too many wrong codes",
 };
 
@@ -100,7 +101,7 @@ bool switches_off(CommandCode code) noexcept {
 }
 
 std::string_view name_of(CommandState state) noexcept {
-  constexpr std::array<std::string_view, 5> names{"idle", "under way", "done", "refused", "failed"};
+  constexpr std::array<std::string_view, 5> names{"idle", "running", "done", "refused", "failed"};
   return names[std::min<std::size_t>(static_cast<std::size_t>(state), names.size() - 1)];
 }
 

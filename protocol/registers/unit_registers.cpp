@@ -430,9 +430,9 @@ void fields(Pass& pass, T& select) {
 
 Result<void> verdict(const FieldReader& pass, std::string_view what) {
   if (pass.problem_.empty()) return {};
-  return problem(ProblemKind::link,
-                 fmt::format("{} from the unit makes no sense: {}; host and unit may be of different versions", what,
-                             pass.problem_));
+  return problem(
+      ProblemKind::link,
+      fmt::format("{} from the unit is not valid: {}; host and unit may have different versions", what, pass.problem_));
 }
 
 }  // namespace

@@ -163,7 +163,7 @@ std::string arguments_in_words(const Command& command) {
       return fmt::format("{} {:.4g} um, {}", letter_of(command.axis), command.output_um,
                          command.relay_on ? "relay closed" : "relay open");
     case CommandCode::begin_staging:
-      if (command.staging_from == StagingFrom::kept) return "over what the bank holds";
+      if (command.staging_from == StagingFrom::kept) return "over the contents of the bank";
       return command.staging_from == StagingFrom::active ? "copy of the active map" : "";
     case CommandCode::commit_staged:
       return fmt::format("{} bytes, {:08X}", command.length, command.crc);

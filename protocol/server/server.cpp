@@ -141,9 +141,9 @@ tl::unexpected<Problem> in_use(const std::filesystem::path& link, const std::fil
   return problem(
       ProblemKind::output,
       user.empty()
-          ? fmt::format("{}: this link leads to {}; remove it, or name another link", link.string(), target.string())
-          : fmt::format("{}: this link leads to {}, which {} has open; end that, or name another link", link.string(),
-                        target.string(), user));
+          ? fmt::format("{}: this link points to {}; remove it, or give another link", link.string(), target.string())
+          : fmt::format("{}: this link points to {}, which {} has open; end that program, or give another link",
+                        link.string(), target.string(), user));
 }
 
 class PtyLink : public ServerLink {
@@ -414,7 +414,7 @@ Result<ModbusServer> ModbusServer::on_pty(const PtyOptions& options) {
 Result<ModbusServer> ModbusServer::on_tcp(const TcpOptions& options) {
   std::vector<std::uint8_t> token;
   if (options.token_file.empty() && !is_loopback(options.host))
-    return problem(ProblemKind::usage, fmt::format("{}: beyond this computer a token is needed", options.host));
+    return problem(ProblemKind::usage, fmt::format("{}: a token is required beyond this computer", options.host));
   if (!options.token_file.empty()) {
     ECS_TRY(digest, token_digest_of(options.token_file));
     token = std::move(digest);

@@ -189,7 +189,7 @@ class UnitModel : public UnitPort {
     if (on_commit) on_commit();
     if (!staging) return refused(UnitError::no_staging);
     if (!takes_commits)
-      return {0, CommandState::failed, UnitError::unit_fault, 0, 0, "the commit record does not hold"};
+      return {0, CommandState::failed, UnitError::unit_fault, 0, 0, "the commit record could not be stored"};
     auto& spare = active == Bank::A ? bank_b : bank_a;
     if (command.length > kSize || crc32_of(std::span(spare).first(command.length)) != command.crc)
       return refused(UnitError::check_mismatch);

@@ -324,9 +324,9 @@ struct AirRequest {
          wavelength_nm = laser::kRedHeNe_nm;
   static Fields<AirRequest> fields() {
     using R = AirRequest;
-    return {{"--temperature", &R::temperature_degC, "[degC]"},
-            {"--pressure", &R::pressure_hPa, "[hPa]"},
-            {"--humidity", &R::humidity_pct, "relative [%]"},
+    return {{"--temperature", &R::temperature_degC, "air temperature [degC]"},
+            {"--pressure", &R::pressure_hPa, "air pressure [hPa]"},
+            {"--humidity", &R::humidity_pct, "relative humidity [%]"},
             {"--co2", &R::co2_ppm, "carbon dioxide [ppm]"},
             {"--wavelength", &R::wavelength_nm, "vacuum wavelength [nm]"}};
   }

@@ -89,9 +89,9 @@ struct BuildRequest : FromModelArguments {
             {"--zero", &R::zero, "declare a component zero, with a reason: EBY=\"too small to measure\""},
             {"--zero-missing", &R::zero_missing,
              "declare every component that the model lacks zero, for this reason (needs --from-model)"},
-            {"--customer", &R::customer, "for the header"},
-            {"--engineer", &R::engineer, "for the header"},
-            {"--date", &R::date, "for the header, as in 2026-03-12"},
+            {"--customer", &R::customer, "customer, as stated in the map header"},
+            {"--engineer", &R::engineer, "engineer, as stated in the map header"},
+            {"--date", &R::date, "date in the map header, as in 2026-03-12"},
             {"--shrink", &R::shrink,
              "shrink every curve according to its noise, estimated from its repeats (docs/volume.md)"},
             &R::import};

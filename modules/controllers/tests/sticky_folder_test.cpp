@@ -23,7 +23,7 @@ TEST_CASE("a file of another user in a sticky folder fails in the middle, and th
     const auto written = must_fail(write_together(three(folder)));
     CHECK(written.file == folder / "z.comp");
     CHECK(written.message ==
-          "cannot write: Operation not permitted; the files before it were restored: nothing has changed");
+          "cannot write: Operation not permitted; the previous files were restored: no file has changed");
   }
   CHECK(content_of(folder / "x.comp") == "old x");
   CHECK_FALSE(std::filesystem::exists(folder / "y.comp"));

@@ -251,8 +251,7 @@ Judged judged(const HiddenTruth& truth, const FoundAnswer& answer) {
   if (truth.kind == "confounded") return judged_confounded(truth, answer);
   const bool blank = truth.kind == "blank";
   if (answer.verdict == (blank ? "adequate" : "unexplained_structure"))
-    return {true,
-            blank ? "nothing was hidden and nothing is named" : "structure outside the library is reported as such"};
+    return {true, blank ? "nothing hidden and nothing named" : "structure outside the library is reported as such"};
   return {false,
           fmt::format("{}, but the verdict is {} ({})", blank ? "nothing was hidden" : "structure outside the library",
                       answer.verdict, first_name(answer))};
@@ -341,7 +340,7 @@ std::string case_text(const Revealed& r) {
   text += "\n";
   text += paragraph(fmt::format("{}: {}", r.judged.right ? "RIGHT" : "WRONG", r.judged.why), 0, 2);
   if (const auto ratio = rms_ratio(r))
-    text += fmt::format("rms after adding what is named: {:.3f} times that of the true model\n", *ratio);
+    text += fmt::format("rms after adding the named effects: {:.3f} times that of the true model\n", *ratio);
   return text;
 }
 
@@ -401,9 +400,10 @@ struct RevealRequest {
   static Fields<RevealRequest> fields() {
     using R = RevealRequest;
     return {{"DIR", &R::folder, "a case of `ecs-emulator hide`, or a folder of such cases", Need::required},
-            {"--diagnosis", &R::diagnosis, "saved JSON of `ecs model diagnose --json`; without it, one is made now"},
-            {"--blanks", &R::blanks, "as for `ecs model diagnose`", Range{50, 20'000}},
-            {"--machine", &R::machine, "another machine than machine.toml of the case"}};
+            {"--diagnosis", &R::diagnosis,
+             "saved JSON of `ecs model diagnose --json`; if not given, the diagnosis is made now"},
+            {"--blanks", &R::blanks, "number of noise replicates, as for `ecs model diagnose`", Range{50, 20'000}},
+            {"--machine", &R::machine, "machine file to use instead of machine.toml of the case"}};
   }
 };
 
@@ -453,13 +453,13 @@ Result<Outcome> reveal(VerbContext& context, const RevealRequest& request) {
   if (folders.empty())
     return tl::unexpected(
         Problem{ProblemKind::bad_input,
-                "no hidden case: expected truth.sealed or truth.json in this folder or in its folders",
+                "not a hidden case: expected truth.sealed or truth.json in this folder or its subfolders",
                 request.folder,
                 0,
                 0,
                 {}});
   if (folders.size() > 1 && !request.diagnosis.empty())
-    return problem(ProblemKind::usage, "--diagnosis belongs to one case: name its folder");
+    return problem(ProblemKind::usage, "--diagnosis applies to one case: give its folder");
   std::vector<Revealed> all;
   for (const std::string& folder : folders) {
     context.console.progress("cases", static_cast<double>(all.size()) / static_cast<double>(folders.size()), 0.0);
@@ -473,7 +473,7 @@ Result<Outcome> reveal(VerbContext& context, const RevealRequest& request) {
 }
 
 const std::vector<Action> kReveal{
-    action("model reveal", "what was hidden in a case, and whether the diagnosis found it",
+    action("model reveal", "show the hidden effect of a case, and whether the diagnosis found it",
            "ecs model reveal case7\n  ecs model reveal case7 --diagnosis answer.json", reveal)};
 
 }  // namespace

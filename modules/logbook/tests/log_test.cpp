@@ -54,7 +54,7 @@ using namespace screen_test;
 TEST_CASE("without a logbook the screen says how one begins") {
   const LogbookFolder folder;
   const auto screen = logbook_screen();
-  CHECK(reads(picture(*screen), "No logbook yet. Verbs and screens begin one when they work on a machine."));
+  CHECK(reads(picture(*screen), "No logbook yet. One is started when verbs or screens work on a machine."));
 }
 
 TEST_CASE("entries are listed, opened, checked, and new ones come on their own") {

@@ -54,7 +54,7 @@ TEST_CASE("what a drift test lacks is said in words") {
   CHECK(contains(drift_refusal(set), "EX: expected 10 readings or more, found 5"));
   set = eight_hours();
   for (std::size_t i = 0; i < set.readings.size(); ++i) set.readings[i].position_mm[0] = i % 2 == 0 ? 0.0 : 100.0;
-  CHECK(contains(drift_refusal(set), "EX: expected readings at one place over time, found several places"));
+  CHECK(contains(drift_refusal(set), "EX: expected readings at one position over time, found several positions"));
 }
 
 namespace {

@@ -73,7 +73,7 @@ TEST_CASE("a table of nominal and measured positions comes in without its set-up
   ImportOptions options = by_columns("x_mm=x,y_mm=y,z_mm=z,measured_x_mm=mx,measured_y_mm=my,measured_z_mm=mz");
   const auto read = must(parse_any(text, "cmm.csv", options));
   REQUIRE(read.set.readings.size() == 54);
-  CHECK(says(read.set.notes, "set-up taken out: shift X"));
+  CHECK(says(read.set.notes, "set-up removed: shift X"));
   double largest = 0.0;
   for (const Reading& one : read.set.readings) largest = std::max(largest, std::abs(one.error));
   CHECK(largest < 2.0);  // of a scale of 3 um

@@ -367,7 +367,7 @@ TEST_CASE("answers to another host's requests do not count as late ones") {
   CHECK(unit.link().statistics().stale_replies == 0);
   shop.in_model([](UnitModel& model) { model.foreign_replies = 100; });
   const auto none = unit.monitor();
-  CHECK(says(none, "end the other program, or take it off the link"));
+  CHECK(says(none, "end the other program, or disconnect it"));
 }
 
 TEST_CASE("a TCP peer that is no unit is distinguished from a disturbed line: there is no CRC on TCP") {

@@ -107,7 +107,7 @@ TEST_CASE("what the unit refuses for want of its code opens the question for it,
   REQUIRE(question != nullptr);
   CHECK(arm_screen_if_wanted(bench.unit) == nullptr);  // asked once
   CHECK(reads(picture(*question), "The unit is read-only for this host"));
-  CHECK(shows_after(*question, "314159\n", "this is not the code that the unit shows"));
+  CHECK(shows_after(*question, "314159\n", "this is not the code shown by the unit"));
   for (int k = 0; k < 50 && !contains(picture(*question), "takes writes and"); ++k) {  // a second of the unit's clock
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     replace_line(*question, kArmCode);
