@@ -14,7 +14,7 @@ constexpr std::array<FaultText, kFaultCount> kFaults{{
      "note the address, replace that axis memory module, then send parameters and map again"},
     {"block_check", "the axis memory is corrupt: its block check does not agree with its contents",
      "send parameters and map again; if the fault returns, replace the battery or the module"},
-    {"no_map", "the axis memory holds no complete error map", "send parameters and map"},
+    {"no_map", "the axis memory contains no complete error map", "send parameters and map"},
     {"map_not_for_parameters", "the error map lacks a component of this scope, or is for another chain",
      "build the map for the scope and configuration of the parameters, and send both"},
     {"bad_parameters", "a parameter in the axis memory is out of its range",

@@ -238,7 +238,7 @@ std::optional<Problem> target_misnamed(const MeasurementSet& set, const std::str
       if (!meant.empty())
         return Problem{ProblemKind::bad_input,
                        fmt::format("header: expected a column {}, the target of {}, which moves; found none; is {} "
-                                   "meant? Name it {} (in {}), or give {} where the axis stood still",
+                                   "meant? Name it {} (in {}), or give {} if the axis did not move",
                                    own, letter_of(axis, rotary), in_quotes(meant), own, target_unit(rotary), own),
                        file_name,
                        header_line,

@@ -27,20 +27,26 @@ constexpr GlossaryRow kGlossary[] = {
     {"alias", "another period that the same targets cannot distinguish from the one found"},
     {"approach", "the direction in which the axis last moved: forward (up) or reverse (down)"},
     {"armed|arm code", "the unit accepts writes and commands from this host, after its code has been entered"},
+    {"by chance", "how often noise alone looks as good as this effect, on data sets like this one"},
+    {"candidate|candidates", "an effect that was tried on the residual"},
     {"commit", "the step that makes a completely sent map active; until then the old map stays active"},
     {"compensation mode|compensating|compensation",
      "the unit adds the map's values to the feedback in every period of its loop; it refuses writes"},
+    {"credible set", "the effects that could be the cause: it is one of them with a probability of 99 %"},
     {"datum|datuming", "finding the machine's zero: switch, then marker, while the control references the axis"},
     {"deadband", "travel in the new direction after which the approach counts as changed"},
     {"dead path", "laser path that exists before the reading is set to zero; its air is not corrected"},
     {"diagnosis|diagnose", "the search for effects that the model lacks, with evidence"},
+    {"e-value", "evidence from held-out readings: noise alone reaches 100 at most once in 100 cases"},
     {"held out|held-out", "readings that were not used for the fit and therefore test it"},
     {"integration mode|integration|integrating",
      "the unit accepts parameters, maps and commands; relays are open and nothing is compensated"},
     {"lack of fit", "residual of the means that is larger than the scatter of repeated readings explains (F test)"},
+    {"likely", "noise alone looks as good at most once in 100 cases, but another cause is not excluded"},
     {"marker", "the index pulse of the transducer, once a revolution or at one place; with the switch it is the datum"},
     {"parked", "position of the other axes while one was measured: angles act by the distance to it"},
     {"pitch", "travel per turn of a screw, or distance between the lines of a scale: errors repeat with it"},
+    {"proved", "shown by held-out readings with an e-value of at least 100"},
     {"referenced", "the axis has found its datum since power-up: its positions are true machine coordinates"},
     {"relay", "connects the unit's output with the control's feedback; open: the unit cannot act on the machine"},
     {"residual", "reading minus model: the part that the model does not explain"},
@@ -67,6 +73,12 @@ bool occurs(const std::string& text, std::string_view word) {
 }
 
 }  // namespace
+
+std::vector<ExplainedWord> explained_words() {
+  std::vector<ExplainedWord> all;
+  for (const GlossaryRow& row : kGlossary) all.push_back({std::string(split(row.forms, '|').front()), row.meaning});
+  return all;
+}
 
 std::vector<ExplainedWord> words_explained_in(const std::string& text) {
   const std::string seen = lower(text);

@@ -19,6 +19,9 @@ struct ExplainedWord {
   std::string meaning;
 };
 
+/// All of them, in the order of the alphabet; docs/glossary.md has the same.
+[[nodiscard]] std::vector<ExplainedWord> explained_words();
+
 /// Those that occur in a text, whatever their case, in the order of the alphabet.
 [[nodiscard]] std::vector<ExplainedWord> words_explained_in(const std::string& text);
 

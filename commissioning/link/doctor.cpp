@@ -305,7 +305,7 @@ bool echoes(const LinkAddress& address, Examination& work) {
   const auto raw = raw_answer(std::get<SerialPort>(address.endpoint), address.unit);
   if (!raw) return false;
   if (raw->is_echo()) {
-    add(work, "echo", FindingState::problem, "the link returns what is sent",
+    add(work, "echo", FindingState::problem, "the link echoes the sent bytes",
         "switch the local echo of the RS-485 converter off; with RS-232, check that pins 2 and 3 are not bridged");
     return true;
   }
@@ -353,7 +353,7 @@ void examine_emulator(const LinkChoice& choice, Examination& work) {
   auto link = open_link(choice, work.cancelled);
   if (!link) {
     add(work, "link", FindingState::problem, link.error().message,
-        "install `ecs-emulator` beside `ecs`, or give another --link");
+        "install `ecs-emulator` in the folder of `ecs`, or give another --link");
     return;
   }
   const auto identity = link->client().identity();
@@ -408,7 +408,7 @@ bool on_path(const char* program) {
 DoctorFinding emulator_finding() {
   if (const auto program = emulator_program()) return {"emulator", FindingState::ok, program->string(), {}};
   return {"emulator", FindingState::note, "the bundled emulator `ecs-emulator` is not found",
-          "install it beside `ecs`; only --link emulator needs it"};
+          "install it in the folder of `ecs`; only --link emulator needs it"};
 }
 
 DoctorFinding sample_finding() {

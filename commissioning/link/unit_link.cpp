@@ -86,8 +86,8 @@ Result<Reached> reached(const EmulatorLink& link, bool shares) {
   const auto program = emulator_program();
   if (!program)
     return problem(ProblemKind::link,
-                   "the bundled emulator `ecs-emulator` is not found beside `ecs` nor on PATH: install it, or give "
-                   "--link rtu:/dev/ttyUSB0:115200 or --link tcp:HOST:PORT");
+                   "the bundled emulator `ecs-emulator` is not found in the folder of `ecs` or on PATH: install it, or "
+                   "give --link rtu:/dev/ttyUSB0:115200 or --link tcp:HOST:PORT");
   ECS_TRY(memory, memory_file_of(link.machine));
   static std::mutex mutex;
   static std::map<std::filesystem::path, std::weak_ptr<EmulatorProcess>> running;

@@ -340,9 +340,10 @@ Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments)
       "params_out"_is(written_cell("parameters", arguments.params_out)), "model"_is(arguments.model),
       "increment_mm"_is(b.increment_mm, shortest(b.increment_mm)), "complete"_is(b.complete()),
       "carried"_is(lines_cell(b.compiled.carried, "")),
-      "not_carried"_is(paragraphs_cell(b.compiled.not_carried, "NOT CARRIED: ")), "components"_is(components_cell(b)),
-      "squareness"_is(squareness_of_model(b, arguments)), "declared"_shown(declared_text(b)),
-      "missing"_is(lines_cell(objections_in(b.findings), "")), "findings"_is(findings_cell(b.findings)),
+      "not_carried"_is(paragraphs_cell(b.compiled.not_carried, "NOT COMPENSATED: ")),
+      "components"_is(components_cell(b)), "squareness"_is(squareness_of_model(b, arguments)),
+      "declared"_shown(declared_text(b)), "missing"_is(lines_cell(objections_in(b.findings), "")),
+      "findings"_is(findings_cell(b.findings)),
       "verdict"_shown(verdict_text(b.findings, !made_for_two_machines(b.compiled.map.header, b.identity).empty())),
       "notes"_is(paragraphs_cell(b.notes, "note: ")), "header"_is(header_cell(b.compiled.map.header)));
 }

@@ -65,7 +65,7 @@ void take_region(const Json& entry, std::string_view& content, MemoryDump& dump)
   const auto address = number_at(entry, "address");
   const auto size = number_at(entry, "bytes");
   if (!entry.is_object() || !address || !size) {
-    dump.damage.push_back("the header names a region that cannot be read; what follows it may be misplaced");
+    dump.damage.push_back("the header lists a region that cannot be read; the data after it may be misplaced");
     return;
   }
   DumpRegion region{text_at(entry, "name"), *address, {}, *size, true};

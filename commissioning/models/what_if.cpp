@@ -187,7 +187,7 @@ Cell effects_cell(const WhatIfAnswer& answer) {
   for (const model::WhatIf::Share& share : answer.what.shares) {
     const AnswerFields fields = described(
         "effect"_is(share.effect, padded(name_with_alternatives(answer.model, share.effect), 34)),
-        "rms_um"_is(share.rms_um, 3), "carried"_is(share.carried, "", share.of_measurement ? "" : "NOT CARRIED: "),
+        "rms_um"_is(share.rms_um, 3), "carried"_is(share.carried, "", share.of_measurement ? "" : "NOT COMPENSATED: "),
         "of_measurement"_is(share.of_measurement), "peak_um"_is(share.peak_um, ""), "how"_is(share.how));
     effects.add({object_of(fields),
                  paragraph_after(laid_out("{effect} {rms_um:>9}  ", fields), laid_out("{carried}{how}", fields))});

@@ -307,8 +307,8 @@ Upload upload(protocol::UnitClient& client, const Image& image, const protocol::
       Problem why = difference.error();
       if (why.kind != ProblemKind::refused)
         why.message = fmt::format(
-            "the unit {}, it is active (commit {}); its values could not be compared: {}; "
-            "compare them with `ecs map verify`",
+            "the unit {}, and it is active (commit {}). Its values could not be compared: {}. Compare them with `ecs "
+            "map verify`",
             sent->already_held ? "contains this map according to its checks" : "has accepted the new map",
             sent->commit_sequence, why.message);
       return {std::move(sent), std::move(why)};

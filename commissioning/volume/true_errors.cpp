@@ -66,7 +66,7 @@ std::string machine_toml(const volume::CompensatedMachine& machine) {
 }
 
 Result<Json> answer_of(const std::vector<std::string>& words, const std::string& errors_file) {
-  const auto said = output_of(words, {}, {"ecs-emulator", "install it beside `ecs`", 120.0});
+  const auto said = output_of(words, {}, {"ecs-emulator", "install it in the folder of `ecs`", 120.0});
   if (!said) return problem_at(errors_file, 0, 0, said.error().message);
   Json answer = Json::parse(*said, nullptr, false);
   if (!answer.is_object() || !answer.contains("components"))
@@ -128,8 +128,8 @@ Result<TrueErrors> true_errors(const std::string& errors_file, const std::string
   const auto program = emulator_program();
   if (!program)
     return problem(ProblemKind::output,
-                   "--errors: the bundled emulator `ecs-emulator` is not found beside `ecs` nor on PATH: it is "
-                   "required to read errors files");
+                   "--errors: the bundled emulator `ecs-emulator` is not found in the folder of `ecs` or on PATH: it "
+                   "is required to read errors files");
   std::shared_ptr<TemporaryFile> made;
   if (machine_file.empty()) {
     ECS_TRY(file, TemporaryFile::with(machine_toml(machine)));

@@ -44,7 +44,7 @@ TransducerSettings transducer_of(TomlReader& reader, const toml::table& table) {
                {"excitation"});
   const bool uneven = transducer.offset != 0.0 || transducer.imbalance != 0.0 || transducer.quadrature_mrad != 0.0;
   if (uneven && transducer.period_mm == 0.0)
-    reader.complain(table, "transducer: expected period_mm beside offset, imbalance or quadrature_mrad");
+    reader.complain(table, "transducer: expected period_mm together with offset, imbalance or quadrature_mrad");
   transducer.dirt_counts = static_cast<std::int64_t>(counts);
   word_into<Excitation, 2>(reader, table, "excitation",
                            {{{"rotor", Excitation::rotor}, {"stator", Excitation::stator}}}, transducer.excitation);

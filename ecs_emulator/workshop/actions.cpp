@@ -130,7 +130,7 @@ Result<Json> run_part_program(const Workshop& workshop, Arguments& arguments, co
   const ProgramOrder order = order_in(arguments);
   const auto outputs = arguments.words("output");
   if (file.empty()) arguments.complain("program: expected the file of a part program");
-  if (!outputs.empty() && !order.axis) arguments.complain("output: expected axis and sense, what is measured");
+  if (!outputs.empty() && !order.axis) arguments.complain("output: expected axis and sense of the measurement");
   ECS_DO(arguments.checked());
   ECS_TRY(program, read_program(file));
   ProgramHooks hooks;

@@ -96,7 +96,7 @@ Answer jog(const Workshop& workshop, Arguments& arguments) {
     target_mm[index_of(a)] = *place[index_of(a)];
     const auto [low_mm, high_mm] = simulation.machine().travel_mm()[index_of(a)];
     if (!(*place[index_of(a)] >= low_mm - kOvertravel_mm && *place[index_of(a)] <= high_mm + kOvertravel_mm))
-      arguments.complain(fmt::format("{}: expected within its travel {} … {} mm, give or take {} mm, got {}",
+      arguments.complain(fmt::format("{}: expected within its travel {} … {} mm (tolerance {} mm), got {}",
                                      letter_of(a), low_mm, high_mm, kOvertravel_mm, *place[index_of(a)]));
   }
   if (feed != 0.0 && !(feed >= kSlowestFeed_mm_min))

@@ -101,7 +101,7 @@ Result<MeasurementSet> read_json_lines(std::string_view text, const std::string&
   Findings findings(file_name);
   for (const auto& [number, line] : numbered_lines_of(text))
     if (!trimmed(line).empty()) take_line(log, line, number, findings);
-  if (findings.empty() && log.channels.empty()) findings.add(0, 0, "expected numbers beside the times, found none");
+  if (findings.empty() && log.channels.empty()) findings.add(0, 0, "expected numbers with the times, found none");
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
   ImportOptions with_channels = options;
   if (!options.channels) with_channels.channels = by_name(log);

@@ -86,7 +86,7 @@ Result<std::string> keep_channel(std::vector<TableRow>& rows, const std::string&
     for (const auto& [name, count] : channels) names.push_back(fmt::format("{} ({} values)", name, count));
     return tl::unexpected(
         usage(file_name, fmt::format("{}: give one of {}",
-                                     channel.empty() ? "the log holds several channels"
+                                     channel.empty() ? "the log contains several channels"
                                                      : "no channel " + in_quotes(channel) + " in the log",
                                      fmt::join(names, ", "))));
   }

@@ -75,8 +75,8 @@ std::string bad_run_text(const Found& found, const Diagnosis& diagnosis, const O
   }
   const auto of_step = [&](const StepOfRuns& step) {
     return fmt::format(
-        "All readings {} by {:.2g} {} between runs {} and {}: the zero was changed, or something slipped. Check first "
-        "what happened between these runs.",
+        "All readings {} by {:.2g} {} between runs {} and {}: the zero was changed, or something slipped. Check the "
+        "events between these runs first.",
         step.height_um > 0.0 ? "rise" : "fall", std::abs(step.height_um), diagnosis.noise.unit, step.before,
         step.after);
   };

@@ -251,9 +251,9 @@ void hold_against_wander(const Observations& data, const Base& base, const Searc
     }
     std::string& why = denied ? found.objection : found.doubt;
     if (why.empty())
-      why = fmt::format(
-          "a slow drift of the readings explains what {} {} as well: repeat the line, also in reverse order",
-          fmt::join(names, ", "), names.size() > 1 ? "do" : "does");
+      why =
+          fmt::format("a slow drift of the readings explains the same as {} {}: repeat the line, also in reverse order",
+                      fmt::join(names, ", "), names.size() > 1 ? "do" : "does");
   }
 }
 
@@ -312,8 +312,9 @@ void blame_step(Found& found) {
   found.noisy.reset();
   found.odd_pass.reset();
   if (found.bad_run)
-    found.objection = fmt::format("a jump between runs {} and {} explains it as well: check first what happened there",
-                                  found.step->before, found.step->after);
+    found.objection =
+        fmt::format("a jump between runs {} and {} explains it as well: check the events between them first",
+                    found.step->before, found.step->after);
   found.bad_run.reset();
   found.run_note.clear();
 }

@@ -275,7 +275,7 @@ class Questions {
       std::set<std::string> alike{words_of(conditions_[change->one])};
       for (const std::size_t i : change->as_well) alike.insert(words_of(conditions_[i]));
       same.measure = fmt::format("Measure so that these differ: {}.", fmt::join(alike, ", "));
-      list.push_back({"excitation", "poor", fmt::format("the readings cannot tell these: {}", fmt::join(alike, ", ")),
+      list.push_back({"excitation", "poor", fmt::format("the readings do not determine: {}", fmt::join(alike, ", ")),
                       same.measure});
     }
     const auto varied = [&](const char* property) {

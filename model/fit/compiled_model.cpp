@@ -235,7 +235,7 @@ std::vector<OwnLever> add_own_levers(CompiledModel& compiled, const Model& fitte
       compiled.carried.push_back(
           fmt::format("{} over {} itself: table {}", to_text(effect), letter_of(axis), name_of(target)));
       compiled.map.header.processing.push_back(
-          fmt::format("{} holds {} over {} itself", name_of(target), to_text(effect), letter_of(axis)));
+          fmt::format("{} includes {} over {} itself", name_of(target), to_text(effect), letter_of(axis)));
     }
   sort_tables(compiled.map);
   return added;

@@ -182,8 +182,7 @@ void take_user(TomlReader& reader, const toml::table& table, EffectInstance& eff
     if (effect.sense)
       effect.formulas.push_back({*effect.sense, *text});
     else
-      reader.complain(table,
-                      "user effect: expected sense = \"EX\" beside a single formula, or formula = { EX = \"…\" }");
+      reader.complain(table, "user effect: expected sense = \"EX\" with a single formula, or formula = { EX = \"…\" }");
   } else if (!table.contains("formula")) {
     reader.complain(table, "user effect: expected formula = { EX = \"…\", … }");
   }
@@ -407,7 +406,7 @@ void take_origin(TomlReader& reader, const toml::table& root, Model& model) {
     reader.complain(*table->get("date"),
                     fmt::format("date: expected a date and time such as 2026-01-31 08:00:00, got \"{}\"", origin.date));
   if (!origin.date.empty() && !table->contains("time_s"))
-    reader.complain(*table, "origin: expected time_s beside date, the time_s of the reading at that date");
+    reader.complain(*table, "origin: expected time_s with date, the time_s of the reading at that date");
   if (const toml::table* sensors = reader.child(*table, "temperatures"))
     for (const auto& [name, node] : *sensors) {
       const std::string column(name.str());

@@ -171,7 +171,7 @@ void InvestigationController::take(Result<Investigation> investigation) {
     model_.message().say("the investigation is complete");
     noted_ = note(command({}));
   } else if (model_.added_work().cancelled()) {
-    model_.message().say("stopped; the measurements are kept; press i to continue", Tone::warning);
+    model_.message().say("stopped. The measurements are kept; press i to continue", Tone::warning);
   } else {
     model_.message().say(investigation.error());
   }

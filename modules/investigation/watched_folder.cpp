@@ -305,7 +305,7 @@ Result<RunReadings> WatchedFolder::wait_for(const RequestedRun& run) {
       return RunReadings{std::move(*set), run.proposal.minutes};
     }
     if (cancelled_ || !options_.pause(kLook))
-      return refused(fmt::format("stopped; the accepted readings are kept in {}; repeat the command to continue",
+      return refused(fmt::format("stopped. The accepted readings are kept in {}; repeat the command to continue",
                                  ledger_file().string()));
   }
 }
@@ -351,7 +351,7 @@ Result<void> WatchedFolder::make_active(const model::Model& model) {
   ECS_TRY(unit, open_link(choice, cancelled_));
   ECS_DO(unit.client().status());
   ECS_DO(send_map_files(unit.client(), files));
-  messages_.note("the map was sent; reference every axis of the machine now; the unit is waiting");
+  messages_.note("the map was sent. Reference every axis of the machine now; the unit is waiting");
   return wait_for_compensation(unit.client(), kReferencing_s);
 }
 

@@ -297,8 +297,7 @@ Result<Certificate> certificate_of(const Logbook& book, const CertificateWishes&
            }))
     certificate.remarks.emplace_back(
         "The contributions to the uncertainty are those of positioning: other lines are stated without it.");
-  if (wishes.country.empty())
-    certificate.remarks.emplace_back("The country was not given: the code ZZ stands for an unknown one.");
+  if (wishes.country.empty()) certificate.remarks.emplace_back("The country was not given: the code ZZ means unknown.");
   return certificate;
 }
 

@@ -7,6 +7,7 @@
 #include "app/ui/screen.hpp"
 #include "app/ui/screen_program.hpp"
 #include "commissioning/session/message.hpp"
+#include "tests/support/folder.hpp"
 #include "tests/support/test.hpp"
 
 namespace ecs::app {
@@ -175,6 +176,14 @@ std::string seen(const Screen& menu) {
   Canvas canvas(20, 80);
   menu.draw(canvas, canvas.whole());
   return canvas.plain_text();
+}
+
+TEST_CASE("the page of the glossary has the words that help explains, with the same meanings") {
+  std::string page = content_of("docs/glossary.md");
+  for (std::size_t at; (at = page.find("µ")) != std::string::npos;) page.replace(at, std::string("µ").size(), "u");
+  std::string table = "| word | meaning |\n|---|---|\n";
+  for (const auto& [word, meaning] : explained_words()) table += "| " + word + " | " + meaning + " |\n";
+  check_holds(page, {table});
 }
 
 TEST_CASE("what is sought is found in names first, then in words of the trade, then in descriptions") {

@@ -162,13 +162,12 @@ class FormScreen final : public Screen {
     return (row_.about.empty() ? verb().help + "." : row_.about) + " The fields are the options of the verb `ecs " +
            verb().name() +
            "`; those with * are needed. Tab in an empty field chooses a file. Several files are separated by blanks. "
-           "Measurements, machine file and parameters in the folder of the model are filled in; typing replaces "
+           "Measurements, machine file and parameters in the folder of the model are filled in. Typing replaces "
            "them. " +
            verb().example +
-           "\nPgDn goes to the answer: up and down scroll it, left and right move a wide table sideways with its "
-           "headings (< and > at the edges mark where it goes on), Home is its beginning, s asks for the files that "
-           "the "
-           "verb writes and runs it again, Esc goes back to the fields." +
+           "\nPress PgDn to read the answer. Up and down scroll it, left and right move a wide table sideways with its "
+           "headings (< and > at the edges mark hidden columns), and Home goes to its beginning. Press s to choose "
+           "output files and run the verb again. Press Esc to return to the fields." +
            (verb().live ? " While it runs, the upper row shows the next step and the rows below show its messages, "
                           "newest first. Type a value or a command (u undoes the last reading, s skips a target, q "
                           "quits) and press Enter. Where readings come from a device, an empty line is a trigger. Esc "
@@ -426,7 +425,7 @@ class FormScreen final : public Screen {
       line_.draw(canvas, inside, row, 2, std::max(8, inside.columns - 2), true);
       row += 2;
     } else {
-      canvas.text(area, row++, 0, fmt::format("running, {} s; Esc stops it", static_cast<int>(task_.seconds())),
+      canvas.text(area, row++, 0, fmt::format("running, {} s; press Esc to stop", static_cast<int>(task_.seconds())),
                   Tone::warning);
     }
     for (auto line = said_.rbegin(); line != said_.rend() && row < area.rows; ++line) {

@@ -42,7 +42,7 @@ class FilesPage final : public LaserPage {
   void draw(Canvas& canvas, const Area& area) const override {
     if (files_.active()) return files_.draw(canvas, area, 0);
     if (measuring_.running()) {
-      draw_progress(canvas, area.between_margins(), 0, measuring_.label() + " (Esc stops it)", measuring_.part(),
+      draw_progress(canvas, area.between_margins(), 0, measuring_.label() + " (press Esc to stop)", measuring_.part(),
                     measuring_.seconds_left());
       return;
     }

@@ -36,9 +36,9 @@ const LaserStepRow kLaserStepRows[kLaserSteps] = {
      "band is the range of all readings (of the curve, if it is smoothed or comes from two lines).",
      laser_curves_page},
     {"ISO 230", "accuracy and repeatability by ISO 230-2",
-     "Step 5: accuracy and repeatability of every line by ISO 230-2:2014, under the symbols of the standard, from all "
-     "readings that are not excluded, as measured (slope removal and smoothing apply to the map only). Notes list the "
-     "conditions of the standard that are not met.",
+     "Step 5: accuracy and repeatability of every line by ISO 230-2:2014, with the symbols of the standard. All "
+     "readings that are not excluded are used as measured; slope removal and smoothing apply to the map only. Notes "
+     "list the conditions of the standard that are not met.",
      laser_iso_page},
     {"Map", "parameters of the unit; present and missing components",
      "Step 6: the components required by the scope of the parameters. Measure a missing component, or declare it zero "
@@ -174,7 +174,7 @@ void LaserScreen::draw_bottom(Canvas& canvas, const Area& area) const {
   const LaserController& controller = host_->controller;
   if (controller.busy())
     draw_progress(canvas, {area.row, area.column + 1, 1, area.columns - 2}, 0,
-                  controller.task().label() + " (Esc stops it)", controller.task().part(),
+                  controller.task().label() + " (press Esc to stop)", controller.task().part(),
                   controller.task().seconds_left());
   else if (!controller.message().text().empty())
     draw_message(canvas, area.between_margins(), controller.message());

@@ -64,7 +64,7 @@ class SendPage final : public LaserPage {
     if (!map.complete() && map.parameters) lines.say("lacking", lacking_of(map), Tone::warning);
     if (d.sent_is_current() && !d.busy()) lines.say("next", "step 9 reads it back and compares it.");
     if (map.parameters && (!map.complete() || d.sent_is_current())) lines.skip();
-    lines.say("beside it",
+    lines.say("saved with it",
               fmt::format("{} (with the squareness measured) and {} (`ecs map build` makes the same map)",
                           files.parameters, files.recipe),
               Tone::faint);
@@ -168,7 +168,7 @@ class VerifyPage final : public LaserPage {
     if (!d.verdict()) {
       lines.skip();
       lines.say("compare",
-                d.sent() ? "Enter reads the unit's map back and compares it with the file."
+                d.sent() ? "Press Enter to read the unit's map back and compare it with the file."
                          : "No map sent yet: see step 8. Press Enter to compare the unit with the last saved map.");
       return;
     }

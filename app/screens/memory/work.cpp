@@ -444,7 +444,7 @@ void MemoryScreen::save(const std::string& path, DumpScope scope) {
     ECS_DO(write_file(path, to_bytes(*dump)));
     return dump;
   };
-  task_.start("taking the dump", work, [this, path, scope](const Result<MemoryDump>& dump) {
+  task_.start("saving the dump", work, [this, path, scope](const Result<MemoryDump>& dump) {
     if (!dump) return message_.say(dump.error());
     std::vector<std::string> words{"memory", "dump", "-o", path_word(path)};
     if (scope == DumpScope::active) words.emplace_back("--active");

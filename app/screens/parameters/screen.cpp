@@ -259,7 +259,7 @@ void ParametersScreen::take_compared(bool of_file) {
   const std::string here = compared_here();
   if (here.empty()) return;
   if (of_file ? controller_.take_from_file(here) : controller_.take_from_unit(here))
-    message_.say(fmt::format("{} taken from the {}; press u to undo", full_label_of(here), of_file ? "file" : "unit"));
+    message_.say(fmt::format("{} copied from the {}; press u to undo", full_label_of(here), of_file ? "file" : "unit"));
   else
     message_.say(of_file ? "no file to copy from" : "no value from a unit to copy", Tone::warning);
   place().selected = std::clamp(place().selected, 0, std::max(0, static_cast<int>(controller_.compared().size()) - 1));

@@ -62,7 +62,7 @@ StatisticsRow judgement(const WatchedUnit& unit) {
         {s.stale_replies, "late answers: a slow converter or network; lower the latency timer of a USB adapter"},
         {s.timeouts, "requests without an answer: check plugs and cable"}})
     if (share(much, s.requests) > kMuch) return {"", "", fmt::format("many {}", what), Tone::bad};
-  if (s.retries > 0) return {"", "", "a good link: a few requests had to be repeated, nothing was lost", Tone::good};
+  if (s.retries > 0) return {"", "", "a good link: a few requests had to be repeated, none was lost", Tone::good};
   return {"", "", "a good link: every request was answered at once", Tone::good};
 }
 

@@ -148,7 +148,7 @@ class MonitorScreen final : public KeyedScreen {
     if (prompt_.active())
       prompt_.draw(canvas, area, area.rows - 1);
     else if (driver_.running())
-      canvas.text(last, 0, 0, "The emulated machine moves; Esc stops it.", Tone::warning);
+      canvas.text(last, 0, 0, "The emulated machine is moving; press Esc to stop.", Tone::warning);
     else if (recording_)
       canvas.text(
           last, 0, 0,

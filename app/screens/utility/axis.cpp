@@ -59,7 +59,7 @@ class PositionScreen final : public AxesScreen {
       canvas.text(inside, kCallRow, 0,
                   busy() ? "Sending ..."
                   : driver_.running()
-                      ? "The emulated machine moves; Esc stops it."
+                      ? "The emulated machine is moving; press Esc to stop."
                       : fmt::format("Press Enter to set the displayed position of axis {}.", letter_of(chosen())));
     int row = kCallRow + 2;
     row += canvas.paragraph(inside, row, kPositionExplained, Tone::faint) + 1;
@@ -149,9 +149,9 @@ constexpr std::array<double, 8> kSteps_um{0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 5
 constexpr auto kRenewal = std::chrono::seconds(20);         ///< a third of the time that the unit holds a relay
 constexpr auto kSettling = std::chrono::milliseconds(100);  ///< from a command to a sample that shows it
 constexpr const char* kScaleExplained =
-    "To set the output scale: put a dial gauge on the axis and zero it, close the relay (r), step the value to the "
-    "size of your largest error, press m and type the gauge reading. The resulting scale and polarity are proposed "
-    "here. To test the converter alone, leave the relay open and measure its voltage.";
+    "To set the output scale: mount a dial gauge on the axis and zero it. Close the relay (r) and step the value to "
+    "the size of your largest error. Press m and type the gauge reading. The resulting scale and polarity are proposed "
+    "here. To test the converter alone, keep the relay open and measure its voltage.";
 
 /// What the unit puts out.
 struct OutputSetting {
@@ -194,7 +194,7 @@ class OutputScreen final : public AxesScreen {
     return std::string(
                "Outputs a value in um at the D/A converter of one axis. With the relay closed, the axis moves by this "
                "value. Only one axis at a time. Closing the relay and every typed value while it is closed need a "
-               "confirmation. Press o, Space or Esc to switch everything off; a second Esc leaves the screen. If the "
+               "confirmation. Press o, Space or Esc to switch everything off; a second Esc closes the screen. If the "
                "link is lost, the unit opens its relays after 60 s without a request. ") +
            kScaleExplained;
   }
@@ -210,7 +210,7 @@ class OutputScreen final : public AxesScreen {
     const auto* seen = unit_.axis(setting_.axis);
     const auto moved = moved_um();
     canvas.text(inside, kCallRow + 3, 0,
-                fmt::format("put out    {:>12}  {:>8}    step {:g} um (< > another step)", um_text(setting_.um),
+                fmt::format("output     {:>12}  {:>8}    step {:g} um (< > another step)", um_text(setting_.um),
                             seen == nullptr ? "" : fmt::format("{} counts", seen->output_counts), kSteps_um[step_]));
     canvas.text(inside, kCallRow + 4, 0,
                 moved ? fmt::format("moved      {:>+9.2f} um  since the output was 0, by the transducer of {}", *moved,

@@ -158,7 +158,8 @@ class DatumViewScreen final : public KeyedScreen {
   [[nodiscard]] Step leave() override {
     if (saved_ || leaving_ > 1) return back();
     message_.say(
-        "The record is not saved: press s to save it. Esc leaves; the record is offered again when this screen opens.",
+        "The record is not saved: press s to save it. Esc closes the screen; the record is offered again when it "
+        "opens.",
         Tone::warning);
     return stay();
   }
@@ -234,12 +235,12 @@ class DatumViewScreen final : public KeyedScreen {
   }
 
   void drop_earlier_draft() {
-    asking_.ask({"Delete the unsaved record?", fmt::format("The record of {} will be lost.", draft_->kept), "drop",
-                 "keep it"},
-                [this] {
-                  drop_draft(kRecordDraft);
-                  draft_.reset();
-                });
+    asking_.ask(
+        {"Delete the unsaved record?", fmt::format("The record of {} will be lost.", draft_->kept), "drop", "keep it"},
+        [this] {
+          drop_draft(kRecordDraft);
+          draft_.reset();
+        });
   }
 
   void read(const std::string& path, bool as_overlay) {

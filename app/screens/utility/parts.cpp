@@ -18,7 +18,7 @@ std::optional<Axis> axis_of_key(const Key& key) {
 void MachineDriver::ask(Prompt& prompt, const WatchedUnit& unit, Message& message) {
   if (!can_drive(unit))
     return message.say("This is a real unit: move the axes at the machine's control.", Tone::warning);
-  if (task_.running()) return message.say("The emulated machine moves: Esc stops it.", Tone::warning);
+  if (task_.running()) return message.say("The emulated machine is moving: press Esc to stop.", Tone::warning);
   prompt.ask(
       "Drive to:", Prompt::Kind::text, "",
       [this, workshop = unit.workshop, &message](const std::string& typed) {
