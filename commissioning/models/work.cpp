@@ -307,7 +307,8 @@ Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& argum
 
 std::string usual_in_words(const model::Observations& data) {
   if (!data.through_chain.empty())
-    return "position of the ball, the location errors of the rotary axes that it shows, and their backlash where both "
+    return "the position of the ball, the location errors of the rotary axes that it shows, and their backlash where "
+           "both "
            "approaches were measured";
   return data.rotary ? "offset of each measured line, backlash where both approaches were measured"
                      : "offset and slope of each measured line, backlash where both approaches were measured";

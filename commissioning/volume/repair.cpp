@@ -211,7 +211,7 @@ std::string_view remedy_text(Remedy remedy) {
     case Remedy::repair:
       return "repair";
     case Remedy::set_up:
-      return "correct the measurement";
+      return "put the measurement right";
     case Remedy::nothing:
       break;
   }

@@ -306,7 +306,7 @@ class Run {
 }  // namespace
 
 std::string_view name_of(BatchState state) {
-  constexpr WordTable<BatchState, 6> kWords{{"ready", "sent", "already present", "failed", "skipped", "not attempted"}};
+  constexpr WordTable<BatchState, 6> kWords{{"ready", "sent", "held already", "failed", "skipped", "not attempted"}};
   return kWords.of(state);
 }
 

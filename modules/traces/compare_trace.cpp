@@ -70,7 +70,7 @@ std::string shapes_text(const DriveDiagnosis& d) {
   std::vector<const StepShape*> shapes{&d.measured, &d.as_given};
   if (mended) shapes.push_back(&d.mended);
   std::string text = "  " + padded("", 26) + fmt::format("{:>14}{:>14}", "measured", "simulated");
-  text += mended ? fmt::format("{:>14}\n", "mended") : "\n";
+  text += mended ? fmt::format("{:>14}\n", "corrected") : "\n";
   for (const ShapeQuantity& q : kShapeQuantities) {
     std::vector<std::optional<double>> values;
     for (const StepShape* shape : shapes) {

@@ -188,7 +188,7 @@ Cell findings_cell(const std::vector<params::Finding>& findings, const std::stri
     return record_cell({}, "severity"_is(params::name_of(finding.severity)), "keys"_is(lines_cell(finding.keys, "")),
                        "message"_is(finding.message));
   });
-  list.text = findings.empty() ? fmt::format("{}: sound", file) : params::to_text(findings);
+  list.text = findings.empty() ? fmt::format("{}: no findings", file) : params::to_text(findings);
   return list;
 }
 
