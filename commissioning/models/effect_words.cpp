@@ -52,7 +52,7 @@ std::string_view carrier_text(model::Carrier carrier) {
     case model::Carrier::parameters:
       return "parameters";
     case model::Carrier::set_up:
-      return "how to correct it";
+      return "put it right";
     case model::Carrier::none:
       break;
   }
