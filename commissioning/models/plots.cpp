@@ -311,6 +311,23 @@ Values column_named(const Observations& data, const std::string& name) {
   return {};
 }
 
+/// The quantity of such a column as a label of a picture: "time [s]" of "time_s", "spindle temperature [°C]" of
+/// "t_spindle_degC".
+std::string quantity_label(const std::string& column) {
+  constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
+      {"_degC", "°C"}, {"_mm_min", "mm/min"}, {"_um_per_m", "µm/m"}, {"_um", "µm"}, {"_mm", "mm"},
+      {"_s", "s"},     {"_kg", "kg"},         {"_hPa", "hPa"},       {"_pct", "%"}};
+  std::string name = column, unit;
+  for (const auto& [ending, shown] : kUnits)
+    if (unit.empty() && column.size() > ending.size() && column.ends_with(ending)) {
+      name.resize(column.size() - ending.size());
+      unit = fmt::format(" [{}]", shown);
+    }
+  if (column.ends_with("_degC") && name.starts_with("t_")) name = name.substr(2) + " temperature";
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name + unit;
+}
+
 /// What named effects take out of the residual, per reading.
 struct Explained {
   Values um;
@@ -376,7 +393,8 @@ void add_variables(PlotFigure& figure, const Fit& fit, const Observations& data,
   for (const model::Dependence& one : diagnosis.where) {
     const Values x = column_named(data, one.variable);
     if (x.empty() || one.strength < kWorthShowing || added == 2) continue;
-    PlotPanel panel{fmt::format("residual against {}", one.variable), one.variable, "residual [µm]", {}};
+    const std::string label = quantity_label(one.variable);
+    PlotPanel panel{fmt::format("residual against {}", label), label, "residual [µm]", {}};
     add_readings(panel, {data, rows, x}, fit.residual, "residual");
     figure.panels.push_back(std::move(panel));
     ++added;
@@ -444,7 +462,7 @@ std::vector<PlotPanel> residual_panels_of_variables(const Observations& data, co
     if (folded.series.empty()) continue;  // no line shows it, only circles or diagonals
     panels.push_back(std::move(folded));
     panels.back().x_label = data.position_unit();
-    panels.back().y_label = is_rotation(line.sense) ? "um/m" : "um";
+    panels.back().y_label = is_rotation(line.sense) ? "µm/m" : "µm";
   }
   std::vector<std::string> variables{"run", "time_s", "travel_since_reversal_mm"};
   for (const auto& sensor : data.sensors_degC) variables.push_back(sensor.first);
@@ -454,8 +472,8 @@ std::vector<PlotPanel> residual_panels_of_variables(const Observations& data, co
     const auto differs = [&](std::size_t k) { return std::isfinite(x[k]) && x[k] != x[line.rows.front()]; };
     if (std::none_of(line.rows.begin(), line.rows.end(), differs)) continue;
     const Drawn drawn{data, line.rows, x};
-    PlotPanel panel{
-        fmt::format("residual against {}", variable), variable, is_rotation(line.sense) ? "um/m" : "um", {}};
+    const std::string label = quantity_label(variable);
+    PlotPanel panel{fmt::format("residual against {}", label), label, is_rotation(line.sense) ? "µm/m" : "µm", {}};
     for (const int approach : kApproaches) take(panel, readings(drawn, fit.residual, approach, ""));
     for (const int approach : kApproaches)
       if (variable == "run")

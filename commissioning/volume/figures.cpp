@@ -171,9 +171,9 @@ PlotPanel bounded_cube_panel(const VolumeWork& work, const Grid& grid, const Vol
   std::vector<std::string> labels;
   for (const PlaceBound& bound : bounds_at(work, grid, after, corners_of(grid)))
     labels.push_back(fmt::format("{:.0f}", bound.length_um));
-  return cube_panel(fmt::format("after: at most {:.0f} um anywhere, rms at most {:.0f} um (95 %)",
+  return cube_panel(fmt::format("after: at most {:.0f} µm anywhere, rms at most {:.0f} µm (95 %)",
                                 work.uncertainty.largest_95_um, work.uncertainty.rms_95_um),
-                    "95 % bound at the corners, um", grid, after, larger, std::move(labels));
+                    "95 % bound at the corners, µm", grid, after, larger, std::move(labels));
 }
 
 PlotPanel slice_panel(const std::string& title, const VolumeSlice& slice, const VolumeError& error, double larger) {
@@ -229,7 +229,7 @@ PlotPanel bounded_slice_panel(const VolumeWork& work, const std::string& title, 
 /// @param length_um  at a place, in the order of for_each_diagonal_place()
 PlotPanel diagonal_panel(const std::string& title, const Grid& grid,
                          const std::function<double(std::size_t, const GridIndex&)>& length_um) {
-  PlotPanel panel{title, "along the body diagonal, %", "um", {}};
+  PlotPanel panel{title, "along the body diagonal, %", "µm", {}};
   const std::size_t count = kPlacesAlongAWire;
   constexpr std::array<Mark, 4> kMarks{Mark::both, Mark::forward, Mark::reverse, Mark::level};
   for_each_diagonal_place(grid, [&](std::size_t number, const GridIndex& index) {
@@ -263,7 +263,7 @@ PlotPanel bounded_diagonal_panel(const VolumeWork& work, const Grid& grid, const
 }
 
 std::string size_words(const volume::ErrorSize& size) {
-  return fmt::format("largest {:.0f} um, rms {:.0f} um", size.largest_um, size.rms_um);
+  return fmt::format("largest {:.0f} µm, rms {:.0f} µm", size.largest_um, size.rms_um);
 }
 
 }  // namespace
@@ -280,13 +280,13 @@ Result<PlotFigure> volume_figure(const VolumeWork& work) {
   figure.same_scale = false;
   const bool bounded = shows_bound(work);
   const auto sizes_panel = [&](const std::string& title, const VolumeError& error) {
-    return cube_panel(title, "um at the corners", wires, error, larger, corner_sizes(wires, error));
+    return cube_panel(title, "µm at the corners", wires, error, larger, corner_sizes(wires, error));
   };
   std::string after = "after: " + size_words(work.answer.after.all);
   if (const std::string rotary = rotary_in_words(work); !rotary.empty())
     figure.title += "; " + rotary;
   else
-    after += fmt::format("; at most {:.0f} um (95 %)", work.uncertainty.largest_95_um);
+    after += fmt::format("; at most {:.0f} µm (95 %)", work.uncertainty.largest_95_um);
   figure.panels = {
       sizes_panel("before: " + size_words(work.answer.before.all), on_wires.before),
       bounded ? bounded_cube_panel(work, wires, on_wires.after, larger) : sizes_panel(after, on_wires.after)};

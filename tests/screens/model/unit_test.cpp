@@ -139,7 +139,7 @@ TEST_CASE("the residual is shown over runs on a key, and its scale stays when th
   ModelScreen screen = mill.screen(kNoUnit);
   CHECK(contains(picture(screen), "means: measured (dots)"));
   CHECK(contains(after(screen, "r"), "run 1: measured (dots)"));
-  CHECK(contains(after(screen, "v"), "what the model leaves, against run"));
+  CHECK(contains(after(screen, "v"), "residual against run"));
 }
 
 TEST_CASE("what these data cannot tell apart stays open in the model file until it is decided") {
