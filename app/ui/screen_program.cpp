@@ -40,7 +40,7 @@ constexpr GlossaryRow kGlossary[] = {
     {"e-value", "evidence from held-out readings: noise alone reaches 100 at most once in 100 cases"},
     {"held out|held-out", "readings that were not used for the fit and therefore test it"},
     {"integration mode|integration|integrating",
-     "the unit accepts parameters, maps and commands; relays are open and nothing is compensated"},
+     "the unit accepts parameters, maps and commands; relays are open and compensation is off"},
     {"lack of fit", "residual of the means that is larger than the scatter of repeated readings explains (F test)"},
     {"likely", "noise alone looks as good at most once in 100 cases, but another cause is not excluded"},
     {"marker", "the index pulse of the transducer, once a revolution or at one place; with the switch it is the datum"},

@@ -99,7 +99,7 @@ std::string CaptureRun::help() const {
   if (setup_.trigger_kind == TriggerKind::enter) how = "Enter takes a reading";
   if (setup_.trigger_kind == TriggerKind::device) how = "the trigger, or Enter, takes a reading";
   if (setup_.trigger_kind == TriggerKind::each) how = "readings are recorded as they arrive";
-  return how + "; u undoes the last one, s skips a target, q quits (readings are saved), ? shows help";
+  return how + "; u: undo the last one, s: skip a target, q: quit (readings are saved), ?: help";
 }
 
 void CaptureRun::tell_change(devices::PortChange change, const std::string& device, const std::string& hindrance,

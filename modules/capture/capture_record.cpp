@@ -187,8 +187,8 @@ Verdict CaptureRecord::by_position(double shown, double at_s, const Values& arou
     Verdict verdict = take(error(ahead), at_s, shown, around);
     verdict.missed = static_cast<int>(missed);
     verdict.warning = fmt::format(
-        "a trigger was missed: the display shows {} mm where {} mm was due; {} target{} skipped in this pass (u undoes "
-        "it)",
+        "a trigger was missed: the display shows {} mm where {} mm was due; {} target{} skipped in this pass (press u "
+        "to undo)",
         stands_mm, due_mm, missed, missed == 1 ? " is" : "s are");
     doubts_.back() = fmt::format("{} target(s) before it missed", missed);
     return verdict;

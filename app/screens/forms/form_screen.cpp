@@ -166,12 +166,12 @@ class FormScreen final : public Screen {
            "them. " +
            verb().example +
            "\nPress PgDn to read the answer. Up and down scroll it, left and right move a wide table sideways with its "
-           "headings (< and > at the edges mark hidden columns), and Home goes to its beginning. Press s to choose "
-           "output files and run the verb again. Press Esc to return to the fields." +
+           "headings (< and > at the edges mark hidden columns). Home goes to its beginning. Press s to choose output "
+           "files and run the verb again. Press Esc to return to the fields." +
            (verb().live ? " While it runs, the upper row shows the next step and the rows below show its messages, "
-                          "newest first. Type a value or a command (u undoes the last reading, s skips a target, q "
-                          "quits) and press Enter. Where readings come from a device, an empty line is a trigger. Esc "
-                          "quits: the readings so far are saved in a .part file, and --resume continues with it."
+                          "newest first. Type a value or a command and press Enter: u to undo the last reading, s to "
+                          "skip a target, q to quit. Where readings come from a device, an empty line is a trigger. "
+                          "Esc quits: the readings so far are saved in a .part file, and --resume continues with it."
                         : "");
   }
 

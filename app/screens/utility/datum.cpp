@@ -92,7 +92,7 @@ class DatumScreen : public AxesScreen {
   void reference() {
     const DatumSeen seen = live_->now();
     if (!busy() || !seen.running || seen.fetching || !seen.axis)
-      message_.say("Press Enter first; then g references the emulated machine.", Tone::warning);
+      message_.say("Press Enter first, then g to reference the emulated machine.", Tone::warning);
     else if (seen.workshop.empty())
       message_.say("This is a real unit: reference the axis at the machine's control.", Tone::warning);
     else
