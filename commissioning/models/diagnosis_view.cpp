@@ -254,7 +254,7 @@ std::string add_text(const Diagnosis& d) {
       std::any_of(d.candidates.begin(), d.candidates.end(), [](const Candidate& candidate) { return candidate.named; });
   return "\n" + paragraph(fmt::format("To try it: add {}{} with `ecs model add`. On held-out readings the residual is "
                                       "then expected to {} from {:.3g} to {:.3g} {} rms.",
-                                      proved ? "proved effects, then " : "", fmt::join(d.add->effects, ", then "),
+                                      proved ? "the proved effects, then " : "", fmt::join(d.add->effects, ", then "),
                                       d.add->held_out_rms_um < d.add->held_out_rms_before_um ? "fall" : "change",
                                       d.add->held_out_rms_before_um, d.add->held_out_rms_um, d.noise.unit),
                           0, 2);
@@ -280,7 +280,7 @@ Cell candidates_cell(const Diagnosis& d) {
   if (d.verdict == Verdict::adequate || d.verdict == Verdict::cannot_tell) return {std::move(list), closest_text(d)};
   return {std::move(list),
           titled_table(d.verdict == Verdict::missing_effect ? "missing effects" : "proved effects", named) +
-              titled_table("likely but not proved effects", likely) + add_text(d) +
+              titled_table("likely effects, not proved", likely) + add_text(d) +
               titled_table("rivals and weaker explanations", rivals)};
 }
 
