@@ -104,7 +104,7 @@ TEST_CASE("a path that is not a file is a bad input with the file's name") {
   CHECK(read_file(folder.path).error().message == "expected a file, found a directory");
   for (const char* name : {"b.csv", "a.csv", ".hidden"}) CHECK(write_file(folder.path / name, "1").has_value());
   CHECK(read_file(folder.path).error().message ==
-        "expected a file, found a directory; it holds a.csv, b.csv: give a file, as in " +
+        "expected a file, found a directory; it contains a.csv, b.csv: give a file, as in " +
             (folder.path / "a.csv").string());
 }
 

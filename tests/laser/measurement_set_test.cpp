@@ -218,7 +218,7 @@ TEST_CASE("without a column approach a run that goes both ways has it from the o
   const std::string text = to_targets({0, 100, 200, 200, 100, 0});
   CHECK(approaches_in(text) == std::vector<int>{0, 1, 1, -1, -1, -1});
   const auto set = must(parse_measurement_set(text, "m.csv"));
-  CHECK(contains(set.notes.front(), "no column approach: it is taken from the order of the targets, for 5 of 6"));
+  CHECK(contains(set.notes.front(), "no column approach: it is deduced from the order of the targets for 5 of 6"));
   CHECK(contains(to_csv(set), "approach"));
 }
 
@@ -269,7 +269,7 @@ TEST_CASE("a target under another name is asked about in place of 0 everywhere")
     const Problem refused = refusal_of("axis,sense,reading," + name + "\nX,EX,5,0\nX,EX,6,100\n");
     CHECK(refused.line == 1);
     CHECK_MESSAGE(contains(refused.message, "expected a column x_mm"), refused.message);
-    CHECK_MESSAGE(contains(refused.message, "is \"" + name + "\" meant to be it?"), refused.message);
+    CHECK_MESSAGE(contains(refused.message, "is \"" + name + "\" meant?"), refused.message);
   }
   // an axis that stood still, and columns of another meaning
   CHECK(parse_measurement_set("axis,sense,reading,target_mm\nX,EX,5,100\nX,EX,6,100\n", "m.csv").has_value());

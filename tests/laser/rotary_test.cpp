@@ -76,7 +76,7 @@ TEST_CASE("an instrument's file of a rotary axis: its targets are degrees") {
   CHECK(set.readings.front().rotary);
   CHECK(set.readings[1].angle_deg[0] != set.readings[0].angle_deg[0]);
   CHECK(set.readings[1].position_mm[0] == 0.0);
-  CHECK(says(set.notes, "targets taken as deg of the rotary axis A"));
+  CHECK(says(set.notes, "targets read as deg of the rotary axis A"));
   options.sense = Sense::EX;
   CHECK_FALSE(parse_any(sample_text("vmc_x.rtl"), "x.rtl", of_rotary(options)).has_value());
 }

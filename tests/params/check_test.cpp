@@ -118,7 +118,7 @@ TEST_CASE("a slew that cannot follow the axis, or limits nothing, is a warning")
   // 10,000 mm/min = 166.67 mm/s; at 1 um per mm the output must change by 166.67 um/s.
   expect(kWarning, {{"axis.Z.output_slew_um_per_s", "166"}}, "axis.Z.output_slew_um_per_s", "at least 167 um/s");
   CHECK_FALSE(finding_on(with({{"axis.Z.output_slew_um_per_s", "167"}}), "axis.Z.output_slew_um_per_s"));
-  expect(kWarning, {{"axis.Z.output_slew_um_per_s", "2000000"}}, "axis.Z.output_slew_um_per_s", "protects nothing");
+  expect(kWarning, {{"axis.Z.output_slew_um_per_s", "2000000"}}, "axis.Z.output_slew_um_per_s", "has no effect");
 }
 
 TEST_CASE("a loop period shorter than the unit's processor can work is a warning") {
@@ -135,7 +135,7 @@ TEST_CASE("squareness beyond 1 mm in 1 m, or in a scope that does not use it, is
 
 TEST_CASE("an angular scale that switches off or turns signs is a warning") {
   expect(kWarning, {{"compensation.angular_scale", "0"}}, "compensation.angular_scale", "switches every angular");
-  expect(kWarning, {{"compensation.angular_scale", "-1"}}, "compensation.angular_scale", "turns the sign");
+  expect(kWarning, {{"compensation.angular_scale", "-1"}}, "compensation.angular_scale", "inverts the sign");
 }
 
 TEST_CASE("a measurement line for an absent axis is a warning") {
@@ -213,7 +213,7 @@ TEST_CASE("more memory modules than a rack holds are found twice: by their range
   const auto findings = check(p);
   REQUIRE(findings.size() == 2);
   for (const Finding& f : findings) CHECK(f.keys.front() == "compensation.memory_modules");
-  CHECK(contains(findings[1].message, "one rack does not hold 6 memory"));
+  CHECK(contains(findings[1].message, "one rack has no space for 6 memory"));
 }
 
 TEST_CASE("all findings come at once, errors first") {

@@ -138,19 +138,19 @@ TEST_CASE("every wrong value of a file is reported in one pass, in file order, w
       "\"metric\"?)",
       "9:18: compensation.memory_modules: expected 1 to 5, found 6",
       "10:18: compensation.loop_period_us: expected 100 to 20000 us, found 50",
-      "11:8: compensation.scpe: there is no such parameter (did you mean \"compensation.scope\"?); mend the name or "
+      "11:8: compensation.scpe: there is no such parameter (did you mean \"compensation.scope\"?); correct the name or "
       "remove it",
       "12:17: compensation.angular_scale: expected -10 to 10, found nan",
       "15:31: axis.X.position_scale_um_per_count: expected -1000 to 1000 um/count, not 0, found 0",
       "16:15: axis.X.deadband_um: expected 0 to 10000 um, found \"two\"",
       "17:25: axis.X.compensation_polarity: expected -1 or 1, found 0",
       "18:29: axis.X.measurement_line_mm.x: there is no such parameter (did you mean "
-      "\"axis.X.measurement_line_mm.y\"?); mend the name or remove it",
+      "\"axis.X.measurement_line_mm.y\"?); correct the name or remove it",
       "18:38: axis.X.measurement_line_mm.y: expected -100000 to 100000 mm, found inf",
       "21:25: axis.X.datum.switch_finally_active: expected true or false, found 1",
       "22:25: axis.X.datum.approach_speed_mm_min: expected above 0, up to 60000 mm/min, found 0",
-      "24:1: axis.W: there is no such table (did you mean \"axis.X\"?); mend the name or remove it",
-      "27:1: compensatoin: there is no such table (did you mean \"compensation\"?); mend the name or remove it"};
+      "24:1: axis.W: there is no such table (did you mean \"axis.X\"?); correct the name or remove it",
+      "27:1: compensatoin: there is no such table (did you mean \"compensation\"?); correct the name or remove it"};
   CHECK(found == expected);
   if (found != expected)
     for (const auto& line : found) MESSAGE(line);

@@ -118,7 +118,7 @@ TEST_CASE("an answer that says that something does not hold is no failure of the
   type(form, "samples/mill/parameters.toml");
   (void)press(form, Key::Name::down);
   finish(form, "samples/lathe/parameters.toml\n");
-  CHECK(contains(picture(form), "something does not hold, see below"));
+  CHECK(contains(picture(form), "a check failed, see below"));
   CHECK_FALSE(contains(picture(form), "code"));
 }
 
@@ -130,7 +130,7 @@ TEST_CASE("forms fill themselves from the folder of the model, and typing replac
     Screen& form = *form_made;
     enter(form, one.files.model);
     check_holds(picture(form, 24, 200), {"data.csv", "machine.toml"});
-    SUBCASE("Enter takes them") {
+    SUBCASE("Enter selects them") {
       finish(form, "\n\n");
       CHECK(form.opens_by_itself() != nullptr);
     }
@@ -138,7 +138,7 @@ TEST_CASE("forms fill themselves from the folder of the model, and typing replac
       type(form, "n");
       CHECK_FALSE(contains(picture(form, 24, 200), "data.csv"));
     }
-    SUBCASE("another model proposes its own files in place of those that nobody typed") {
+    SUBCASE("another model proposes its own files instead of those that nobody typed") {
       const ecs::Folder other;
       (void)press(form, Key::Name::up);
       clear_line(form);
@@ -191,7 +191,7 @@ TEST_CASE("the model screen finds the missing effect, adds it on one key, and th
   CHECK(screen.unsaved().empty());
   CHECK(contains(ecs::read_file(one.files.model).value(), "cyclic"));
   finish(screen, "u");
-  CHECK(contains(picture(screen), "taken back: cyclic:X:EX"));
+  CHECK(contains(picture(screen), "undone: cyclic:X:EX"));
 }
 
 TEST_CASE("leaving with unsaved work asks once") {
@@ -231,7 +231,7 @@ TEST_CASE("a cancelled diagnosis ends soon and leaves nothing behind") {
   (void)letter(screen, 'd');
   (void)press(screen, Key::Name::escape);
   finish(screen);
-  check_holds(picture(screen), {"given up", "Press d"});
+  check_holds(picture(screen), {"cancelled", "Press d"});
 }
 
 TEST_CASE("the error left after compensation is given, and one run is shown alone") {
@@ -239,7 +239,7 @@ TEST_CASE("the error left after compensation is given, and one run is shown alon
   ModelScreen screen = one.screen();
   CHECK(contains(after(screen, "r"), "run 1"));
   finish(screen, "w");
-  CHECK(contains(picture(screen), "would bring the rms of the"));
+  CHECK(contains(picture(screen), "would reduce the rms of the"));
 }
 
 TEST_CASE("the model screen fits any size and any terminal") {

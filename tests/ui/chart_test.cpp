@@ -68,7 +68,7 @@ TEST_CASE("no space, no points, one point: a chart says so") {
   CHECK(contains(drawn({}, Glyphs::unicode, 3, 10), "no room"));
   Canvas canvas(12, 60);
   draw_chart(canvas, canvas.whole(), {"t", "x", "y", {}}, {});
-  CHECK(contains(canvas.plain_text(), "nothing measured"));
+  CHECK(contains(canvas.plain_text(), "no measurement"));
   draw_chart(canvas, canvas.whole(), {"t", "x", "y", {{"one", Mark::both, {{3.0, 5.0}}}}}, {});
   CHECK(contains(canvas.plain_text(), "○"));
 }

@@ -166,7 +166,7 @@ TEST_CASE("help explains the words of the trade that the screen shows, and only 
 std::vector<MenuChoice> choices() {
   const auto nothing = [] { return std::unique_ptr<Screen>(); };
   std::vector<MenuChoice> all{{"LOG", "messages about the link, the unit and its relay", nothing},
-                              {"OUTPUT COMPENSATION VALUE", "a value on one axis's D/A converter", nothing},
+                              {"OUTPUT COMPENSATION VALUE", "output value of one axis", nothing},
                               {"RELAY TEST", "closes it", nothing}};
   all[1].synonyms = "relay voltage";
   return all;
@@ -209,17 +209,17 @@ TEST_CASE("a finder seeks from its first key, gives way to what is chosen, and g
 }
 
 TEST_CASE("a description too long for its row ends after a whole clause, and is whole below for the entry chosen") {
-  const std::string help = "what the unit must know of its machine, with every range and default, and much more of it";
+  const std::string help = "data of the machine that the unit needs, with every range and default, and much more of it";
   const MenuScreen menu("ECS", "", {{"PARAMETERS", help, [] { return std::unique_ptr<Screen>(); }}});
   const std::string text = seen(menu);
   CHECK_FALSE(contains(text, "…"));
-  CHECK(contains(text, "PARAMETERS  what the unit must know of its machine\n"));
+  CHECK(contains(text, "PARAMETERS  data of the machine that the unit needs\n"));
 }
 
 TEST_CASE("a screen with the word in its name comes before the verb of that name") {
   const auto nothing = [] { return std::unique_ptr<Screen>(); };
   std::vector<MenuChoice> all{{"monitor", "positions, sample by sample", nothing},
-                              {"ON LINE MONITOR", "what the unit sees", nothing},
+                              {"ON LINE MONITOR", "live positions and signals", nothing},
                               {"monitoring", "of something else", nothing}};
   all[0].is_verb = all[2].is_verb = true;
   CHECK(rank_of(all[1], "monitor") == rank_of(all[0], "monitor"));
@@ -253,9 +253,9 @@ TEST_CASE("the selected row is copied without its margins, else the whole pictur
 
 TEST_CASE("a key that does nothing says whether it ever does") {
   const TwoKeys screen;
-  CHECK(idle_key_words(screen, U'd') == "d (diagnose): there is nothing for it to do now");
-  CHECK(idle_key_words(screen, U'-') == "- (zoom): there is nothing for it to do now");
-  CHECK(idle_key_words(screen, U'k') == "k does nothing here; ? lists the keys");
+  CHECK(idle_key_words(screen, U'd') == "d (diagnose): not possible now");
+  CHECK(idle_key_words(screen, U'-') == "- (zoom): not possible now");
+  CHECK(idle_key_words(screen, U'k') == "k has no function here; ? lists the keys");
 }
 
 }  // namespace

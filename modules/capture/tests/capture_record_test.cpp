@@ -145,7 +145,7 @@ TEST_CASE("a position that is not a target of the pass is not taken") {
   CaptureRecord r = record(by_position());
   const Verdict lost = r.offer(-300.0, 1.0, {});
   CHECK(!lost.taken);
-  CHECK(contains(lost.warning, "no target of this pass is there"));
+  CHECK(contains(lost.warning, "this pass has no target there"));
 }
 
 TEST_CASE("skip and undo go one step forward and back") {

@@ -74,7 +74,7 @@ TEST_CASE("learn refuses a device whose counter moves with the button") {
   const Ran run = ran({"laser", "devices", "--learn", "-o", folder / "p.toml", "--timeout", "10"});
   foot.join();
   CHECK(run.code == 1);
-  CHECK(contains(run.messages, "it is not clear which one is the button"));
+  CHECK(contains(run.messages, "the bit of the button is ambiguous"));
   CHECK(!std::filesystem::exists(folder / "p.toml"));
 }
 
@@ -93,7 +93,7 @@ TEST_CASE("a device that is not plugged in ends with exit code 4 and says what i
   const auto pedal = bus.plug(fake::pedal_spec());
   const Ran run = ran({"laser", "devices", "--try", "temper"});
   CHECK(run.code == 4);
-  CHECK(contains(run.messages, "is not plugged in; there are: 16c0:27db Maker Pedal"));
+  CHECK(contains(run.messages, "is not plugged in; available: 16c0:27db Maker Pedal"));
 }
 
 TEST_CASE("the udev rules cover the devices that come with the program and those that are described") {

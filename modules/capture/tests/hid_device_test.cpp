@@ -146,7 +146,7 @@ TEST_CASE("of two alike, the one whose serial number is said is opened; unsaid, 
   const auto left = bus.plug(fake::pedal_spec("LEFT"));
   const auto right = bus.plug(fake::pedal_spec("RIGHT"));
   const auto unsaid = must_fail(DevicePort::open(pedal()));
-  CHECK(unsaid.message.find("2 devices fit foot switch") == 0);
+  CHECK(unsaid.message.find("2 devices match foot switch") == 0);
   CHECK(contains(unsaid.message, "serial RIGHT"));
   DeviceDescription said = pedal();
   said.match.serial = "RIGHT";

@@ -62,7 +62,7 @@ TEST_CASE(
       gauge->unplug();
       REQUIRE(shows(screen, "Nothing is lost: 11", 30, 120));
       fake::press(*pedal);
-      REQUIRE(shows(screen, "not taken: the gauge is unplugged", 30, 120));
+      REQUIRE(shows(screen, "not accepted: the gauge is unplugged", 30, 120));
       gauge = bus.plug(fake::gauge_spec());
       REQUIRE(shows(screen, "Indicator (/dev/hidraw4", 30, 120));
       fake::rest(100);

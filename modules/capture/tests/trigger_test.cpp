@@ -112,7 +112,7 @@ TEST_CASE("learning says how often a bit changed when that is not what was asked
       learned(pressed(2, [](bool held, int) { return Bytes{held ? std::uint8_t{1} : std::uint8_t{0}}; }), 3, false));
   CHECK(found.message.find("no bit changed 6 times") == 0);
   CHECK(contains(found.message, "bit 0 of byte 0 4 times"));
-  CHECK(learned({}, 3, false).error().message.find("nothing came") == 0);
+  CHECK(learned({}, 3, false).error().message.find("the device sent no data") == 0);
 }
 
 }  // namespace

@@ -138,7 +138,8 @@ TEST_CASE("broken tables are refused with line and column") {
   const std::string good = "0    +0.000000                   +0.0010       +0.000100\n";
   CHECK(contains(refused(head + good + "1    ten                         +0.0\n[END]\n"), "x.com:4:6"));
   CHECK(contains(refused(head + good + good + "[END]\n"), "expected a position above 0"));
-  CHECK(contains(refused(head + good + "1    +10.000000                  +0.0010       +0.0001\n"), "is it cut"));
+  CHECK(
+      contains(refused(head + good + "1    +10.000000                  +0.0010       +0.0001\n"), "was it truncated"));
   CHECK(contains(refused(head + good + "1    +10.000000                  +90.0\n[END]\n"), "implausibly"));
   CHECK(contains(refused("BEGIN X.COM INCH\n"), "found INCH"));
   CHECK(contains(refused("BEGIN AXIS-X.COM  DATUM:+0.0000 DISTANCE:+100.0000\nNR X\n"), "DATUM"));

@@ -39,15 +39,14 @@ TEST_CASE("each axis whose list is not zero at the reference position steps when
   ExportSource source = twincat_example();
   add_table(source, Component::EYY, {0, 100}, {0, 5}, {0, 5});
   const auto at_zero = must(twincat_export(source, {}));
-  CHECK(
-      laser::says(at_zero.notes,
-                  "at the reference position of X (0 mm) the list holds 0.0 um in pos, -3.0 um in neg: the axis steps "
-                  "by it when the compensation becomes active"));
+  CHECK(laser::says(at_zero.notes,
+                    "at the reference position of X (0 mm) the list has 0.0 um in pos, -3.0 um in neg: the axis steps "
+                    "by this amount when the compensation becomes active"));
   CHECK_FALSE(laser::says(at_zero.notes, "reference position of Y"));
   source.parameters.axes[index_of(Axis::Y)].datum.reference_position_mm = 50.0;
   CHECK(laser::says(twincat_export(source, {})->notes,
-                    "at the reference position of Y (50 mm) the list holds -2.5 um: the axis steps by it"));
-  CHECK(laser::says(twincat_export(source, {{1, 2, 3}, 10, true})->notes, "of Y (50 mm) the list holds 2.5 um:"));
+                    "at the reference position of Y (50 mm) the list has -2.5 um: the axis steps by it"));
+  CHECK(laser::says(twincat_export(source, {{1, 2, 3}, 10, true})->notes, "of Y (50 mm) the list has 2.5 um:"));
 }
 
 TEST_CASE("the parameter that selects backlash compensation is named, not the one that holds its size") {
@@ -61,7 +60,7 @@ TEST_CASE("values that do not fit 16 bit are named: 3276.7 um is the last that T
   CHECK_FALSE(laser::says(twincat_export(source, {})->notes, "TwinCAT 2"));
   source.map.tables[1].compensation[1] = -3276.9;
   CHECK(laser::says(twincat_export(source, {})->notes,
-                    "achskw1.lis holds values up to 3276.9 um: beyond 3276.7 um they do not fit TwinCAT 2 (16 bit)"));
+                    "achskw1.lis has values up to 3276.9 um: values beyond 3276.7 um do not fit TwinCAT 2 (16 bit)"));
 }
 
 TEST_CASE("the writer's own file names are known, others are not") {
@@ -118,7 +117,7 @@ TEST_CASE("our own list is read with its own sign and refused with another") {
         must_fail(parse_twincat(text + "# EXX error of X, " + (sign ? "actual minus nominal" : "nominal minus actual") +
                                     ", in 0.1 um; pos and neg: direction of motion\n",
                                 "a.lis", {}));
-    CHECK(contains(both.message, "another sign than the one before it"));
+    CHECK(contains(both.message, "a different sign from the previous one"));
   }
   CHECK(compensation_at(parse_twincat(list(kTwoPoints), "a.lis", {})->tables[1], 50.0) == Approx(7.0));
   CHECK(compensation_at(parse_twincat(list(kTwoPoints), "a.lis", adds)->tables[1], 50.0) == Approx(-7.0));
@@ -155,13 +154,13 @@ TEST_CASE("even steps and a table for both directions are read as well, whatever
   CHECK(read.tables[0].position_mm == std::vector<double>{-20, -10, 0});
   CHECK(read.tables[0].compensation == std::vector<double>{-1, -2, -3});
   CHECK(read.tables[1].compensation == read.tables[0].compensation);
-  CHECK(contains(only(read.notes), "kw.crosscomp is no leadscrew compensation, left out"));
+  CHECK(contains(only(read.notes), "kw.crosscomp is not a leadscrew compensation, ignored"));
 }
 
 TEST_CASE("a list whose name and number say different axes is not guessed at") {
   const std::string text = list(kTwoPoints, 2, "kopf.achs_nr 1\nkopf.log_achs_name Y-ACHSE\n");
   const auto open = must_fail(parse_twincat(text, "a.lis", {}));
-  CHECK(contains(open.message, "the name of the axis says Y, its number 1 is that of X"));
+  CHECK(contains(open.message, "the name of the axis is Y, but its number 1 is that of X"));
   CHECK(parse_twincat(text, "a.lis", {{2, 1, 3}, 10, false})->tables[0].component == Component::EYY);
   CHECK(parse_twincat(text, "a.lis", {}, Axis::Z)->tables[0].component == Component::EZZ);
   const auto unknown = must_fail(parse_twincat(list(kTwoPoints, 2, "kopf.achs_nr 9\n"), "a.lis", {}));
@@ -171,7 +170,7 @@ TEST_CASE("a list whose name and number say different axes is not guessed at") {
 TEST_CASE("a list of an axis not named X, Y or Z is refused, whatever its number, unless an axis is given") {
   const std::string text = list(kTwoPoints, 2, "kopf.achs_nr 3\nkopf.log_achs_name B-ACHSE\n");
   CHECK(to_text(must_fail(parse_twincat(text, "a.lis", {}))) ==
-        "a.lis:2:1: the list is of axis \"B-ACHSE\": a map holds X, Y and Z; give --axis if it is one of them");
+        "a.lis:2:1: the list belongs to axis \"B-ACHSE\": a map covers X, Y and Z; give --axis if it is one of them");
   CHECK(parse_twincat(text, "a.lis", {}, Axis::Z)->tables[0].component == Component::EZZ);
   for (const char* name : {"c", "U1"})
     CHECK_FALSE(parse_twincat(list(kTwoPoints, 2, "kopf.achs_nr 3\nkopf.log_achs_name " + std::string(name) + "\n"),
@@ -189,7 +188,7 @@ TEST_CASE("increments, rotary axes, and a list for one direction that says two t
   const std::string good = list(kTwoPoints);
   CHECK(refused(good) == "taken");
   CHECK(refused("kopf.achs_nr 1\nkw.ssfk.kw_nr_max 2\nkw.ssfk.bilateral 1\n" + std::string(kTwoPoints))
-            .find("increments of an encoder") != std::string::npos);
+            .find("encoder increments") != std::string::npos);
   CHECK(contains(refused(good + "kw.ssfk.modulo 1\n"), "a rotary axis"));
   CHECK(refused("kopf.achs_nr 1\nkw.ssfk.unit 1\nkw.ssfk.kw_nr_max 2\n" + std::string(kTwoPoints))
             .find("a.lis:9:1: neg differs from pos in a list for one direction") != std::string::npos);

@@ -94,7 +94,7 @@ TEST_CASE("a link or a file of another program beside the results is refused, an
   CHECK(contains(through_link.message, "symbolic link"));
   std::filesystem::remove(work);
   std::filesystem::copy_file(precious, work);
-  CHECK(contains(must_fail(run_of(fleet, FleetFolder::row(0))).message, "no file of `ecs fleet diagnose`"));
+  CHECK(contains(must_fail(run_of(fleet, FleetFolder::row(0))).message, "not a file of `ecs fleet diagnose`"));
   for (const std::string& file : {precious, work}) CHECK(read_file(file) == "keep me\n");
 }
 

@@ -17,10 +17,10 @@ TEST_CASE("an empty place investigates on the emulated machine of the link, over
     if (!offered) (void)press(screen, Key::Name::escape);
     return offered;
   }));
-  REQUIRE(contains(after(screen, "\n"), "minutes that the runs may take"));
+  REQUIRE(contains(after(screen, "\n"), "minutes available for the runs"));
   REQUIRE(shows_after(screen, "\n", "first look: "));
   (void)press(screen, Key::Name::escape);
-  REQUIRE(shows(screen, "stopped; what was measured is kept"));
+  REQUIRE(shows(screen, "stopped. The measurements are kept"));
   CHECK_FALSE(contains(after(screen, "i"), ".workshop"));
 }
 

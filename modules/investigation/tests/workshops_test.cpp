@@ -40,7 +40,7 @@ TEST_CASE("the map goes to the unit over the link that is open; its port cannot 
     const auto workshop = must(SocketWorkshop::open(messages, options, control.cancelled));
     CHECK(contains(must_fail(workshop->activate(model)).message, "in use by"));
   }
-  SUBCASE("over the open link the unit compensates afterwards") {
+  SUBCASE("over the open link the unit is compensating afterwards") {
     options.open_unit = {seen.where, seen.workshop, [&](const auto& work) {
                            return unit->with_link(control, [&](UnitLink& link) { return work(link.client()); });
                          }};
@@ -147,15 +147,15 @@ TEST_CASE("readings of another axis, sense, line or approach are named and asked
   SUBCASE("axis") {
     other.axis = Axis::Y;
     other.sense = Sense::EY;
-    words = "it holds EY along Y; asked for was EX along X";
+    words = "it contains EY along Y; EX along X";
   }
   SUBCASE("sense") {
     other.sense = Sense::EZ;
-    words = "it holds EZ along X; asked for was EX along X";
+    words = "it contains EZ along X; EX along X";
   }
   SUBCASE("line") {
     other.parked_mm[1] = 250.0;
-    words = "it was measured at Y 250 mm; asked for was Y 0 mm";
+    words = "it was measured at Y 250 mm; Y 0 mm";
   }
   SUBCASE("approach") {
     other.bidirectional = false;
@@ -176,7 +176,7 @@ TEST_CASE("the same readings given twice, under whatever name, are named") {
                  [&] { watch.put("second.csv", right_file(2)); }};
   REQUIRE(opened->measure(run_of_x(1)).has_value());
   REQUIRE(opened->measure(run_of_x(2)).has_value());
-  CHECK(watch.messages.say("again.csv is not taken and stays where it is: the same readings were given as x.csv"));
+  CHECK(watch.messages.say("again.csv is not accepted and not moved: the same readings were provided as x.csv"));
 }
 
 TEST_CASE("while the model is another one no file is taken") {
@@ -186,7 +186,7 @@ TEST_CASE("while the model is another one no file is taken") {
   watch.deeds = {[&] { (void)watch.folder.with("model.toml", before + "\n"); },
                  [&] { watch.put("x.csv", right_file()); },
                  [&] {
-                   CHECK(watch.messages.say("is not the model that this investigation began with"));
+                   CHECK(watch.messages.say("is not the model of this investigation"));
                    CHECK_FALSE(watch.messages.say("x.csv is taken"));
                    (void)watch.folder.with("model.toml", before);
                  }};
@@ -216,7 +216,7 @@ TEST_CASE("a file of the ledger that was changed since is asked for again") {
   watch.put("x.csv", right_file(3));
   const auto readings = watch.opened()->measure(run_of_x(1));
   CHECK(readings.has_value());
-  CHECK(watch.messages.say("x.csv, given for run 1: the file was changed since"));
+  CHECK(watch.messages.say("x.csv, provided for run 1: the file was changed since"));
 }
 
 }  // namespace

@@ -389,7 +389,7 @@ TEST_CASE("what was changed since the freeze is named with both hashes") {
   check_refused(bench.judge(), {"changed after it was written"});
   (void)bench.with("f.json", kept.substr(0, kept.size() / 2));
   const Ran cut = bench.judge();
-  check_refused(cut, {"f.json", "ends too early"});
+  check_refused(cut, {"f.json", "found a truncated file"});
   CHECK_FALSE(contains(cut.all(), "parse error"));
 }
 
@@ -416,7 +416,7 @@ TEST_CASE("groups that are empty, too small or not held out are refused at their
   REQUIRE(bench.freeze(by("run", "readings = 200\n")).code == 0);
   check_refused(bench.judge(), {"run 1: expected at least 200 readings", "got 82"});
   REQUIRE(bench.freeze(by("run", "values = [1]\n")).code == 0);
-  check_refused(bench.judge(), {"82 of 164 readings have another run"});
+  check_refused(bench.judge(), {"82 of 164 readings have a different run"});
   REQUIRE(bench.freeze(by("all", "share = 0.6\n")).code == 0);
   check_refused(bench.judge(), {"0.6 of 328 readings"});
   REQUIRE(bench.freeze(by("tool")).code == 0);

@@ -30,7 +30,7 @@ TEST_CASE("every fault at once, with line and column") {
               {"lengths.csv:7:6: tool: expected a name of a line `# tool: ` in the head, found \"B\"",
                "lengths.csv:8:10: y_mm: expected a number, found \"zero\"",
                "approach_y: expected 1 or -1, the direction of the last motion, found 0",
-               "lengths.csv:9:1: set_up: expected a name", "deviation_um: expected measured less nominal length"});
+               "lengths.csv:9:1: set_up: expected a name", "deviation_um: expected measured minus nominal length"});
 }
 
 TEST_CASE("a run is a whole number, a name holds no separator, a ball bar's uncertainty is above 0") {

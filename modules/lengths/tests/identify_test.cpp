@@ -180,7 +180,7 @@ TEST_CASE("a beam lost within a run is told with its line and size, and what is 
     CHECK(contains(notes_in(found),
                    fmt::format("set-up {}, tool {}: the lengths jump by +", lengths.test.set_ups[lost.set_up].name,
                                lengths.test.tools[lost.tool].name)));
-    CHECK(contains(notes_in(found), fmt::format("at line {} and stay there", lost.line)));
+    CHECK(contains(notes_in(found), fmt::format("at line {} and do not return", lost.line)));
     CHECK(found.outliers.empty());
     CHECK(found.residual_um == Approx(before.residual_um).epsilon(0.05));
     CHECK(farthest_from(found, made, lengths.machine) < 1.1 * farthest_from(before, made, lengths.machine) + 0.05);

@@ -71,7 +71,7 @@ TEST_CASE("entries are listed, opened, checked, and new ones come on their own")
   REQUIRE(ran({"params", "set", params, "axis.X.deadband_um=3", "-o", folder / "new.toml"}).code == 0);
   CHECK(until(*screen, [&] { return contains(picture(*screen), "params set: new.toml"); }));
   (void)letter(*screen, 'r');
-  CHECK(until(*screen, [&] { return reads(picture(*screen), "no map was made active"); }));
+  CHECK(until(*screen, [&] { return reads(picture(*screen), "no map became active"); }));
   CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::back);
 }
 

@@ -483,7 +483,7 @@ TEST_CASE("a logbook that gives more rows than its file can hold is damaged, not
   for (std::size_t i = 0; i < kCells; ++i) put_two(kRoot + 12 + 2 * i, first);
   std::ofstream(path, std::ios::binary) << bytes;
   const auto book = must(Logbook::open_to_read(path));
-  CHECK(contains(must_fail(book.entries()).message, "it gives more than it holds"));
+  CHECK(contains(must_fail(book.entries()).message, "it gives more than it contains"));
   CHECK_FALSE(book.verified().whole());
 }
 

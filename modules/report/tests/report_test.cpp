@@ -58,11 +58,11 @@ TEST_CASE("units are written as people write them") {
 }
 
 TEST_CASE("a customer's paper names no options and no commands, and keeps the rest of what was said") {
-  CHECK(without_commands("no pitch of X is known: cyclic errors of it are not tried. Give --machine") ==
+  CHECK(without_commands("no pitch of X is known: its cyclic errors are not tried. Give --machine") ==
         "no pitch of X is known: cyclic errors of it are not tried.");
   CHECK(without_commands("EAX is not in the map (--zero EAX=reason), nor is EBX") ==
         "EAX is not in the map, nor is EBX");
-  CHECK(without_commands("the map is not complete: `ecs map send` will refuse it") == "the map is not complete");
+  CHECK(without_commands("the map is not complete: `ecs map send` refuses it") == "the map is not complete");
   CHECK(without_commands("A stays. Give --files or `ecs log`. B stays.") == "A stays. B stays.");
   CHECK(without_commands("`ecs params check` says more") == "");
   CHECK(without_commands("from -4 to 3 mm -- a dash, a-b") == "from -4 to 3 mm -- a dash, a-b");
@@ -185,10 +185,10 @@ TEST_CASE("the report gives the fault of the unit and whether its map is this on
   const Ran r = c.report();
   CHECK(r.code == 0);
   CHECK(contains(r.out, "replace that axis memory module"));
-  CHECK(contains(c.html(), "The unit holds this map with these parameters"));
+  CHECK(contains(c.html(), "The unit contains this map with these parameters"));
   REQUIRE(write_snapshot(c.folder / "status.json", unit_with(number ^ 1U)));
   REQUIRE(c.report().code == 0);
-  CHECK(contains(c.html(), "The unit held another map or other parameters"));
+  CHECK(contains(c.html(), "The unit contained another map or other parameters"));
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ TEST_CASE("another unit on the same link is reported before anything is done, an
   shop.in_server([](protocol::ModbusServer&, protocol::UnitModel& model) { model.serial_number = "OTHER-9"; });
   const auto refused = must_fail(work_on(connection, done));
   CHECK(refused.kind == ProblemKind::refused);
-  CHECK(contains(refused.message, "OTHER-9 in place of ECS-0042"));
+  CHECK(contains(refused.message, "OTHER-9 instead of ECS-0042"));
   CHECK(done == 1);
   CHECK(connection.snapshot().identity->serial_number == "OTHER-9");
   CHECK(work_on(connection, done));

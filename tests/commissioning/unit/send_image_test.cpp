@@ -65,7 +65,7 @@ TEST_CASE("an image whose values change although its checks agree is not called 
   other.axes[0].position_loop_gain_per_s += 1.0;
   auto unit = shop.client();
   const auto sent = must_fail(send_image(unit, laser::image_of(other), Addressee::this_unit));
-  check_holds(sent.message, {"the active map in the unit is another one", "Do not compensate with it"});
+  check_holds(sent.message, {"the active map in the unit differs", "Do not compensate with it"});
 }
 
 TEST_CASE("a map that another host sends before the values are compared is left as it is") {
@@ -82,7 +82,7 @@ TEST_CASE("a map that another host sends before the values are compared is left 
         if (!reads_back || std::exchange(happened, true)) return;
         shop.in_server([](ModbusServer&, UnitModel& model) { model.switch_banks(model.image_length); });
       }));
-  CHECK(contains(sent.message, "meanwhile the active map is another one (commit 3)"));
+  CHECK(contains(sent.message, "another map is now active (commit 3)"));
   CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.commits; }) == 3);
 }
 

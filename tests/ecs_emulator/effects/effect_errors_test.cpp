@@ -129,7 +129,7 @@ TEST_CASE("effects that do not sit in the machine are refused with where they be
   check_holds(refused("cosine"),
               {"errors.toml:2:6: cosine: an effect of the instrument: set misalignment_mrad in [emulator.laser]"});
   check_holds(refused("dead_path"), {"set dead_path_m in [emulator.laser]"});
-  check_holds(refused("air_refraction"), {"the air is [air] of this file"});
+  check_holds(refused("air_refraction"), {"the air is set in [air] of this file"});
   check_holds(refused("measurement_line"), {"parked_mm of the plan"});
   for (const char* id : {"map_polarity", "map_gain", "map_shift", "map_direction_swap"})
     check_holds(refused(id), {"a fault of the unit's map"});

@@ -208,6 +208,6 @@ load_at_mm = 0.0
 )");
   const auto refused = must_fail(errors.checked_for(machine_of(small_machine("TXYZ")).machine));
   check_holds(to_text(refused), {"errors.toml:3: bed.X: expected supports on both sides",
-                                 "errors.toml:7: table.Y: expected an axis that carries the workpiece"});
+                                 "errors.toml:7: table.Y: expected an axis on the workpiece side"});
   CHECK(errors_of("").checked_for(machine_of(small_machine()).machine).has_value());
 }

@@ -61,7 +61,7 @@ TEST_CASE_FIXTURE(Bench,
   CHECK(spoilt.block_check_found != spoilt.block_check_expected);
 }
 
-TEST_CASE_FIXTURE(Bench, "a commit that cannot be kept in the battery memory fails, and the map before stays active") {
+TEST_CASE_FIXTURE(Bench, "a commit that cannot be kept in the battery memory fails, and the old map stays active") {
   bool disk_full = false;
   unit.on_commit([&] { return !disk_full; });
   const auto old_image = flat_image(1.0);
@@ -69,7 +69,7 @@ TEST_CASE_FIXTURE(Bench, "a commit that cannot be kept in the battery memory fai
   disk_full = true;
   const auto result = stage_and_commit(flat_image(2.0));
   CHECK(result.state == CommandState::failed);
-  CHECK(contains(result.text, "the map before stays active"));
+  CHECK(contains(result.text, "the old map stays active"));
   CHECK(result.text.size() <= protocol::kResultTextBytes);
   CHECK(unit.status().commit_sequence == 1);
   CHECK(unit.status().active_bank == protocol::Bank::A);

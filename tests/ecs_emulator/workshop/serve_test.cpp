@@ -106,7 +106,7 @@ TEST_CASE("a plan is measured as one request, and no file that is there is overw
       "[[measure]]\nname = \"EXX\"\naxis = \"X\"\nsense = \"EX\"\nfrom_mm = 0.0\nto_mm = -100.0\nstep_mm = 50.0\n");
   const Json request{{"action", "plan"}, {"plan", plan}, {"phase", "before"}, {"folder", served.folder / "measured"}};
   CHECK(served.ask(request)["output"][0] == served.folder / "measured/EXX.csv");
-  CHECK(contains(must(ask_workshop(served.options.workshop, request.dump())), "exists already"));
+  CHECK(contains(must(ask_workshop(served.options.workshop, request.dump())), "already exists"));
 }
 
 TEST_CASE("a second host reaches the same unit over TCP, with the token") {
@@ -222,7 +222,7 @@ TEST_CASE("a dangling link is replaced, a link to a file is not") {
   served.end();
   std::filesystem::create_symlink(served.folder / "machine.toml", served.folder / "line");
   const auto refused = must_fail(serve(served.options, served.stop, [](const std::string& line) { FAIL(line); }));
-  CHECK(contains(to_text(refused), "machine.toml; remove it, or name another link"));
+  CHECK(contains(to_text(refused), "machine.toml; remove it, or give another link"));
   CHECK(std::filesystem::read_symlink(served.folder / "line") == served.folder / "machine.toml");
   CHECK(!std::filesystem::exists(served.folder / "battery.in-use"));
   CHECK(!std::filesystem::exists(served.folder / "door"));

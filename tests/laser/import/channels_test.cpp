@@ -70,7 +70,7 @@ TEST_CASE("rows without a position within the greatest gap are left out and coun
   options.greatest_gap_s = 5.0;
   const auto set = read_lines(text, options);
   REQUIRE(set.readings.size() == 2);
-  CHECK(says(set.notes, "1 values of e without the others within their greatest gap are left out"));
+  CHECK(says(set.notes, "1 values of e without values of the other channels within the largest gap are ignored"));
 }
 
 TEST_CASE("channels that bear the names of columns need no options; others are listed") {
@@ -79,11 +79,12 @@ TEST_CASE("channels that bear the names of columns need no options; others are l
   CHECK(set.readings[1].position_mm[0] == 10.0);
   const auto refused = must_fail(parse_any(probe_log(), "log.jsonl", {}));
   CHECK(refused.line == 1);
-  CHECK(contains(refused.message, "there are bed.temp (6 values), z (11 values): give --channels"));
+  CHECK(contains(refused.message,
+                 "the meaning of the channels is not known (bed.temp (6 values), z (11 values))): give --channels"));
   ImportOptions wrong = by_channels("EZ=zz");
   wrong.axis = Axis::Z;
   const auto unknown = parse_any(probe_log(), "log.jsonl", wrong);
-  CHECK(contains(unknown.error().message, "no channel \"zz\" in the log: there are bed.temp"));
+  CHECK(contains(unknown.error().message, "no channel \"zz\" in the log; it has bed.temp"));
 }
 
 TEST_CASE("a bad JSON line is refused with line and column") {

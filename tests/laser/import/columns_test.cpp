@@ -163,9 +163,10 @@ TEST_CASE("a mapping with another unit than the heading is refused with what to 
       "Position [mm];Abweichung [mm];T (\xC2\xB0"
       "C)\n0;0,0249;20\n100;-0,0102;20\n200;0,0040;20\n";
   const std::string refused = refused_table(text, by_columns("x_mm=1[mm],reading=2[um],t_air_degC=3", 1));
-  CHECK(contains(refused,
-                 "table.txt:1:1: reading: the heading of column 2, \"Abweichung [mm]\", says mm, and the mapping "
-                 "takes um: give reading=2[mm], or reading=2[um]*1 if the heading is wrong"));
+  CHECK(
+      contains(refused,
+               "table.txt:1:1: reading: the heading of column 2, \"Abweichung [mm]\", states mm, but the mapping uses "
+               "um: give reading=2[mm], or reading=2[um]*1 if the heading is wrong"));
   CHECK(contains(refused_table(text, by_columns("x_mm=1,reading=\"Abweichung [mm]\"")),
                  "give reading=\"Abweichung [mm]\"[mm], or"));
   CHECK(contains(refused_table(text, by_columns("x_mm=3,reading=2[mm]", 1)), "give another column, or x_mm=3[mm]*1"));
@@ -198,8 +199,8 @@ TEST_CASE("rows of one channel: lines between them state the targets, other line
       "A 2024-05-06 09:10:10 2.5\nSensor 1\n3mm\nA 2024-05-06 09:10:11 2.97\nA 2024-05-06 09:10:12 3.01 HIGH\n"
       "B 2024-05-06 09:10:09 7\nA 2024-05-06 09:10:13 OPEN\nA *** not connected\n6 MM\nA 2024-05-06 09:10:14.5 5.9\n";
   ImportOptions options = channel_log();
-  CHECK(
-      contains(refused_table(text, options), "the log holds several channels: give one of A (5 values), B (1 values)"));
+  CHECK(contains(refused_table(text, options),
+                 "the log contains several channels: give one of A (5 values), B (1 values)"));
   options.channel = "C";
   CHECK(contains(refused_table(text, options), "no channel \"C\" in the log: give one of A (5 values), B (1 values)"));
   options.channel = "A";
@@ -280,7 +281,7 @@ TEST_CASE("a wrong mapping is refused rule by rule") {
   CHECK(wrong.also.size() == 5);
   check_holds(to_text(wrong), {"expected a unit in brackets", "each field once"});
   CHECK_FALSE(column_mapping("").has_value());
-  CHECK(contains(to_text(column_mapping("x_mm=1..2,reading=3").error()), "only date_time takes several"));
+  CHECK(contains(to_text(column_mapping("x_mm=1..2,reading=3").error()), "only date_time accepts several"));
   CHECK(contains(to_text(column_mapping("date_time=3..2,reading=4").error()), "expected one column"));
   const auto scaled = must(column_rules("reading=\"Err, X\"[mm]*-1e-3+0.5"));
   CHECK(scaled.front().heading == "Err, X");

@@ -22,7 +22,7 @@ TEST_CASE("every file of samples/real and tests/data/real is read or refused wit
       {"nmm-environment/T22-0263_L2_15_THP.csv", "environment_table"},
       {"nmm-environment", {}, 0, "the description of a SIOS scan"},
       {"refractive-index-vectors", {}, 0, "refractive index of air"},
-      {"zprobe-thermal-drift", {}, 0, "which channel is what? there are atherms.C.set"},
+      {"zprobe-thermal-drift", {}, 0, "the meaning of the channels is not known (atherms.C.set"},
   };
   const auto [read_for_users, refused_for_users] = check_corpus("samples/real", corpus);
   const auto [read_for_tests, refused_for_tests] = check_corpus("tests/data/real", corpus);
@@ -57,8 +57,8 @@ TEST_CASE("every further real file is read or refused with the right reason") {
       {"aerotech-2d-cal/2dCal_2021-03-26.txt", {}, 0, "Aerotech two-axis correction table"},
       {"aerotech-2d-cal", {}, 0, "between commas"},
       {"bed-mesh/heightmap_v2_9x9.csv", {}, 0, "9 columns"},
-      {"bed-mesh/klipper_9x9.cfg", {}, 0, "not a measurement file"},
-      {"centroid-tab", {}, 0, "nothing in it names a format"},
+      {"bed-mesh/klipper_9x9.cfg", {}, 0, "not a known measurement file"},
+      {"centroid-tab", {}, 0, "it contains no mark of a known format"},
       {"ecmc-iso230-2/b02_x_ISO230.dat", "iso230_assignments", 90},
       {"ecmc-iso230-2/b02_z_ISO230.dat", "iso230_assignments", 50},
       {"ecmc-iso230-2/fat_sat_ISO230.dat", "iso230_assignments", 50},
@@ -67,7 +67,7 @@ TEST_CASE("every further real file is read or refused with the right reason") {
       {"ecmc-iso230-2/muts_x_ISO230.dat", "iso230_assignments", 50},
       {"ecmc-iso230-2", {}, 0, "a test report: the readings are in the .dat file"},
       {"epics-pv-logs/slit_11358_axis1_report.md", {}, 0, "a test report"},
-      {"epics-pv-logs", {}, 0, "nothing in it names a format"},
+      {"epics-pv-logs", {}, 0, "it contains no mark of a known format"},
       {"interferometer-interpolation-error", {}, 0, "Lissajous figure of an interferometer"},
       {"linuxcnc-comp/probe_points.txt", {}, 0, "9 columns between blanks"},
       {"linuxcnc-comp/pocketnc_a.comp", {}, 0, "4 rows and 3 columns between blanks"},
@@ -84,7 +84,7 @@ TEST_CASE("every further real file is read or refused with the right reason") {
       {"sdss-plugplate-cmm", "plate"},
       {"servo-backlash", {}, 0, "telemetry of servo drives"},
       {"tpoint-apo35m", {}, 0, "TPOINT"},
-      {"zprobe-thermal-drift", {}, 0, "which channel is what? there are atherms.C.set"},
+      {"zprobe-thermal-drift", {}, 0, "the meaning of the channels is not known (atherms.C.set"},
   };
   const auto [read, refused] = check_corpus(root, corpus);
   CHECK(read >= 14);

@@ -53,7 +53,7 @@ TEST_CASE("the environment is joined by time, linear, its end values beyond its 
   CHECK(set.readings[1].sensors_degC.at("t_air_degC") == Approx(21.0));
   CHECK(set.readings[2].sensors_degC.at("t_air_degC") == 30.0);  // its own
   CHECK(*set.readings[3].pressure_hPa == Approx(992.0));
-  CHECK(says(set.notes, "taken to begin with the first reading"));
+  CHECK(says(set.notes, "assumed to begin with the first reading"));
   CHECK(says(set.notes, "reach 10 s after it ends"));
   CHECK(says(set.notes, "t_air_degC 20 ... 22"));
 }
@@ -74,7 +74,7 @@ TEST_CASE("a log without times is spread over the readings, or has a row every t
   const auto log = must(read_any("samples/laser/environment.pos"));
   MeasurementSet set = four_readings();
   REQUIRE(join_environment(set, log.environment, std::nullopt));
-  CHECK(says(set.notes, "its 2 rows are spread evenly over the time of the readings"));
+  CHECK(says(set.notes, "its 2 rows are distributed evenly over the time of the readings"));
   CHECK(*set.readings[3].pressure_hPa == Approx(*log.environment.value(1, "pressure_hPa")));
   MeasurementSet timed = four_readings();
   REQUIRE(join_environment(timed, log.environment, 10.0));

@@ -58,8 +58,8 @@ TEST_CASE("what is suggested for a table imports every row of it") {
                             "--columns \"x_mm=2[mm],reading=3[um],approach=motion\" --skip 2"});
   const auto set = read_table(parted(), "x_mm=2[mm],reading=3[um],approach=motion", 2);
   CHECK(set.readings.size() == 96);
-  CHECK(says(set.notes, "1 comments between the rows are passed over"));
-  CHECK(says(set.notes, "1 lines without a number in the columns wanted are passed over: lines 59"));
+  CHECK(says(set.notes, "1 comments between the rows are ignored"));
+  CHECK(says(set.notes, "1 lines without a number in the requested columns are ignored: lines 59"));
 }
 
 TEST_CASE("where tables of several kinds follow each other the longest stretch is suggested") {
@@ -83,10 +83,10 @@ TEST_CASE("a time column is suggested as the time") {
 TEST_CASE("rows that are skipped or not taken are counted in a note") {
   const auto set = read_table(parted(), "x_mm=2,reading=3", 60);
   CHECK(set.readings.size() == 41);
-  CHECK(says(set.notes, "55 rows of numbers above line 61 are skipped, as asked"));
+  CHECK(says(set.notes, "55 rows of numbers above line 61 are skipped, as requested"));
   const auto begin = read_table(parted(), "x_mm=2,reading=3", 2, 10);
   CHECK(begin.readings.size() == 10);
-  CHECK(says(begin.notes, "86 rows below line 12 are not taken, as asked"));
+  CHECK(says(begin.notes, "86 rows below line 12 are not read, as requested"));
 }
 
 TEST_CASE("a bad cell among the rows is refused with its line and column, quoted and empty cells too") {

@@ -70,7 +70,7 @@ TEST_CASE("inch files by the option, and by the unit that assignments name") {
   const auto table = read(sample_text("table.REN"), "t.ren", inch);
   CHECK(target_mm(table.readings[2]) == Approx(200.0 * 25.4));
   CHECK(table.readings[2].error == Approx(3.6 * 0.0254));
-  CHECK(says(table.notes, "targets taken as in"));
+  CHECK(says(table.notes, "targets read as in"));
   const auto metric = read(sample_text("axis.dat"), "a.dat");
   const auto imperial = read(replaced(sample_text("axis.dat"), "UNIT=mm", "UNIT=in"), "a.dat");
   CHECK(target_mm(imperial.readings[0]) == Approx(target_mm(metric.readings[0]) * 25.4));

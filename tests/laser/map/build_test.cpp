@@ -176,7 +176,7 @@ TEST_CASE("a recipe reports every fault with its line") {
                                  "[[component]]\ncode = \"EXX\"\nfiles = []\n[[declared_zero]]\ncode = \"EXX\"\n",
                                  "r.toml", ".")));
   check_holds(text, {"r.toml:1", "found \"EXQ\"", "files: expected one file for EXX, found 0",
-                     "EXX occurs twice in the recipe", "reason: say why"});
+                     "EXX occurs twice in the recipe", "reason: state why"});
 }
 
 TEST_CASE("an angle is zero where its axis stood while the axes it levers were measured") {
@@ -212,7 +212,7 @@ TEST_CASE("a run that is to be left out must be there") {
   ComponentRecipe recipe = one(Component::EXX, {file});
   recipe.exclude_runs = {2, 9};
   const auto built = must_fail(build_map(recipe_of({recipe}), mill_parameters()));
-  CHECK(contains(built.message, "run 9 is to be left out, but the file has runs 1, 2"));
+  CHECK(contains(built.message, "run 9 cannot be excluded: the file has runs 1, 2"));
 }
 
 /// Two runs that differ by 2 um, up and down from target to target.

@@ -50,8 +50,9 @@ TEST_CASE("approaches whose targets lie beside each other by less than a spacing
 
 TEST_CASE("an approach of two points is reported, three points are enough") {
   const auto found = remarks(map_of({exx(Approach::forward, -100, 0, 100), exx(Approach::reverse, -100, 0, 50)}));
-  CHECK(only(found) ==
-        "EXX has 2 points forward, 3 in reverse: fewer than 3 do not show how the error runs; measure more targets");
+  CHECK(
+      only(found) ==
+      "EXX has 2 points forward, 3 in reverse: fewer than 3 do not show the shape of the error; measure more targets");
   CHECK(remarks(map_of({exx(Approach::unknown, -100, 0, 50)})).empty());
 }
 
@@ -80,7 +81,7 @@ TEST_CASE("without a travel the tables of an axis are held against what they cov
   ErrorMap map = map_of({exx(Approach::unknown, -200, 0, 50), exx(Approach::unknown, -4100, 0, 100)});
   map.tables[1].component = Component::EYX;
   const auto warnings = coverage_warnings(map, planar, {});
-  CHECK(only(warnings).message.find("EXX covers 200 of 4100 mm of what the tables of X cover together (-4100 to 0)") ==
+  CHECK(only(warnings).message.find("EXX covers 200 of 4100 mm of the common range of the tables of X (-4100 to 0)") ==
         0);
 }
 

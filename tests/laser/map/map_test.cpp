@@ -158,13 +158,13 @@ TEST_CASE("one approach alone is not a table for both") {
 TEST_CASE("a map for another configuration is refused") {
   ErrorMap map = small_map();
   map.header.configuration = "XTYZ";
-  CHECK(contains(must_fail(image_of(map, one_axis())).message, "made for a XTYZ machine, the parameters say TX"));
+  CHECK(contains(must_fail(image_of(map, one_axis())).message, "made for a XTYZ machine, the parameters state TX"));
 }
 
 TEST_CASE("a component declared zero must not have values as well") {
   ErrorMap map = small_map();
   map.header.declared_zero = {{Component::EXX, "no time"}};
-  CHECK(contains(must_fail(image_of(map, one_axis())).message, "declared zero and has values"));
+  CHECK(contains(must_fail(image_of(map, one_axis())).message, "declared zero but also has values"));
 }
 
 TEST_CASE("more values than the memory modules hold are refused, one module more and they fit") {

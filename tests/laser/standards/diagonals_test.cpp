@@ -118,7 +118,7 @@ TEST_CASE("step diagonals: a beam 0.1 mrad out of line moves 50 um between perfe
   CHECK(*test.diagonals[0].while_moving_um[2] == Approx(0.0));
   const auto results = must(diagonal_results_of(test));
   CHECK(*results.E_body_um < 1e-3);
-  check_holds(results.notes.back(), {"what each axis did is not separated", "Chapman 2003"});
+  check_holds(results.notes.back(), {"the errors of the axes are not separated", "Chapman 2003"});
 }
 
 TEST_CASE("what a diagonal test lacks is said in words") {

@@ -32,7 +32,7 @@ TEST_CASE("rows given twice count once, and that is said") {
   const Observations twice = counted(rounded_set(2, true));
   CHECK(twice.size() == 5);
   REQUIRE_FALSE(twice.notes.empty());
-  CHECK(twice.notes.back() == "5 rows equal another in every column: each counts once");
+  CHECK(twice.notes.back() == "5 rows are identical to another row: each counts once");
   CHECK(counted(rounded_set(3, false)).size() == 5);
   CHECK(counted(rounded_set(1, true)).size() == 5);
 }

@@ -82,7 +82,7 @@ TEST_CASE("an alternative that fits better is told, and the model stays as it is
   const Model model = backlash_or_lag();
   const auto decided = must(decided_ties(model, at_feeds(model, 500.0, following_error)));
   CHECK(only(decided.notes) ==
-        "these readings speak for servo_lag:X:EX rather than backlash:X:EX: remove backlash:X:EX, then add it");
+        "these readings favour servo_lag:X:EX over backlash:X:EX: remove backlash:X:EX, then add it");
   CHECK(decided.model.effects == model.effects);
 }
 

@@ -91,7 +91,7 @@ TEST_CASE("two zeros of lines measured once are likely, with what is not exclude
     const Candidate& candidate = found.candidates[i];
     CHECK(candidate.standing == Standing::likely);
     CHECK_FALSE(candidate.named);
-    CHECK(contains(candidate.but, "nothing was measured twice"));
+    CHECK(contains(candidate.but, "no line was measured twice"));
     CHECK(contains(candidate.decide, "Measure the same lines again"));
   }
   CHECK(to_text(found.candidates[0].effect) == "offset:Y:EY");

@@ -71,7 +71,7 @@ TEST_CASE("runs, directions and time are described") {
   CHECK(has(Left([](const Reading& r) { return r.run == 3 ? 2.0 : 0.0; }).over("run"), " um from the others"));
   CHECK(has(Left([](const Reading& r) { return 0.7 * r.run; }).over("run"), "a trend by run, +2"));
   CHECK(has(Left([](const Reading& r) { return r.run == 1 || r.run == 4 ? 1.0 : -1.0; }).over("run"),
-            "each run has another zero"));
+            "each run has a different zero"));
   CHECK(has(Left([](const Reading& r) { return 1.0 * d(r); }).over("approach"), "forward lies +2"));
   const std::string half = Left([](const Reading& r) { return d(r) * (p(r) > 500.0 ? 2.0 : 0.0); }).over("approach");
   CHECK(has(half, "half the difference of the directions is a jump"));

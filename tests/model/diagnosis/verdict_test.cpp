@@ -60,7 +60,7 @@ TEST_CASE("of a square wave the first waves are proved, but they are a shape tha
                                [](const Reading& r) { return std::fmod(p(r), 210.0) < 105.0 ? 4.0 : -4.0; });
   const Diagnosis diagnosis = diagnosed(straight(), square);
   CHECK(diagnosis.verdict == Verdict::unexplained_structure);
-  CHECK_MESSAGE(contains(diagnosis.headline, "waves are only the beginning of a shape that repeats"),
+  CHECK_MESSAGE(contains(diagnosis.headline, "waves are only the first terms of a repeating shape"),
                 diagnosis.headline);
 }
 

@@ -35,9 +35,8 @@ TEST_CASE("a finding says cause, size and place; a period that is a pitch of the
   std::vector<ParameterEstimate> known{estimate_of("period_mm", "mm", 9.95), estimate_of("amplitude_um", "um", 6.83)};
   known.front().sigma = 0.004;
   CHECK(finding_text(screw_wave(9.95), known, data) ==
-        "X positions with a periodic error of +-6.8 um, 9.950 mm (surely not the pitch of its screw, 10 mm by the "
-        "machine "
-        "file: check that)");
+        "X positions with a periodic error of +-6.8 um, 9.950 mm (certainly not the pitch of its screw, 10 mm by the "
+        "machine file: check this)");
   known.front().sigma = 0.02;
   CHECK(contains(finding_text(screw_wave(9.95), known, data), "9.950 mm = the pitch of its screw"));
   const std::vector<ParameterEstimate> mostly_second{estimate_of("period_mm", "mm", 20.0),
@@ -104,13 +103,13 @@ TEST_CASE("a bad run is the first thing that is said") {
 
 TEST_CASE("too few readings, or even targets without a pitch, are said in place of adequate") {
   Plan few{.targets = 2, .runs = 1};
-  CHECK(contains(diagnosed(straight(), measured(few, kNoise_um, nothing)).headline, "too few to say"));
+  CHECK(contains(diagnosed(straight(), measured(few, kNoise_um, nothing)).headline, "too few to decide"));
 
   laser::MeasurementSet set = measured({}, kNoise_um, nothing);
   for (laser::Reading& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
   const auto found = must(diagnose(straight(), observations_of(set, straight(), std::nullopt)));
   CHECK(found.verdict == Verdict::adequate);
-  CHECK_MESSAGE(found.headline.starts_with("Periods below 50 mm along X cannot be told"), found.headline);
+  CHECK_MESSAGE(found.headline.starts_with("Periods shorter than 50 mm along X cannot be detected"), found.headline);
 }
 
 TEST_CASE("two causes of which each needs the other are proved together") {
@@ -139,7 +138,8 @@ const std::vector<double> kEven{0.0, 50.0, 100.0, 150.0, 200.0, 250.0, 300.0};
 
 TEST_CASE("even targets call for a remark with the periods that they do not show") {
   const auto note = must(even_targets_note(observations_of(line_at(kEven), Model{}, std::nullopt)));
-  CHECK(note.find("targets are even at 50 mm along X (EX): periods below 100 mm cannot be told from longer ones") == 0);
+  CHECK(note.find("targets are equally spaced at 50 mm along X (EX): periods shorter than 100 mm cannot be "
+                  "distinguished from longer ones") == 0);
   CHECK(!contains(note, "pitch"));
 }
 
@@ -167,5 +167,6 @@ TEST_CASE("each axis whose targets are even is named once") {
       set.readings.push_back(r);
     }
   check_holds(must(even_targets_note(observations_of(set, Model{}, std::nullopt))),
-              {"even at 50 mm along X (EX)", "; targets are even at 20 mm along Y (EX, EY): periods below 40 mm"});
+              {"even at 50 mm along X (EX)",
+               "; targets are equally spaced at 20 mm along Y (EX, EY): periods shorter than 40 mm"});
 }

@@ -69,7 +69,7 @@ TEST_CASE("the terms of which the smallest sizes are taken are undetermined, eac
   for (std::size_t j = 0; j < core.undetermined.size(); ++j) CHECK(core.undetermined[j] == !core.collides[j].empty());
   const auto told = must(fit(model, data));
   REQUIRE_FALSE(told.undetermined.empty());
-  CHECK(contains(told.undetermined.front(), "cannot be told from"));
+  CHECK(contains(told.undetermined.front(), "cannot be distinguished from"));
 }
 
 TEST_CASE("terms that share little are fitted as they are, however large they are together") {

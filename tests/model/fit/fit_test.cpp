@@ -114,7 +114,7 @@ TEST_CASE("terms that the data cannot tell apart are named, and nothing breaks")
   const auto set = measured({}, 0.2, [](const Reading& r) { return -5.0 * p(r) / 1000.0; });
   const auto found = must(fit(model, observations_of(set, model, mill())));
   REQUIRE_FALSE(found.undetermined.empty());
-  CHECK(contains(found.undetermined.front(), "cannot be told from"));
+  CHECK(contains(found.undetermined.front(), "cannot be distinguished from"));
   CHECK(found.rms_um == Approx(0.2).epsilon(0.2));
 }
 

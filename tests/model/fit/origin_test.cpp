@@ -147,7 +147,7 @@ TEST_CASE("faults of an origin are refused with file and line") {
   CHECK(refused("seconds = 3").find("m.toml:2:") == 0);
   CHECK(refused("time_s = 3\ndate = \"yesterday\"").find("m.toml:3:8: date: expected a date and time such as") == 0);
   CHECK(refused("time_s = 3\ndate = \"08:00:00\"").find("m.toml:3:8: date: expected a date and time such as") == 0);
-  CHECK(contains(refused("date = \"2026-01-31 08:00:00\""), "expected time_s beside date"));
+  CHECK(contains(refused("date = \"2026-01-31 08:00:00\""), "expected time_s with date"));
   CHECK(contains(refused("temperatures = { bed = 20.0 }"), "expected a column t_…_degC, got \"bed\""));
   CHECK(contains(refused("air = { t_air_degC = 20.0 }"), "air: expected pressure_hPa"));
 }

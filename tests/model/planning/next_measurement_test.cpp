@@ -49,7 +49,7 @@ TEST_CASE("a polarity of the map and a gain of minus one are the same: reported,
   const NextMeasurement next = next_measurement(model, data, found);
   CHECK(next.rivals.size() >= 2);
   CHECK(next.proposals.empty());
-  check_holds(only(next.notes), {"contribute alike"});
+  check_holds(only(next.notes), {"contribute equally"});
 }
 
 TEST_CASE("proposals stay inside the travel with their overrun, or inside what was measured") {
@@ -207,7 +207,7 @@ TEST_CASE("structure that no effect explains: the run that shows on which variab
   CHECK(std::find(next.rivals.begin(), next.rivals.end(), "run") != next.rivals.end());
   CHECK_FALSE(next.notes.empty());
   REQUIRE(next.proposals.size() == 1);  // what a bad run does next time nothing foretells: once more as it is
-  CHECK(contains(next.proposals.front().tells, "comes back"));
+  CHECK(contains(next.proposals.front().tells, "repeats"));
   CHECK(next.proposals.front().bidirectional);
   CHECK(next.proposals.front().targets_mm.size() == 41);
 }
@@ -261,7 +261,7 @@ TEST_CASE("two formulas that are the same function are not separated by a column
   CHECK(next.proposals.empty());
   REQUIRE(next.notes.size() == 2);
   CHECK(contains(next.notes[0], "column u, which follows x_mm in these data"));
-  CHECK(contains(next.notes[1], "contribute alike"));
+  CHECK(contains(next.notes[1], "contribute equally"));
 }
 
 TEST_CASE("a formula with a column of which a new run says nothing is not weighed, and named") {
@@ -290,5 +290,5 @@ TEST_CASE("formulas with a free period are weighed at the period that was found"
   found.candidates[0].indistinguishable_from = {to_text(found.candidates[1].effect)};
   const NextMeasurement next = next_measurement(model, observations_of(set, model, mill()), found);
   CHECK(next.proposals.empty());
-  CHECK(contains(only(next.notes), "contribute alike"));
+  CHECK(contains(only(next.notes), "contribute equally"));
 }

@@ -49,7 +49,7 @@ TEST_CASE("before measuring: what a plan cannot determine is named with what it 
   model.effects.push_back(effect(offset, Axis::Y, Sense::EY));
   const auto check = must(check_plan(model, observations_of(set, model, mill()), 0.5));
   CHECK_FALSE(check.determines);
-  CHECK(says(check, "thermal_scale:X:EX cannot be told from scale:X:EX"));
+  CHECK(says(check, "thermal_scale:X:EX cannot be distinguished from scale:X:EX"));
   CHECK(says(check, "load:X:EX: the plan lacks load_kg"));
   CHECK(says(check, "offset:Y:EY: the plan does not show it"));
   CHECK_FALSE(says(check, "offset:X:EX"));
@@ -123,8 +123,8 @@ TEST_CASE("before measuring: an angle through its lever, alone and beside an off
   model.effects.push_back(effect(offset, Axis::X, Sense::EY));
   const auto beside = must(check_plan(model, observations_of(set, model, mill()), kNoise_um));
   CHECK_FALSE(beside.determines);
-  CHECK((says(beside, "offset:X:EY cannot be told from angular:X:EAX") ||
-         says(beside, "angular:X:EAX cannot be told from offset:X:EY")));
+  CHECK((says(beside, "offset:X:EY cannot be distinguished from angular:X:EAX") ||
+         says(beside, "angular:X:EAX cannot be distinguished from offset:X:EY")));
 
   plan.parked_mm[2] = 900.0;  // a second line tells the two apart
   measure(set, plan, 0.0, nothing);

@@ -165,7 +165,7 @@ TEST_CASE("while a command is busy another one is refused and the first goes on"
     shop.in_model([](UnitModel& model) { model.busy_polls_left = 0; });
   });
   REQUIRE(refusal.has_value());
-  CHECK(contains(refusal->message, "another command is under way"));
+  CHECK(contains(refusal->message, "another command is running"));
   REQUIRE(result.has_value());  // though another host has asked meanwhile
   CHECK(result->value == 99);
 }
@@ -184,7 +184,7 @@ TEST_CASE("an absent unit and a wrong unit number give no answer on a serial lin
   address = tcp_shop.address();
   address.unit = 9;
   const auto wrong_tcp = UnitClient::connect(address, tcp_shop.options());
-  CHECK(says(wrong_tcp, "no unit of this number"));
+  CHECK(says(wrong_tcp, "no unit with this number"));
 }
 
 TEST_CASE("a link that corrupts every reply is reported as such") {
@@ -377,7 +377,7 @@ TEST_CASE("a TCP peer that is no unit is distinguished from a disturbed line: th
   timing.tries = 1;
   UnitClient unit(Link::open(address, {nullptr, timing}).value());
   const auto answer = unit.identity();
-  CHECK(says(answer, "no answers of a unit"));
+  CHECK(says(answer, "not answers of a unit"));
   CHECK_FALSE(says(answer, "CRC"));
 }
 
@@ -393,7 +393,7 @@ TEST_CASE("a TCP unit that asks for a token answers only who shows it first") {
   auto& peer = std::get<TcpPeer>(address.endpoint);
   peer.token_file = wrong;
   const auto refused = UnitClient::connect(address, shop.options());
-  CHECK(says(refused, "does not take the token"));
+  CHECK(says(refused, "does not accept the token"));
   peer.token_file.clear();
   CHECK_FALSE(UnitClient::connect(address, shop.options()).has_value());
   peer.token_file = folder / "none";
@@ -402,14 +402,14 @@ TEST_CASE("a TCP unit that asks for a token answers only who shows it first") {
   address = open_shop.address();
   std::get<TcpPeer>(address.endpoint).token_file = right;
   const auto superfluous = UnitClient::connect(address, open_shop.options());
-  CHECK(says(superfluous, "asks for no token"));
+  CHECK(says(superfluous, "requires no token"));
 }
 
 TEST_CASE("TCP beyond this computer needs a token at both ends") {
   TcpOptions everywhere;
   everywhere.host = "0.0.0.0";
   const auto server = ModbusServer::on_tcp(everywhere);
-  CHECK(says(server, "a token is needed"));
+  CHECK(says(server, "a token is required"));
   const auto client = UnitClient::connect({TcpPeer{"192.0.2.1", 502}, 1});
   CHECK(says(client, "?token=FILE"));
 }

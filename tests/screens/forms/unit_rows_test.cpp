@@ -33,7 +33,7 @@ TEST_CASE("a program is run with its argument after a question, and says what it
   bench.wait_for_unit();
   const auto screen = run_screen(bench, {{"--argument", "37"}});
   CHECK(contains(picture(*screen), "memory seen by a program"));
-  REQUIRE(shows_after(*screen, "\n", "NO PROGRAM lies there"));
+  REQUIRE(shows_after(*screen, "\n", "NO PROGRAM at this address"));
   CHECK_FALSE(contains(after(*screen, "n"), "NO PROGRAM"));
   write(bench, 0x041000, kAddFive);
   REQUIRE(shows_after(*screen, "\n", "Run the program at 0x041000?"));
@@ -69,11 +69,11 @@ TEST_CASE("a program that never ends is stopped by Esc, and says so where the em
   SUBCASE("Esc") {
     CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::stay);
     REQUIRE(until(*screen, [&] { return !contains(picture(*screen), "running, "); }));
-    CHECK_MESSAGE(contains(picture(*screen), "no success on the link"), picture(*screen));
+    CHECK_MESSAGE(contains(picture(*screen), "link or unit failed"), picture(*screen));
   }
   SUBCASE("kill -9") {
     CHECK(kill_emulators() == 1);
-    REQUIRE(shows(*screen, "no success on the link"));
+    REQUIRE(shows(*screen, "link or unit failed"));
     REQUIRE(until(*screen, [&] { return bench.controller->snapshot().open; }));
     write(bench, 0x041000, kAddFive);
     REQUIRE(shows_after(*screen, "\n", "It begins with 5A80"));
@@ -108,12 +108,12 @@ TEST_CASE("what the unit refuses for want of its code opens the question for it,
   CHECK(arm_screen_if_wanted(bench.unit) == nullptr);  // asked once
   CHECK(reads(picture(*question), "The unit is read-only for this host"));
   CHECK(shows_after(*question, "314159\n", "this is not the code shown by the unit"));
-  for (int k = 0; k < 50 && !contains(picture(*question), "takes writes and"); ++k) {  // a second of the unit's clock
+  for (int k = 0; k < 50 && !contains(picture(*question), "accepts writes and"); ++k) {  // a second of the unit's clock
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     replace_line(*question, kArmCode);
     CHECK(until(*question, [&] { return !question->advance(); }));
   }
-  CHECK(reads(picture(*question), "the unit takes writes and commands of this host for 30 minutes"));
+  CHECK(reads(picture(*question), "the unit accepts writes and commands from this host for 30 minutes"));
   CHECK(press(*question, Key::Name::enter).kind == Step::Kind::back);
   CHECK(bench.preset().has_value());
 }

@@ -52,7 +52,7 @@ TEST_CASE("readings left out do not change the scale: far ones are at the edge w
   const std::string drawn = canvas.plain_text();
   INFO(drawn);
   check_holds(drawn, {"x 5000", "x -300"});
-  CHECK(left_out_legend(three_points(), out, "um") == "x left out: 3; beyond the edge: 5000 um at 50, -300 um at 150");
+  CHECK(left_out_legend(three_points(), out, "um") == "x excluded: 3; beyond the edge: 5000 um at 50, -300 um at 150");
   const PlotPanel picture = with_left_out(three_points(), out, "um");
   CHECK(picture.title == "t (3 left out, beyond the edge: 5000 um at 50, -300 um at 150)");
   CHECK(picture.series.front().points.size() == 1);
@@ -71,7 +71,7 @@ TEST_CASE("a run left out stays in both curves, marked x and said so, in unicode
   for (const Glyphs glyphs : {Glyphs::unicode, Glyphs::ascii}) {
     const std::string seen = driver.seen(24, 80, glyphs);
     INFO(seen);
-    CHECK(contains(seen, "18 of 54 readings left out (x)"));
+    CHECK(contains(seen, "18 of 54 readings excluded (x)"));
     CHECK(count_of(seen, 'x') > before + 5);
   }
   driver.type(
@@ -79,7 +79,7 @@ TEST_CASE("a run left out stays in both curves, marked x and said so, in unicode
       "4");
   const std::string seen = driver.seen(24, 80, Glyphs::ascii);
   INFO(seen);
-  CHECK(contains(seen, "x left out: 18"));
+  CHECK(contains(seen, "x excluded: 18"));
   CHECK(!contains(seen, "beyond"));
   CHECK(count_of(seen, 'x') > 5);
 }
@@ -91,7 +91,7 @@ TEST_CASE("an outlier left out is shown at the edge of the curve with its value,
   REQUIRE(driver.settles_after("3o "));
   const std::string seen = driver.seen(24, 80, Glyphs::ascii);
   INFO(seen);
-  CHECK(contains(seen, "1 of 54 readings left out (x); beyond the edge: 947.5"));
+  CHECK(contains(seen, "1 of 54 readings excluded (x); beyond the edge: 947.5"));
   CHECK(contains(seen, "at -200: forward "));  // under the cursor
   CHECK(contains(seen, ", x 947.50"));
   CHECK(!contains(seen, "1000 "));
@@ -100,7 +100,7 @@ TEST_CASE("an outlier left out is shown at the edge of the curve with its value,
       "4");
   const std::string curve = driver.seen(24, 80, Glyphs::ascii);
   INFO(curve);
-  check_holds(curve, {"x left out: 1; beyond the edge: 947.5 um at -200", "x 947.5"});
+  check_holds(curve, {"x excluded: 1; beyond the edge: 947.5 um at -200", "x 947.5"});
 }
 
 TEST_CASE("a line of which every reading is left out still shows them") {
@@ -136,9 +136,9 @@ TEST_CASE("a file that does not say where the other axes stood is asked for it f
   INFO(seen);
   check_holds(seen, {"Y ?, Z ?: Enter", "Y -70, Z ?: Enter 10..20           10    2    1 ?",
                      "Y ?, Z ?: Enter   10..30           10    3    1 ?",
-                     "parked place of Y and Z not in the file: taken as 0 until Enter tells it"});
+                     "parked position of Y and Z not in the file: 0 is assumed; press Enter to set it"});
   CHECK(driver.controller().mark(LaserStep::lines) == LaserMark::doubtful);
-  CHECK(contains(driver.after("\n"), "what plain.csv does not say"));
+  CHECK(contains(driver.after("\n"), "what plain.csv does not state"));
   REQUIRE(driver.settles_after("y=-1400,z=0\n"));
   CHECK(contains(driver.seen(), "Y -1400, Z 0 "));
   CHECK(!contains(driver.seen(), "Y ?"));

@@ -26,7 +26,7 @@ TEST_CASE("the map says which components are missing; declaring one zero takes a
   driver.type("6");
   while (!contains(driver.seen(), "> EBY")) driver.press(Key::Name::down);
   REQUIRE(driver.settles_after("zground guideways\n"));
-  check_holds(driver.seen(), {"declared zero: ground guideways", "nothing is missing"});
+  check_holds(driver.seen(), {"declared zero: ground guideways", "complete"});
   CHECK(driver.controller().mark(LaserStep::map) == LaserMark::done);
   REQUIRE(driver.settles_after("u"));
   CHECK(contains(driver.seen(), "1 still missing"));

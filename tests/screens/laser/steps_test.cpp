@@ -75,7 +75,7 @@ TEST_CASE("a file that does not say what was measured is asked, and the answers 
     REQUIRE(driver.settled());
     CHECK(driver.controller().mark(LaserStep::files) == LaserMark::doubtful);
     CHECK(contains(driver.seen(), "incomplete: press Enter to add data"));
-    CHECK(contains(driver.after("\n"), "what pitch.rta does not say"));
+    CHECK(contains(driver.after("\n"), "what pitch.rta does not state"));
     driver.press(Key::Name::down);
     driver.type("c");  // the next word with this letter
     CHECK(contains(driver.seen(), "EC"));
@@ -127,7 +127,7 @@ TEST_CASE("a run left out changes every later step at once, and undo restores th
   CHECK(without.chosen.readings.size() == 36);
   CHECK(without.iso->R_forward.value() != Approx(before));
   CHECK(without.curve->points.front().forward.value() == Approx(mean.value() - 0.5).epsilon(0.2));
-  CHECK(contains(driver.seen(), "18 of 54 readings left out"));
+  CHECK(contains(driver.seen(), "18 of 54 readings excluded"));
   REQUIRE(driver.settles_after("u"));
   CHECK(result_of(driver.controller().work(), kExx).iso->R_forward.value() == before);
   CHECK(result_of(driver.controller().work(), kExx).curve->points.front().forward == mean);
@@ -287,7 +287,7 @@ TEST_CASE("a map of a piece of its axis is complete with its remarks, in step 6 
   REQUIRE(driver.controller().work().map.complete());
   CHECK(driver.controller().mark(LaserStep::map) == LaserMark::doubtful);
   driver.type("6");
-  CHECK(contains(driver.seen(24, 120), "nothing is missing, 3 remarks"));
+  CHECK(contains(driver.seen(24, 120), "complete, 3 remarks"));
   driver.type("\t");
   CHECK(contains(driver.seen(40, 120), "remark: EXX covers 200 of 4100 mm"));
   driver.type("8");
@@ -349,13 +349,13 @@ TEST_CASE("step 6 says why a measured component is not used, step 2 corrects its
   const std::string missing = driver.seen(24, 160);
   INFO(missing);
   check_holds(missing, {"it was measured at Y -1000, the measurement line of X in the parameters is at Y -1400",
-                        "c in step 2 corrects a wrong place"});
+                        "Press c in step 2 to correct a wrong position"});
   CHECK(contains(driver.after("2c"), "y=-1000,z=0"));
   driver.press(Key::Name::backspace, 11);
   REQUIRE(driver.settles_after("y=-1400,z=0\n"));
   const LaserLine& line = driver.controller().work().lines.front();
   CHECK(line.key == kExx);
-  CHECK(only(line.notes) == "place corrected to y=-1400,z=0; EXX.csv says Y -1000, Z 0");
+  CHECK(only(line.notes) == "position corrected to y=-1400,z=0; EXX.csv states Y -1000, Z 0");
   CHECK(driver.controller().work().map.components.front().state == ComponentState::present);
   REQUIRE(driver.settles_after("u"));
   CHECK(driver.controller().work().map.components.front().state == ComponentState::missing);

@@ -50,10 +50,10 @@ TEST_CASE("an emulator killed while a map is sent: the old map stays, the screen
   check_holds(driver.seen(), {"s left", "sending the map"});
   ready.unit.kill();
   REQUIRE(driver.until([&] { return !driver.controller().busy(); }, 60));
-  check_holds(driver.seen(), {"not sent: ", "The unit keeps the map it had"});
+  check_holds(driver.seen(), {"not sent: ", "The unit keeps its old map"});
   CHECK(laser::settings_of(driver.controller().choices().recipe, Component::EXX).increment_mm == 4.0);
   ready.unit.start();
-  REQUIRE(driver.until([&] { return contains(driver.seen(), "the map it had before is still active and whole"); }, 60));
+  REQUIRE(driver.until([&] { return contains(driver.seen(), "the old map is still active and complete"); }, 60));
   CHECK(contains(driver.seen(), fmt::format("{:08X}", old_check)));
   ready.begin_sending();
   REQUIRE(driver.until([&] { return driver.controller().sent_is_current(); }, 60));
@@ -68,7 +68,7 @@ TEST_CASE("escape while a map is sent stops it, and the unit keeps the map it ha
   driver.type("\x1b");
   REQUIRE(driver.until([&] { return !driver.controller().busy(); }));
   CHECK(contains(driver.seen(), "not sent: "));
-  REQUIRE(driver.shows("it holds no map, as before"));
+  REQUIRE(driver.shows("it contains no map, as before"));
   REQUIRE(driver.shows_after("\n", "Send the map to"));
 }
 
@@ -95,7 +95,7 @@ TEST_CASE("without a unit everything up to the file works, and sending says why 
   CHECK(contains(driver.seen(), "no link to a unit"));
 }
 
-const char* const kStale = "the unit has changed since: verify again";
+const char* const kStale = "the unit has changed since then: verify again";
 
 /// As another host would: over the same line, unknown to the screen.
 template <class Work>
@@ -139,15 +139,15 @@ TEST_CASE(
   now.uptime_s = 160;
   CHECK(changed_since(then, now).empty());
   now.serial_number = "MCM-0999";
-  CHECK(contains(changed_since(then, now), "unit MCM-0999 answers in place of MCM-0107"));
+  CHECK(contains(changed_since(then, now), "unit MCM-0999 answers instead of MCM-0107"));
   now = then;
   now.check = 0xCAFE0001;
-  CHECK(contains(changed_since(then, now), "block check CAFE0001 in place of block check 12345678"));
+  CHECK(contains(changed_since(then, now), "block check CAFE0001 instead of block check 12345678"));
   now.check.reset();
   CHECK(contains(changed_since(then, now), "no map in place of"));
   now = then;
   now.activations = 5;
-  CHECK(contains(changed_since(then, now), "made active in it by another host"));
+  CHECK(contains(changed_since(then, now), "another host made a map"));
   now = then;
   now.uptime_s = 3;
   CHECK(changed_since(then, now) == "it was restarted");
@@ -178,7 +178,7 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
     verify_at(driver);
     CHECK(driver.controller().stale().empty());
     CHECK_FALSE(driver.controller().verdict()->same());
-    CHECK(driver.shows_after("c", "the unit does not hold the map of the file"));
+    CHECK(driver.shows_after("c", "the map of the file is not in the unit"));
   }
   SUBCASE("but once that map is the one of the file here and compared, the unit may compensate with it") {
     driver.controller().change("the other map", [&](LaserChoices& c) {
@@ -189,7 +189,7 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
     REQUIRE(driver.shows_after("sy", "saved: "));
     verify_at(driver);
     CHECK(driver.controller().verified());
-    CHECK(driver.shows_after("cy", "the unit watches: reference every axis"));
+    CHECK(driver.shows_after("cy", "reference every axis at the control now; the unit is waiting"));
   }
   SUBCASE("and compensation, asked for at once, is refused with both block checks") {
     CHECK(driver.shows_after("cy", "another host has changed it"));
@@ -205,7 +205,7 @@ TEST_CASE(
   save_another_map(driver, ready.folder);
   REQUIRE(driver.shows_after("s", "saved: "));
   CHECK_FALSE(contains(driver.after("9c"), "Switch the unit to compensation?"));
-  CHECK(contains(driver.seen(), "not known which map the unit holds: Enter compares"));
+  CHECK(contains(driver.seen(), "the map in the unit is not known: press Enter to compare"));
   as_another_host(driver, [&](UnitLink& link) {
     return map_sent_over(link, (ready.folder.path / "map.csv").string(),
                          (ready.folder.path / "map-parameters.toml").string());
@@ -218,13 +218,13 @@ TEST_CASE(
                          (ready.folder.path / "other-parameters.toml").string());
   });
   driver.type("cy");
-  CHECK(driver.until(
-      [&] { return contains(driver.controller().message().text(), "what was compared was block check"); }));
+  CHECK(
+      driver.until([&] { return contains(driver.controller().message().text(), "the compared map was block check"); }));
   as_another_host(driver, [&](UnitLink& link) {
     return map_sent_over(link, (ready.folder.path / "map.csv").string(),
                          (ready.folder.path / "map-parameters.toml").string());
   });
-  CHECK(driver.shows_after("cy", "the unit watches: reference every axis"));
+  CHECK(driver.shows_after("cy", "reference every axis at the control now; the unit is waiting"));
 }
 
 TEST_CASE("a unit that was switched off and on has to be verified again") {

@@ -82,7 +82,7 @@ TEST_CASE("bytes that differ are listed by region where they have no name, and v
   CHECK(next_difference(a, b, kSystemRam.first) == kSystemRam.first + 500);
   CHECK(next_difference(a, b, kSystemRam.first + 500) == kSystemRam.first + 500);
   CHECK_FALSE(next_difference(a, a, 0));
-  CHECK(difference_rows(a, MemoryNames(a), MemoryBytes(), MemoryNames()).front().b == "not there");
+  CHECK(difference_rows(a, MemoryNames(a), MemoryBytes(), MemoryNames()).front().b == "missing");
 }
 
 TEST_CASE("EPROM and commit records are refused with the reason, and so is what goes beyond a region") {

@@ -18,7 +18,7 @@ struct MemoryCase : StateFolder {
     REQUIRE(until(screen, [&] {  // names are there when they are read
       type(screen, "g");
       replace_line(screen, where);
-      return !contains(picture(screen), "no memory and no name");
+      return !contains(picture(screen), "no such memory or name");
     }));
     REQUIRE(until(screen, [this] { return !contains(picture(screen), " .. "); }));
   }
@@ -78,7 +78,7 @@ TEST_CASE("bytes that changed since they were shown are not overwritten") {
   JobControl control;
   REQUIRE(one.unit->with_link(
       control, [](UnitLink& link) { return link.client().write_memory(0x48000, std::vector<std::uint8_t>{9}); }));
-  REQUIRE(shows_after(one.screen, "y", "nothing was written"));
+  REQUIRE(shows_after(one.screen, "y", "not written"));
   CHECK(one.bytes_of_unit(0x48000, 1) == std::vector<std::uint8_t>{9});
 }
 
@@ -174,7 +174,7 @@ TEST_CASE("the screen reports a killed emulator, and reads again when it is back
   REQUIRE(shows(one.screen, "unit MCM-0107"));
   one.go("48000");
   REQUIRE(kill_emulators() == 1);
-  REQUIRE(shows(one.screen, "opened again"));
+  REQUIRE(shows(one.screen, "reopened"));
   REQUIRE(until(one.screen, [&] { return !contains(picture(one.screen), " .. "); }));
 }
 
@@ -190,7 +190,7 @@ TEST_CASE("a write while the unit dies either is confirmed or is in the list as 
   REQUIRE(until(one.screen, [&] { return one.unit->newest().has_value(); }));
   CHECK(one.bytes_of_unit(0x48000, 2) ==
         (confirmed ? std::vector<std::uint8_t>{1, 2} : std::vector<std::uint8_t>{0, 0}));
-  REQUIRE(shows_after(one.screen, "1uy", confirmed ? "written back at" : "nothing was written"));
+  REQUIRE(shows_after(one.screen, "1uy", confirmed ? "written back at" : "not written"));
   CHECK(one.bytes_of_unit(0x48000, 2) == std::vector<std::uint8_t>{0, 0});
 }
 

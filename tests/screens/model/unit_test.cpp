@@ -92,12 +92,12 @@ TEST_CASE("what no effect explains is added as a formula by one key, and taken b
       }
   const ModelArguments files{folder.with("model.toml", kScaleOfX), {folder.with("data.csv", csv)}, "", {}};
   ModelScreen screen(must(ModelController::open(files)));
-  REQUIRE(shows_after(screen, "d", "f adds it as a formula"));
+  REQUIRE(shows_after(screen, "d", "Press f to add it as a formula"));
   CHECK(reads(picture(screen), "direction odd, position odd, growth load_kg"));
   REQUIRE(shows_after(screen, "f", "added user:formula 1"));
   (void)letter(screen, 's');
   CHECK(contains(ecs::read_file(files.model).value(), "approach * ((load_kg - 200) / 200)"));
-  REQUIRE(shows_after(screen, "u", "taken back: user:formula 1"));
+  REQUIRE(shows_after(screen, "u", "undone: user:formula 1"));
 }
 
 TEST_CASE("any effect is removed, put back and done again, and one is added by its name") {
@@ -115,10 +115,10 @@ TEST_CASE("any effect is removed, put back and done again, and one is added by i
   check_reads(picture(screen), {"removed scale:X:EX", "without scale:X:EX"});
   (void)letter(screen, 'u');
   wait();
-  CHECK(reads(picture(screen), "taken back: removed scale:X:EX"));
+  CHECK(reads(picture(screen), "undone: removed scale:X:EX"));
   (void)letter(screen, 'y');
   wait();
-  CHECK(reads(picture(screen), "done again: removed scale:X:EX"));
+  CHECK(reads(picture(screen), "redone: removed scale:X:EX"));
   (void)letter(screen, 's');
   const std::string kept = ecs::read_file(mill.files.model).value();
   CHECK(contains(kept, "backlash"));
@@ -152,7 +152,7 @@ TEST_CASE("what these data cannot tell apart stays open in the model file until 
   CHECK(contains(after(screen, "4"), "backlash:X:EX (or servo_lag:X:EX)"));
   (void)letter(screen, 's');
   CHECK(contains(ecs::read_file(mill.files.model).value(), "# or servo_lag:X:EX"));
-  CHECK(contains(after(screen, "\n"), "Is it decided that it is backlash:X:EX?"));
+  CHECK(contains(after(screen, "\n"), "Decide for backlash:X:EX?"));
   type(screen, "ys");
   CHECK_FALSE(contains(ecs::read_file(mill.files.model).value(), "servo_lag"));
 }
@@ -172,7 +172,7 @@ TEST_CASE("compensation is not asked about before a map was sent") {
   const MillModel mill(folder);
   ModelScreen screen = mill.screen(kNoUnit);
   CHECK_FALSE(contains(after(screen, "c"), "Switch the unit to compensation?"));
-  CHECK(reads(picture(screen), "there is no map to send yet: m builds it"));
+  CHECK(reads(picture(screen), "no map to send yet: press m to build it"));
 }
 
 TEST_CASE("what was measured again is told by its shapes on the page of what compensation leaves") {

@@ -19,7 +19,7 @@ void leave_unsaved(const ParametersCase& one) {
 TEST_CASE("the parameters screen first asks for the source of the parameters, and says whether a unit answers") {
   const ParametersCase one;
   ParametersScreen screen(no_link());
-  CHECK(shows(screen, "no unit answers now"));
+  CHECK(shows(screen, "no unit answers"));
   const std::string text = picture(screen);
   check_reads(text, {"> r  receive from the unit", "o  open a file", "n  new from a machine file"});
 }
@@ -97,10 +97,10 @@ TEST_CASE("every edit is undone by u and redone by y, the default by d among the
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 5.0);
   type(screen, "u");
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
-  CHECK(reads(after(screen, "u"), "taken back: X deadband: 4 > 7.5"));
+  CHECK(reads(after(screen, "u"), "undone: X deadband: 4 > 7.5"));
   CHECK(screen.controller().set() == before);
   CHECK(screen.unsaved().empty());
-  CHECK(reads(after(screen, "u"), "nothing more"));
+  CHECK(reads(after(screen, "u"), "no more changes"));
   type(screen, "yy");
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 5.0);
 }
@@ -155,7 +155,7 @@ TEST_CASE("screen and file are compared; a value is taken from the file by f, un
   type(screen, "f");
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 4.0);
   CHECK(screen.controller().compared().size() == 1);
-  CHECK(reads(after(screen, "g"), "no unit has given a value"));
+  CHECK(reads(after(screen, "g"), "no value from a unit"));
   type(screen, "u");
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
   (void)press(screen, Key::Name::end);
@@ -182,7 +182,7 @@ TEST_CASE("saving writes what the screen holds, asks before another file, and ke
   CHECK_FALSE(screen.unsaved().empty());
   type(screen, "s");
   replace_line(screen, one.file("other.toml"));
-  CHECK(reads(picture(screen), "exists already"));
+  CHECK(reads(picture(screen), "already exists"));
   type(screen, "n");
   CHECK(read_file(one.file("other.toml")).value() == "precious");
   replace_line(screen, one.file("no/such/folder.toml"));
@@ -304,7 +304,7 @@ TEST_CASE("sending without a link says why and loses nothing") {
   OpenedParameters opened;
   ParametersScreen& screen = opened.screen;
   edit(screen, "deadband", "7.5");
-  CHECK(shows_after(screen, "t", "Nothing was changed here"));
+  CHECK(shows_after(screen, "t", "The parameters here are unchanged"));
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
   CHECK_FALSE(screen.unsaved().empty());
   CHECK(draft_of("parameters"));

@@ -37,7 +37,7 @@ TEST_CASE("what is sent is asked first, read back without a difference, and rece
   open_file(screen, one);
   edit(screen, "deadband", "7.5");
   REQUIRE(shows_after(screen, "t", "Send the parameters to EMULATOR, unit MCM-0107?"));
-  CHECK(reads(picture(screen), "Nothing is overwritten"));
+  CHECK(reads(picture(screen), "No parameters will be overwritten"));
   REQUIRE(shows_after(screen, "y", "read back: no difference"));
   CHECK(screen.controller().differs_from_unit().empty());
   CHECK(screen.unsaved().empty());
@@ -45,7 +45,7 @@ TEST_CASE("what is sent is asked first, read back without a difference, and rece
 
   edit(screen, "9");
   CHECK(reads(picture(screen), "unit 7.5"));
-  REQUIRE(shows_after(screen, "t", "Overwritten there: 1 parameter"));
+  REQUIRE(shows_after(screen, "t", "1 parameter"));
   CHECK(reads(picture(screen), "X deadband: 7.5 > 9 um"));
   type(screen, "n");
   CHECK(held_by(*line).axes[0].deadband_um == 7.5);
@@ -97,7 +97,7 @@ TEST_CASE("a unit that is not in integration mode is switched only after a yes")
   REQUIRE(shows_after(screen, "t", "to integration mode?"));
   REQUIRE(shows_after(screen, "y", "Send the parameters to EMULATOR"));
   CHECK(mode() == UnitMode::integration);
-  REQUIRE(shows_after(screen, "y", "its map fits and stays"));
+  REQUIRE(shows_after(screen, "y", "its map fits and is kept"));
 }
 
 TEST_CASE("a map that does not fit what is sent is dropped only after a yes") {
@@ -115,7 +115,7 @@ TEST_CASE("a map that does not fit what is sent is dropped only after a yes") {
   CHECK_FALSE(screen.unsaved().empty());
   REQUIRE(shows_after(screen, "t", "Send the parameters to EMULATOR"));
   REQUIRE(shows_after(screen, "y", "Send them without the map?"));
-  REQUIRE(shows_after(screen, "y", "it has no map now"));
+  REQUIRE(shows_after(screen, "y", "it now has no map"));
   CHECK(screen.unsaved().empty());
 }
 
@@ -137,7 +137,7 @@ TEST_CASE("a unit that dies keeps every edit here, and takes them when it is bac
   REQUIRE(shows(screen, "the unit has no parameters"));
   edit(screen, "deadband", "7.5");
   REQUIRE(kill_emulators() == 1);
-  REQUIRE(shows_after(screen, "t", "Nothing was changed here"));
+  REQUIRE(shows_after(screen, "t", "The parameters here are unchanged"));
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
   CHECK(draft_of("parameters"));
   CHECK_FALSE(screen.unsaved().empty());
@@ -160,7 +160,7 @@ TEST_CASE("a link without answers never blocks the keys, and Esc cancels the exc
   CHECK(reads(picture(screen), "7.5 um"));  // what is being sent is not edited meanwhile
   (void)press(screen, Key::Name::up);
   (void)press(screen, Key::Name::escape);
-  REQUIRE(shows(screen, "Nothing was changed here"));
+  REQUIRE(shows(screen, "The parameters here are unchanged"));
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
   ::close(master);
 }

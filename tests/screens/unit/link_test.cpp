@@ -82,7 +82,7 @@ TEST_CASE("the form is edited, used, and stored only after a question where it h
   (void)press(one.screen, Key::Name::enter);
   replace_line(one.screen, "999");
   CHECK(contains(after(one.screen, "t"), "999"));
-  CHECK_FALSE(contains(picture(one.screen), "gives it up"));
+  CHECK_FALSE(contains(picture(one.screen), "cancels"));
 }
 
 TEST_CASE("the bundled emulator answers, the doctor says how well, and the statistics count") {
@@ -90,7 +90,7 @@ TEST_CASE("the bundled emulator answers, the doctor says how well, and the stati
   REQUIRE(shows(one.screen, "unit MCM-0107 answers"));
   one.try_it();
   check_holds(picture(one.screen), {"20 of 20 reads answered", "the link works"});
-  REQUIRE(shows_after(one.screen, "3", "a clean link"));
+  REQUIRE(shows_after(one.screen, "3", "a good link"));
   type(one.screen, "s");
   CHECK(stored_link().value().value().starts_with("emulator"));
 }
@@ -117,7 +117,7 @@ TEST_CASE("a link that returns what is sent is called an echo") {
   const BadLine echo("");
   LinkCase one("rtu:" + echo.device + ":9600");
   one.try_it();
-  CHECK(contains(picture(one.screen), "PROBLEM  echo: the link returns what is sent"));
+  CHECK(contains(picture(one.screen), "PROBLEM  echo: the link echoes the sent bytes"));
 }
 
 TEST_CASE("the right speed is found and offered where another was set") {
@@ -156,7 +156,7 @@ TEST_CASE("the doctor's checks can be cancelled") {
   REQUIRE(until(screen, [&] { return !contains(picture(screen), "looking for serial"); }));
   REQUIRE(shows_after(screen, "t", "trying unit numbers"));
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
-  REQUIRE(shows(screen, "given up"));
+  REQUIRE(shows(screen, "cancelled"));
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
 }
 
@@ -166,7 +166,7 @@ TEST_CASE("the link screen reports a killed emulator and its return") {
   REQUIRE(kill_emulators() == 1);
   REQUIRE(until(one.screen, [&] { return one.unit->snapshot().times_lost > 0; }));
   REQUIRE(shows(one.screen, "unit MCM-0107 answers"));
-  REQUIRE(shows_after(one.screen, "3", "was opened again"));
+  REQUIRE(shows_after(one.screen, "3", "was reopened"));
 }
 
 TEST_CASE("an emulator that a thread started outlives the thread, and goes with the last that holds it") {
@@ -201,7 +201,7 @@ TEST_CASE("the statistics say in plain words what high numbers mean") {
   unit.open = true;
   unit.statistics.requests = 1000;
   unit.statistics.replies = 1000;
-  CHECK(contains(judgement(unit).meaning, "a clean link"));
+  CHECK(contains(judgement(unit).meaning, "a good link"));
   unit.statistics.retries = 2;
   CHECK(contains(judgement(unit).meaning, "a good link"));
   unit.statistics.timeouts = 20;

@@ -138,7 +138,7 @@ TEST_CASE("a new script begins after a question; what is done meanwhile is shown
   const TwoActions two;
   const auto screen = commands_screen();
   CHECK(contains(after(*screen, "x"), "Start again?"));
-  CHECK(contains(after(*screen, "y"), "Nothing was done yet"));
+  CHECK(contains(after(*screen, "y"), "No commands yet"));
   CHECK(screen->copied().empty());
   note_command({"utility", "ramtest"});
   CHECK(screen->advance());

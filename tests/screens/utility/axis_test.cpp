@@ -19,7 +19,7 @@ TEST_CASE("a position that is not a number, or too far away, is refused before t
   replace_line(screen, "1000001");
   CHECK(contains(picture(screen), "expected a position within"));
   replace_line(screen, "-1000000");
-  CHECK(contains(picture(screen), "Let the unit show -1000000.0000 mm for axis X?"));
+  CHECK(contains(picture(screen), "Show -1000000.0000 mm for axis X?"));
 }
 
 TEST_CASE("a position is typed, confirmed, set, shown live and undone") {
@@ -30,7 +30,7 @@ TEST_CASE("a position is typed, confirmed, set, shown live and undone") {
   CHECK(screen.typing());
   CHECK(contains(after(screen, "-123.5"), "New position of Y, mm: -123.5"));
   const std::string asked = after(screen, "\n");
-  check_holds(asked, {"Let the unit show -123.5000 mm for axis Y?", "Nothing moves"});
+  check_holds(asked, {"Show -123.5000 mm for axis Y?", "Nothing moves"});
   REQUIRE(shows_after(screen, "y", "Axis Y now shows -123.5000 mm; it showed 0.0000 mm."));
   CHECK(shows(screen, "Y        -123.5000"));
   (void)picture(screen);
@@ -41,7 +41,7 @@ TEST_CASE("a position is typed, confirmed, set, shown live and undone") {
 TEST_CASE("answering no sets nothing") {
   const BenchOf bench(position_screen);
   Screen& screen = *bench.screen;
-  CHECK_FALSE(contains(after(screen, "\n5\nn"), "Let the unit show"));
+  CHECK_FALSE(contains(after(screen, "\n5\nn"), "Show"));
   CHECK(bench.controller->newest()->axes[0].position_mm == Approx(0.0));
 }
 
@@ -110,10 +110,10 @@ TEST_CASE("the relay is asked for, the axis moves, steps go on, one key ends eve
   REQUIRE(shows_after(screen, "+", "axis X is moved by +10 um"));
   REQUIRE(shows(screen, "moved         +10"));
   CHECK(contains(after(screen, "m"), "Measured movement of X, um: 10.00"));
-  CHECK(contains(after(screen, "\n"), "scale and polarity are right"));
+  CHECK(contains(after(screen, "\n"), "scale and polarity are correct"));
   CHECK(bench.controller->newest()->axes[0].relay_closed);
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
-  REQUIRE(shows(screen, "nothing is put out, nothing moves"));
+  REQUIRE(shows(screen, "no output, nothing moves"));
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::back);
 }
 
@@ -123,7 +123,7 @@ TEST_CASE("a relay that the unit opens for another reason is seen") {
   close_relay(screen);
   REQUIRE(bench.with_link([](UnitLink& link) { return link.client().output_off(); }));
   REQUIRE(shows(screen, "The unit has opened the relay:"));
-  CHECK(contains(picture(screen), "RELAY OPEN       nothing is put out"));
+  CHECK(contains(picture(screen), "RELAY OPEN       no output"));
 }
 
 TEST_CASE("what another host puts out is shown, and steps go on from there") {

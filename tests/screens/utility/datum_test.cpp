@@ -44,7 +44,7 @@ TEST_CASE("a record is cancelled by Esc, and the next one works") {
   Screen& screen = *bench.screen;
   REQUIRE(shows_after(screen, "z\ny", "REFERENCE AXIS Z NOW"));
   CHECK(press(screen, Key::Name::escape).kind == Step::Kind::stay);
-  REQUIRE(shows(screen, "Given up."));
+  REQUIRE(shows(screen, "Cancelled."));
   REQUIRE(shows_after(screen, "\ny", "REFERENCE AXIS Z NOW"));
 }
 
@@ -53,7 +53,7 @@ TEST_CASE("kill -9 of the emulator while it records: it is said, and recording w
   Screen& screen = *bench.screen;
   REQUIRE(shows_after(screen, "\ny", "REFERENCE AXIS X NOW"));
   CHECK(kill_emulators() == 1);
-  REQUIRE(shows(screen, "Enter records axis X."));
+  REQUIRE(shows(screen, "Press Enter to record axis X."));
   (void)picture(screen);
   REQUIRE(shows(screen, "MCM-0107, integration"));
   REQUIRE(shows_after(screen, "\ny", "REFERENCE AXIS X NOW"));
@@ -91,7 +91,7 @@ TEST_CASE("kill -9 of the emulator under a datum test: it is said, and the test 
   REQUIRE(shows(screen, "MCM-0107, integration"));
   REQUIRE(shows_after(screen, "\ny", "waiting ..."));
   CHECK(kill_emulators() == 1);
-  REQUIRE(shows(screen, "given up"));
+  REQUIRE(shows(screen, "cancelled"));
   (void)picture(screen);
   REQUIRE(shows(screen, "MCM-0107, integration"));
   REQUIRE(shows_after(screen, "\ny", "REFERENCE AXIS X NOW"));

@@ -21,7 +21,7 @@ TEST_CASE("the state is read on its own, the memory is tested, the pages turn") 
   REQUIRE(shows(screen, "unit MCM-0107"));
   const std::string seen = picture(screen);
   check_holds(seen, {"integration: every relay is open", "never tripped", "live"});
-  REQUIRE(shows_after(screen, "t", "Every location of the axis memory holds"));
+  REQUIRE(shows_after(screen, "t", "Every location of the axis memory stores"));
   REQUIRE(shows(screen, "RAM test     passed"));
   CHECK(contains(after(screen, "\t"), "address pointers: none in use"));
   CHECK(contains(after(screen, "\t"), "axis  referenced  datum stage"));
@@ -48,9 +48,9 @@ TEST_CASE("with a map: datuming with its stages, g references, the unit compensa
   Screen& screen = *screen_made;
   REQUIRE(shows(screen, "unit MCM-0107"));
   REQUIRE(shows_after(screen, "my", "X: waiting"));
-  REQUIRE(shows(screen, "g lets the emulated machine do it"));
+  REQUIRE(shows(screen, "press g to reference the emulated machine"));
   REQUIRE(shows_after(screen, "g", "compensating: relays closed"));
-  REQUIRE(shows(screen, "The emulated machine was driven onto its references"));
+  REQUIRE(shows(screen, "The emulated machine was referenced"));
   const std::string pointers = after(screen, "\t");
   check_holds(pointers, {"EXX", "5.00 um"});
   const auto adds = [&] {  // the controller looks at the unit once a second
@@ -84,7 +84,7 @@ TEST_CASE("a state that was saved opens again without a unit; so does a memory d
   const auto screen_made = status_screen(std::make_shared<UnitConnection>("rtu:/dev/no-such-port:9600"));
   Screen& screen = *screen_made;
   REQUIRE(shows(screen, "NO ANSWER"));
-  CHECK(contains(picture(screen), "o opens a status file"));
+  CHECK(contains(picture(screen), "press o to open a status file"));
   REQUIRE(shows_after(screen, "o" + file + "\n", "FILE status.json: unit MCM-0107"));
   CHECK(contains(after(screen, "t"), "A file is shown"));
   REQUIRE(shows_after(screen, "o" + dump_file + "\n", "FILE unit.ecsdump"));
@@ -107,7 +107,7 @@ TEST_CASE("kill -9 of the emulator: the age of the values is shown, and they are
   Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "unit MCM-0107"));
   CHECK(kill_emulators() == 1);
-  REQUIRE(shows(screen, "NO ANSWER, what is shown is"));
+  REQUIRE(shows(screen, "NO ANSWER, the data are"));
   (void)picture(screen);
   REQUIRE(shows(screen, "live"));
 }

@@ -51,13 +51,13 @@ void check_proposal(const Answer& one) {
 void check_next(const Answer& next, const Answer& diagnosis) {
   for (const Answer& one : next["proposals"]) check_proposal(one);
   const bool settled = std::any_of(next["notes"].begin(), next["notes"].end(), [](const Answer& note) {
-    return note.get<std::string>().starts_with("Nothing is in doubt");
+    return note.get<std::string>().starts_with("No further measurement is needed");
   });
   if (settled) CHECK(next["proposals"].empty());
   CHECK(next["verdict"] == diagnosis["verdict"]);
   for (const Answer& candidate : diagnosis["candidates"]) {
     if (!candidate["named"].get<bool>()) continue;
-    if (settled) CHECK(contains(candidate["next_measurement"].get<std::string>(), "Nothing is in doubt"));
+    if (settled) CHECK(contains(candidate["next_measurement"].get<std::string>(), "No further measurement is needed"));
     if (!candidate["indistinguishable_from"].empty() && !next["proposals"].empty()) {
       CHECK(candidate["next_measurement"] == next["proposals"][0]["sentence"]);
       break;  // the first group of rivals
