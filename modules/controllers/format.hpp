@@ -186,7 +186,7 @@ struct TwinCatOptions {
 
 /// Comments of our own files: where lever arms count from.
 inline constexpr std::string_view kLeversFromZero =
-    "Lever arms count from the machine zero: the curves include the effect of the rotations there.";
+    "Lever arms count from the machine zero: the curves hold what the rotations do there.";
 inline constexpr std::string_view kLeversFromLines =
     "The curves are those of their measurement lines; lever arms count from there.";
 

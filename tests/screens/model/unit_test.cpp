@@ -73,7 +73,7 @@ TEST_CASE("the laser screen opens a map with the parameters beside it, ready to 
   REQUIRE(driver.settled());
   CHECK(driver.controller().work().map.complete());
   CHECK_FALSE(driver.controller().would_overwrite());
-  CHECK(contains(driver.after("6"), "nothing is missing"));
+  CHECK(contains(driver.after("6"), "complete"));
   REQUIRE(driver.settles_after("u"));
   CHECK_FALSE(driver.controller().work().map.made);
 }
