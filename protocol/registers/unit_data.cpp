@@ -101,7 +101,7 @@ bool switches_off(CommandCode code) noexcept {
 }
 
 std::string_view name_of(CommandState state) noexcept {
-  constexpr std::array<std::string_view, 5> names{"idle", "running", "done", "refused", "failed"};
+  constexpr std::array<std::string_view, 5> names{"idle", "under way", "done", "refused", "failed"};
   return names[std::min<std::size_t>(static_cast<std::size_t>(state), names.size() - 1)];
 }
 
