@@ -285,7 +285,7 @@ Cell volume_cell(const VolumeWork& work, const std::string& picture, const std::
   return record_cell("{heading}{before}{after}{at_most}{between}{bound}{slice}{at}{notes}{picture}{values}",
                      "points"_is(settings * work.answer.grid.places()), "heading"_shown(heading_of(work)),
                      "before"_is(size_cell("before", work.answer.before, work)),
-                     "after"_is(size_cell(work.prepared.errors_from == "the errors file" ? "after" : "left of that",
+                     "after"_is(size_cell(work.prepared.errors_from == "the errors file" ? "after" : "remaining",
                                           work.answer.after, work)),
                      "at_most"_shown(bound_row(work)), "between"_is(between_cell(work)),
                      "uncertainty_95_um"_is(

@@ -48,7 +48,7 @@ TEST_CASE("work on linear axes refuses a rotary one, with its line and what take
   CHECK(refused.line == 2);
   CHECK(
       contains(refused.message,
-               "found the rotary axis A: the unit and its maps are of linear axes; `ecs laser stats` and `ecs model`"));
+               "found the rotary axis A: the unit and its maps cover linear axes; use `ecs laser stats` and `ecs model`"));
 }
 
 TEST_CASE("targets in degrees or arc seconds, readings in arc seconds") {

@@ -110,7 +110,7 @@ TEST_CASE("an output limit beyond a 16-bit D/A converter is an error") {
 }
 
 TEST_CASE("a limit that lets nothing out is found") {
-  expect(kWarning, {{"axis.X.output_limit_um", "0"}}, "axis.X.output_limit_um", "no compensation");
+  expect(kWarning, {{"axis.X.output_limit_um", "0"}}, "axis.X.output_limit_um", "disables the compensation");
   expect(kError, {{"axis.X.output_limit_um", "0.09"}}, "axis.X.output_limit_um", "less than one D/A count");
 }
 
@@ -167,12 +167,12 @@ TEST_CASE("a rapid onto the switch is a warning") {
 
 TEST_CASE("parameters that contradict the machine they are meant for are found") {
   const Machine machine = mill();
-  expect(kError, {{"configuration.chain", "XTYZ"}}, "configuration.chain", "machine file says \"TXYZ\"", &machine);
+  expect(kError, {{"configuration.chain", "XTYZ"}}, "configuration.chain", "machine file states \"TXYZ\"", &machine);
   expect(kError, {{"configuration.axes", "XY"}, {"compensation.scope", "planar"}}, "configuration.axes",
          "axis Z is absent here", &machine);
   expect(kError, {{"axis.X.transducer", "resolver"}}, "axis.X.transducer", "differs from the machine file", &machine);
   expect(kWarning, {{"axis.X.position_scale_um_per_count", "0.5"}}, "axis.X.position_scale_um_per_count",
-         "machine file says 1 um", &machine);
+         "machine file states 1 um", &machine);
   expect(kError, {{"axis.X.datum.reference_position_mm", "1"}}, "axis.X.datum.reference_position_mm",
          "outside the machine's travel of -4100 to 0 mm", &machine);
   expect(kWarning, {{"axis.X.datum.reference_position_mm", "-1"}}, "axis.X.datum.reference_position_mm",
@@ -244,7 +244,7 @@ TEST_CASE("a file without its closing line is remarked on, an axis without keys 
   REQUIRE(findings.size() == 2);
   CHECK(findings[0].severity == Severity::error);
   CHECK(findings[0].keys.front() == "axis.Y.transducer");
-  CHECK(contains(findings[0].message, "nothing of [axis.Y]"));
+  CHECK(contains(findings[0].message, "no [axis.Y]"));
   CHECK(findings[1].severity == Severity::warning);
   CHECK(contains(findings[1].message, "# end of parameters"));
   const auto taken = defaults_taken(cut);

@@ -96,7 +96,7 @@ TEST_CASE("a metre of steel ten degrees warm is 117 um too long, and that is tak
   CHECK(done.per_coefficient_um == Approx(10.0));
   CHECK(says(done.notes, "coefficient 11.7"));
   CHECK(says(done.notes, "differ in material or temperature"));
-  CHECK(says(done.notes, "makes up to 10.000 um"));
+  CHECK(says(done.notes, "causes up to 10.000 um"));
 }
 
 TEST_CASE("the way back is exact, through a CSV file too") {

@@ -80,7 +80,7 @@ TEST_CASE("channels that bear the names of columns need no options; others are l
   const auto refused = must_fail(parse_any(probe_log(), "log.jsonl", {}));
   CHECK(refused.line == 1);
   CHECK(contains(refused.message,
-                 "the meaning of the channels is not known (bed.temp (6 values), z (11 values))): give --channels"));
+                 "the meaning of the channels is not known (bed.temp (6 values), z (11 values)): give --channels"));
   ImportOptions wrong = by_channels("EZ=zz");
   wrong.axis = Axis::Z;
   const auto unknown = parse_any(probe_log(), "log.jsonl", wrong);
@@ -135,7 +135,7 @@ TEST_CASE("rows at rest only, and their means") {
   MeasurementSet averaged = set;
   keep_at_rest(set, 0.01, false);
   CHECK(set.readings.size() == 7);
-  CHECK(says(set.notes, "2 readings while the machine moved are left out"));
+  CHECK(says(set.notes, "2 readings during motion are ignored"));
   keep_at_rest(averaged, 0.01, true);
   REQUIRE(averaged.readings.size() == 2);
   CHECK(averaged.readings[0].error == Approx(2.0));

@@ -177,7 +177,7 @@ TEST_CASE("a mapping with another unit than the heading is refused with what to 
 
 TEST_CASE("a line of units below the headings counts as theirs") {
   const std::string text = "Position;Abweichung\nmm;mm\n0;0,1\n100;0,2\n200;0,3\n";
-  CHECK(contains(refused_table(text, by_columns("x_mm=1,reading=2[um]", 2)), "\"Abweichung [mm]\", says mm"));
+  CHECK(contains(refused_table(text, by_columns("x_mm=1,reading=2[um]", 2)), "\"Abweichung [mm]\", states mm"));
 }
 
 TEST_CASE("readings of a table that are all below 0.1 um are asked about where nothing says their unit") {
@@ -216,8 +216,8 @@ TEST_CASE("rows of one channel: lines between them state the targets, other line
   CHECK(*set.readings[3].time_s == Approx(4.5));
   CHECK(metadata_value(set, "channel") == "A");
   CHECK(says(set.notes, "error = value - target"));
-  CHECK(says(set.notes, "2 lines that are no rows"));
-  CHECK(says(set.notes, "1 values that are no numbers"));
+  CHECK(says(set.notes, "2 lines that are not rows"));
+  CHECK(says(set.notes, "1 values that are not numbers"));
   options.parked_mm = {1.0, 2.0, 3.0};
   options.channel = "B";
   options.reading_unit = unit_named("um");

@@ -54,7 +54,7 @@ TEST_CASE("the environment is joined by time, linear, its end values beyond its 
   CHECK(set.readings[2].sensors_degC.at("t_air_degC") == 30.0);  // its own
   CHECK(*set.readings[3].pressure_hPa == Approx(992.0));
   CHECK(says(set.notes, "assumed to begin with the first reading"));
-  CHECK(says(set.notes, "reach 10 s after it ends"));
+  CHECK(says(set.notes, "extend 10 s after it ends"));
   CHECK(says(set.notes, "t_air_degC 20 ... 22"));
 }
 

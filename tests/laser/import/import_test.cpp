@@ -94,7 +94,7 @@ TEST_CASE("straightness runs need a sense across the axis") {
 }
 
 TEST_CASE("a run file cut short is refused unless asked for") {
-  CHECK(contains(refusal("broken_cut.rtl"), "cut short"));
+  CHECK(contains(refusal("broken_cut.rtl"), "truncated"));
   ImportOptions accept;
   accept.accept_truncated = true;
   CHECK(imported("broken_cut.rtl", accept).set.readings.size() == 4);
@@ -187,7 +187,7 @@ TEST_CASE("assignments that contradict themselves are refused") {
   refused(good + "TGT_DATA[1]=-10\n", "each index once");
   refused(good + "REF_DATA_FWD[1]=2\n", "target and cycle index");
   refused(good + "REF_DATA_FWD[9,1]=2\n", "an index with a target");
-  refused(good.substr(0, good.rfind("REF_DATA")), "cut short");
+  refused(good.substr(0, good.rfind("REF_DATA")), "truncated");
   std::string furlongs = good;
   furlongs.replace(furlongs.find("UNIT=mm"), 7, "UNIT=fur");
   refused(furlongs, "UNIT: expected a unit of length");

@@ -242,7 +242,7 @@ TEST_CASE("a curve that is shrunk loses what its repeats call scatter, and the h
   MapRecipe recipe = recipe_of({one(Component::EXX, {folder.write("x.csv", scattered_runs())})});
   recipe.shrink = true;
   const auto built = must(build_map(recipe, mill_parameters()));
-  CHECK(built.map.header.processing.front().starts_with("EXX shrunk below its noise"));
+  CHECK(built.map.header.processing.front().starts_with("EXX shrunk according to its noise"));
 }
 
 TEST_CASE("a header that states an uncertainty wrongly is refused with what is expected") {

@@ -216,7 +216,7 @@ TEST_CASE("a value that the output limit can never put out is refused with its p
   ErrorMap map = small_map();
   map.tables[1].compensation[1] = 31000.0;
   const auto image = must_fail(image_of(map, one_axis()));
-  CHECK(image.message.find("EXX reverse asks for 31000 um at 50 mm, but axis.X.output_limit_um is 500") == 0);
+  CHECK(image.message.find("EXX reverse requires 31000 um at 50 mm, but axis.X.output_limit_um is 500") == 0);
 }
 
 TEST_CASE("tables that do not reach the reference position, or end at different places, are refused") {
