@@ -335,7 +335,7 @@ std::string missing_place_of(const LaserLine& line) {
   if (line.place_unknown.empty()) return {};
   std::string axes;
   for (const Axis a : line.place_unknown) axes += fmt::format("{}{}", axes.empty() ? "" : " and ", letter_of(a));
-  return fmt::format("parked position of {} not in the file: 0 is assumed; press Enter to set it", axes);
+  return fmt::format("parked position of {} not in the file: 0 until set (press Enter)", axes);
 }
 
 std::string name_of_line(const LaserLine& line) {

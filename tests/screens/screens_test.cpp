@@ -88,7 +88,7 @@ TEST_CASE("every verb is in the catalogue with its options, and its form becomes
 TEST_CASE("a form refuses to run without what is needed, then shows the answer of the verb") {
   const auto form_made = verb_screen(entry(verb_catalogue(all_verbs()), "laser stats"), no_link());
   Screen& form = *form_made;
-  CHECK(contains(after(form, "\n"), "is needed"));
+  CHECK(contains(after(form, "\n"), "is required"));
   finish(form, "samples/laser/x_axis.csv\n");
   const std::string text = picture(form);
   check_holds(text, {"done", "samples/laser/x_axis.csv: EXX"});

@@ -297,8 +297,8 @@ class StatusScreen final : public KeyedScreen {
     if (integrating())
       asking_.ask({"Go to compensation mode?",
                    "The unit tests its memory and its map and clears the references of its axes. Then the machine's "
-                   "control must reference every axis. When the last axis is referenced, every relay closes, and from "
-                   "then on THE MACHINE IS MOVED by the compensation of each axis. Keep clear of it.",
+                   "control must reference every axis. When the last one is referenced, every relay closes. From then "
+                   "on THE MACHINE IS MOVED by the compensation of each axis. Keep clear of it.",
                    "compensate", "stay"},
                   [this] { compensate(); });
     else

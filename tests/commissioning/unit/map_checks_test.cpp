@@ -43,7 +43,7 @@ TEST_CASE("an image without room in the unit is refused before the unit is given
   auto unit = shop.client();
   const auto sent = must_fail(send_image(unit, image_with(1000, 2)));
   CHECK(sent.kind == ProblemKind::refused);
-  CHECK(contains(sent.message, "count on 2 axis memory modules, the unit has 1"));
+  CHECK(contains(sent.message, "require 2 axis memory modules, the unit has 1"));
   UnitParameters parameters;
   parameters.memory_modules = 3;
   CHECK_FALSE(send_parameters(unit, parameters, {}).has_value());

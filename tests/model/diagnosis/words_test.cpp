@@ -167,6 +167,6 @@ TEST_CASE("each axis whose targets are even is named once") {
       set.readings.push_back(r);
     }
   check_holds(must(even_targets_note(observations_of(set, Model{}, std::nullopt))),
-              {"even at 50 mm along X (EX)",
+              {"equally spaced at 50 mm along X (EX)",
                "; targets are equally spaced at 20 mm along Y (EX, EY): periods shorter than 40 mm"});
 }

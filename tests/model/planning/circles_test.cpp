@@ -65,7 +65,7 @@ TEST_CASE("without a ball bar lines are proposed alone, with one circles that te
   CHECK(circle->separation_sigma > 3.0);
   CHECK(circle->minutes > 15.0);
   CHECK(contains(circle->sentence, "by a ball bar: radius"));
-  CHECK(contains(circle->tells, "tells "));
+  CHECK(contains(circle->tells, "distinguishes "));
 }
 
 TEST_CASE("circles that are proposed lie inside the travels and are of ball bars") {

@@ -269,7 +269,7 @@ TEST_CASE("a formula with a column of which a new run says nothing is not weighe
       next_of_two_formulas([](double p_mm) { return p_mm / 1000.0 + 0.01 * std::sin(p_mm / 90.0); });
   CHECK(next.rivals.size() == 2);
   CHECK(next.proposals.empty());
-  CHECK(contains(only(next.notes), "user:a*u^2 reads column u: what a new run would have in it is not known"));
+  CHECK(contains(only(next.notes), "user:a*u^2 reads column u: its value in a new run is not known"));
 }
 
 TEST_CASE("formulas with a free period are weighed at the period that was found") {

@@ -208,7 +208,7 @@ TEST_CASE("an overrun ends at the travel, a target beyond it is left out and rep
   check_program(plan, mill());
   plan.targets_mm.push_back(1200.0);
   const std::string program = part_program(plan, mill());
-  CHECK(contains(program, "target 1200.0 left out"));
+  CHECK(contains(program, "target 1200.0 omitted"));
   Control control(Axis::X, {});
   control.run(program);
   for (const Vector3& place : control.places) CHECK(place[0] <= 1000.0);

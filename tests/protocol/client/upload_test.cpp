@@ -232,7 +232,7 @@ TEST_CASE("a cancel while the reply to the commit is awaited says that the new m
   REQUIRE_FALSE(sent.has_value());
   CHECK(shop.active_image() == image);
   CHECK(says(sent, "cancelled"));
-  CHECK(says(sent, "already taken the new map: it is active (commit 1)"));
+  CHECK(says(sent, "already accepted the new map: it is active (commit 1)"));
 }
 
 TEST_CASE("of an image that differs from the active one in a byte only that piece is sent") {

@@ -49,7 +49,7 @@ TEST_CASE("every row names a verb and fields that there are, draws in every size
       return one.required && one.value.empty() && !entry.row.preset.contains(one.name);
     });
     if (needs) {
-      CHECK(contains(after(*screen, "\n"), "is needed"));
+      CHECK(contains(after(*screen, "\n"), "is required"));
     }
     CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::back);
   }

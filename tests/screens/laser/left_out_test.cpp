@@ -54,7 +54,7 @@ TEST_CASE("readings left out do not change the scale: far ones are at the edge w
   check_holds(drawn, {"x 5000", "x -300"});
   CHECK(left_out_legend(three_points(), out, "um") == "x excluded: 3; beyond the edge: 5000 um at 50, -300 um at 150");
   const PlotPanel picture = with_left_out(three_points(), out, "um");
-  CHECK(picture.title == "t (3 left out, beyond the edge: 5000 um at 50, -300 um at 150)");
+  CHECK(picture.title == "t (3 excluded, beyond the edge: 5000 um at 50, -300 um at 150)");
   CHECK(picture.series.front().points.size() == 1);
   const std::vector<PlotPoint> many(6, {50, 5000});
   CHECK(beyond_text(three_points(), many, "um") == "6 beyond the edge: 5000 to 5000 um");
@@ -136,7 +136,7 @@ TEST_CASE("a file that does not say where the other axes stood is asked for it f
   INFO(seen);
   check_holds(seen, {"Y ?, Z ?: Enter", "Y -70, Z ?: Enter 10..20           10    2    1 ?",
                      "Y ?, Z ?: Enter   10..30           10    3    1 ?",
-                     "parked position of Y and Z not in the file: 0 is assumed; press Enter to set it"});
+                     "parked position of Y and Z not in the file: 0 until set (press Enter)"});
   CHECK(driver.controller().mark(LaserStep::lines) == LaserMark::doubtful);
   CHECK(contains(driver.after("\n"), "what plain.csv does not state"));
   REQUIRE(driver.settles_after("y=-1400,z=0\n"));

@@ -18,7 +18,7 @@ TEST_CASE("the map says which components are missing; declaring one zero takes a
   driver.take_files(files, "samples/mill/parameters.toml");
   check_holds(driver.after("6"), {"2 still missing", "EBY  MISSING"});
   CHECK(driver.controller().mark(LaserStep::map) == LaserMark::doubtful);
-  check_holds(driver.after("8\n"), {"the map is not complete", "EBY, EZZ (step 6)"});
+  check_holds(driver.after("8\n"), {"the map is incomplete", "EBY, EZZ (step 6)"});
   driver.controller().change("more files", [&](LaserChoices& c) {
     c.files.push_back({(folder.path / "before/EZZ.csv").string(), {}});
   });
@@ -125,7 +125,7 @@ TEST_CASE("after a crash the work is offered again and restored completely; d dr
   }
   {
     LaserScreenDriver again;
-    check_holds(again.seen(), {"Work of 20", "found: moving column mill"});
+    check_holds(again.seen(), {"Unsaved work of 20", "found: moving column mill"});
     REQUIRE(again.settles_after("\n"));
     CHECK(choices_text(again.controller().choices()) == choices);
     CHECK(again.controller().work().map.complete());
@@ -142,7 +142,7 @@ TEST_CASE("after a crash the work is offered again and restored completely; d dr
     again.type("dy");
     CHECK(again.controller().work().lines.empty());
   }
-  CHECK(!contains(LaserScreenDriver().seen(), "Work of 20"));
+  CHECK(!contains(LaserScreenDriver().seen(), "Unsaved work of 20"));
 }
 
 TEST_CASE("every step is drawn completely at every size, in Unicode and in ASCII") {

@@ -144,7 +144,7 @@ TEST_CASE(
   now.check = 0xCAFE0001;
   CHECK(contains(changed_since(then, now), "block check CAFE0001 instead of block check 12345678"));
   now.check.reset();
-  CHECK(contains(changed_since(then, now), "no map in place of"));
+  CHECK(contains(changed_since(then, now), "no map instead of"));
   now = then;
   now.activations = 5;
   CHECK(contains(changed_since(then, now), "another host made a map"));

@@ -163,10 +163,10 @@ TEST_CASE("a search reads through the unit until it finds, and can be cancelled"
   replace_line(one.screen, "CA FE 01");
   REQUIRE(shows(one.screen, "looking for CA FE 01"));
   (void)press(one.screen, Key::Name::escape);
-  CHECK(contains(picture(one.screen), "given up: looking for CA FE 01"));
+  CHECK(contains(picture(one.screen), "cancelled: looking for CA FE 01"));
   REQUIRE(shows_after(one.screen, "a", "reading axis memory bank A"));
   (void)press(one.screen, Key::Name::escape);
-  CHECK(contains(picture(one.screen), "given up: reading axis memory bank A"));
+  CHECK(contains(picture(one.screen), "cancelled: reading axis memory bank A"));
 }
 
 TEST_CASE("the screen reports a killed emulator, and reads again when it is back") {

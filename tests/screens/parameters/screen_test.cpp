@@ -260,7 +260,7 @@ TEST_CASE("a draft stays while other parameters are started and edited, and each
     edit(screen, "deadband", value);
   }
   ParametersScreen screen(no_link());
-  CHECK(reads(picture(screen), "offers another one: 1 more"));
+  CHECK(reads(picture(screen), "another one: 1 more"));
   type(screen, "o\n");
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
   CHECK(drafts_aside("parameters") == 1);

@@ -45,7 +45,7 @@ TEST_CASE("what is sent is asked first, read back without a difference, and rece
 
   edit(screen, "9");
   CHECK(reads(picture(screen), "unit 7.5"));
-  REQUIRE(shows_after(screen, "t", "1 parameter"));
+  REQUIRE(shows_after(screen, "t", "1 parameter will be overwritten"));
   CHECK(reads(picture(screen), "X deadband: 7.5 > 9 um"));
   type(screen, "n");
   CHECK(held_by(*line).axes[0].deadband_um == 7.5);
@@ -171,7 +171,7 @@ TEST_CASE("warnings are part of the question before parameters are sent") {
   open_file(screen, one);
   edit(screen, "X.output_limit", "0");
   REQUIRE(shows_after(screen, "t", "1 warning:"));
-  CHECK(reads(picture(screen), "lets no"));
+  CHECK(reads(picture(screen), "disables the compensation"));
 }
 
 }  // namespace

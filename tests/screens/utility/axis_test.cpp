@@ -189,7 +189,7 @@ TEST_CASE("j on the monitor drives the emulated machine, and what is no place is
   REQUIRE(shows(screen, "no fault"));
   CHECK(contains(after(screen, "jover there\n"), "expected axes with their machine coordinates"));
   replace_line(screen, "X-20 F3000");
-  REQUIRE(shows(screen, "stands at X -"));
+  REQUIRE(shows(screen, "is at X -"));
 }
 
 }  // namespace

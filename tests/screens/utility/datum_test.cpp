@@ -22,7 +22,7 @@ TEST_CASE("ten seconds are recorded while the emulated machine references the ax
   REQUIRE(shows(screen, "MCM-0107, integration"));
   (void)picture(screen);
   CHECK(contains(after(screen, "\n"), "Record axis X for 10 seconds?"));
-  REQUIRE(shows_after(screen, "y", "REFERENCE AXIS X NOW: g lets"));
+  REQUIRE(shows_after(screen, "y", "REFERENCE AXIS X NOW: press g"));
   (void)picture(screen);
   (void)letter(screen, 'g');
   std::unique_ptr<Screen> graph;
