@@ -31,7 +31,7 @@ TEST_CASE("compensation mode without a map: the fault in plain words, cleared on
   const BenchOf bench(opened_status);
   Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "unit MCM-0107"));
-  CHECK(contains(one_line(after(screen, "m")), "THE MACHINE IS MOVED"));
+  CHECK(reads(after(screen, "m"), "THE MACHINE IS MOVED"));
   REQUIRE(shows_after(screen, "y", "What to do: send parameters and map"));
   REQUIRE(shows(screen, "fault 3 (no_map)"));
   (void)picture(screen);
