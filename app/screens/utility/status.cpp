@@ -295,12 +295,13 @@ class StatusScreen final : public KeyedScreen {
   void ask_for_mode() {
     if (!may_act()) return;
     if (integrating())
-      asking_.ask({"Go to compensation mode?",
-                   "The unit tests its memory and its map and clears the references of its axes. Then the machine's "
-                   "control must reference every axis. When the last one is referenced, every relay closes. From then "
-                   "on THE MACHINE IS MOVED by the compensation of each axis. Keep clear of it.",
-                   "compensate", "stay"},
-                  [this] { compensate(); });
+      asking_.ask(
+          {"Go to compensation mode?",
+           "The unit tests its memory and map and clears the references. Then the machine's control must "
+           "reference every axis. When the last one is referenced, every relay closes, and THE MACHINE IS MOVED "
+           "by the compensation of each axis from then on. Keep clear of it.",
+           "compensate", "stay"},
+          [this] { compensate(); });
     else
       asking_.ask({"Go to integration mode?",
                    "Every relay opens at once and the loop ends: the present compensation is removed" +

@@ -125,7 +125,7 @@ TEST_CASE("after a crash the work is offered again and restored completely; d dr
   }
   {
     LaserScreenDriver again;
-    check_holds(again.seen(), {"Unsaved work of 20", "found: moving column mill"});
+    check_holds(again.seen(), {"Unsaved work of 20", "found: moving column"});
     REQUIRE(again.settles_after("\n"));
     CHECK(choices_text(again.controller().choices()) == choices);
     CHECK(again.controller().work().map.complete());
