@@ -43,8 +43,8 @@ TEST_CASE("a table of two axes is taken apart into a curve along each, and what 
   CHECK(by_y.compensation[1] - by_y.compensation[0] == Approx(7.0 / 3.0));
   CHECK(by_x.compensation[2] - by_x.compensation[1] == Approx(-1.0));
   REQUIRE(read.notes.size() == 2);
-  CHECK(contains(read.notes[0], "what only a table of two axes holds is left out: rms 0.236 um, 0.333 um at most"));
-  CHECK(contains(read.notes[1], "axis number 6 are left out"));
+  CHECK(contains(read.notes[0], "the part that needs a two-axis table is ignored: rms 0.236 um, 0.333 um at most"));
+  CHECK(contains(read.notes[1], "axis number 6 are ignored"));
 }
 
 TEST_CASE("bad files are refused with line and column") {

@@ -169,7 +169,7 @@ TEST_CASE("typing errors are refused all at once, with line and column") {
   const auto read = must_fail(parse_linuxcnc("0 0 0\n1O0 0 0\n200 0,5 0\n300 1\n400 nan 0\n", "x.comp", as(1)));
   const std::string said = to_text(read);
   check_holds(said, {"x.comp:2:1: expected a number, found \"1O0\"",
-                     "x.comp:3:5: expected a number, found \"0,5\" (decimals take a point",
+                     "x.comp:3:5: expected a number, found \"0,5\" (use a decimal point",
                      "x.comp:4:6: expected three numbers, found 2", "x.comp:5:5: expected a number, found \"nan\""});
 }
 

@@ -45,7 +45,7 @@ TEST_CASE("each axis whose list is not zero at the reference position steps when
   CHECK_FALSE(laser::says(at_zero.notes, "reference position of Y"));
   source.parameters.axes[index_of(Axis::Y)].datum.reference_position_mm = 50.0;
   CHECK(laser::says(twincat_export(source, {})->notes,
-                    "at the reference position of Y (50 mm) the list has -2.5 um: the axis steps by it"));
+                    "at the reference position of Y (50 mm) the list has -2.5 um: the axis steps by this amount"));
   CHECK(laser::says(twincat_export(source, {{1, 2, 3}, 10, true})->notes, "of Y (50 mm) the list has 2.5 um:"));
 }
 
