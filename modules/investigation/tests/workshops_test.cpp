@@ -109,7 +109,7 @@ TEST_CASE("a file that is half written is named, stays, and is taken once it is 
   const std::string whole = right_file();
   watch.deeds = {[&] { watch.put("x.csv", whole.substr(0, whole.size() / 2)); }, [&] { watch.put("x.csv", whole); }};
   (void)must(watch.opened()->measure(run_of_x()));
-  CHECK(watch.messages.say("x.csv is not taken and stays where it is"));
+  CHECK(watch.messages.say("x.csv is not accepted and not moved"));
   CHECK(content_of(watch.folder / "readings/x.csv") == whole);
 }
 
@@ -137,7 +137,7 @@ TEST_CASE("a file that ends between two lines is named, until it is whole or sai
     watch.deeds.emplace_back([&] { watch.put("x.csv.complete", ""); });
   }
   CHECK(watch.opened()->measure(run_of_x()).has_value());
-  CHECK(watch.messages.say("it holds 51 of the 52 readings asked for"));
+  CHECK(watch.messages.say("it contains 51 of the 52 requested readings"));
 }
 
 TEST_CASE("readings of another axis, sense, line or approach are named and asked for again") {
@@ -165,7 +165,7 @@ TEST_CASE("readings of another axis, sense, line or approach are named and asked
   watch.deeds = {[&] { watch.put("a.csv", wrong); }, [&] { watch.put("b.csv", right_file()); }};
   CHECK(watch.opened()->measure(run_of_x()).has_value());
   CHECK(watch.messages.say(words));
-  CHECK(watch.messages.say("Run 1 is still wanted"));
+  CHECK(watch.messages.say("Run 1 is still needed"));
   CHECK(content_of(watch.folder / "readings/a.csv") == wrong);
 }
 
@@ -203,7 +203,7 @@ TEST_CASE("a stop keeps the ledger, and the next start goes on after the runs th
   }
   watch.deeds.emplace_back([&] { watch.put("second.csv", right_file(2)); });
   auto opened = watch.opened();
-  CHECK(watch.messages.say("1 run was given"));
+  CHECK(watch.messages.say("1 run was already provided"));
   CHECK(opened->measure(run_of_x(1)).has_value());
   CHECK(watch.done == 1);  // nothing was waited for
   CHECK(opened->measure(run_of_x(2)).has_value());

@@ -229,13 +229,13 @@ TEST_CASE("a station 40 mm off is told, whichever of file and nominal lengths ha
   // The nominal lengths count from where the file puts the station, and it stands 40 mm from there.
   lengths.measure(made, 0.2, 1, {0.0, 40.0, 0.0});
   CAPTURE(notes_in(identified(lengths, {})));
-  CHECK(contains(notes_in(identified(lengths, {})), "set-up S2, tool A: the station lies 40.0 mm from where"));
+  CHECK(contains(notes_in(identified(lengths, {})), "set-up S2, tool A: the station lies 40.0 mm from its position"));
   // It stands where the nominal lengths count from, and the file has another place.
   lengths.measure(made, 0.2);
   lengths.test.set_ups[1].place[0] += 40.0;
   const Identification found = identified(lengths, {});
   CAPTURE(notes_in(found));
-  CHECK(contains(notes_in(found), "set-up S2: the lengths look from another place than the file says"));
+  CHECK(contains(notes_in(found), "set-up S2: the lengths start"));
 }
 
 TEST_CASE("uncertainties hold: with white noise values lie within the stated 95 % as often as they should") {

@@ -81,7 +81,7 @@ TEST_CASE("what lengths do not determine is said with the lengths that would; a 
   CHECK(reads(picture(*made, 60, 120), "single set-ups for"));
   CHECK(contains(content_of(plan), "# minutes:"));
   const auto shown = answered("LENGTHS", {{"LENGTHS", plan}, {"--machine", kMachine}});
-  check_reads(picture(*shown), {"no measurement yet", "set-up"});
+  check_reads(picture(*shown), {"not measured yet", "set-up"});
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ TEST_CASE("what a warm-up test lacks is said in words") {
   CHECK(contains(warm_up_refusal(set), "time_s: expected the time of each reading, found none"));
   set = warming_axis();
   for (Reading& reading : set.readings) reading.position_mm[0] = 0.0;
-  CHECK(contains(warm_up_refusal(set), "EX: expected two places or more, found one"));
+  CHECK(contains(warm_up_refusal(set), "EX: expected two or more positions, found one"));
   set = warming_axis();
   set.readings.back().axis = Axis::Y;
   CHECK(contains(warm_up_refusal(set), "expected readings of one moving axis, found X and Y"));

@@ -138,7 +138,7 @@ TEST_CASE("what would go wrong while running is found before, once for each line
             "p.nc:6: arc: expected its centre", "p.nc:8: arc: its start lies 50.1000 mm", "p.nc:10: Y: goes to -780 mm",
             "p.nc:13: X: goes to -520 mm"});
   CHECK(contains(wrong_with("G01F100X-1\nG02X-1R5"), "full circle"));
-  CHECK(contains(wrong_with("G01F100X-1\nG02X-11R4"), "does not reach"));
+  CHECK(contains(wrong_with("G01F100X-1\nG02X-11R4"), "cannot span"));
   CHECK(contains(wrong_with("G01F100X-1I5"), "only G02 and G03"));
   CHECK(contains(wrong_with("M03"), "spindle speed"));
   CHECK(contains(wrong_with("   \n;nothing\n"), "found no block"));
@@ -149,7 +149,7 @@ TEST_CASE("a program of endless loops is refused, in bounded time") {
   std::string deep;
   for (int i = 0; i < 20; ++i) deep += "$REP 2\n";
   for (int i = 0; i < 20; ++i) deep += "$END\n";
-  CHECK(contains(wrong_with(deep), "at most 16 loops"));
+  CHECK(contains(wrong_with(deep), "at most 16 nested loops"));
 }
 
 TEST_CASE("any text is either a program that ends or problems with lines") {

@@ -193,7 +193,7 @@ TEST_CASE("a second emulator is refused before it changes anything of the first"
     second.memory = served.folder / "./battery";
     second.workshop.clear();
     second.pty = served.folder / "other_line";
-    why = fmt::format("(pid {}) works with this memory", ::getpid());
+    why = fmt::format("(pid {}) uses this memory", ::getpid());
   }
   SUBCASE("the same workshop") {
     second.memory.clear();
