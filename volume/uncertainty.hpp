@@ -23,7 +23,7 @@ struct UncertaintySettings {
   double declared_zero = 1.0;             ///< of a component that nobody measured [um, um/m]
   double squareness_um_per_m = 1.0;       ///< of the square or of what else squareness was taken from
   std::size_t draws = 400;                ///< of whole maps
-  std::uint64_t seed = 1;
+  std::size_t seed = 1;
 };
 
 /// Where the repeatability of a table is known from.

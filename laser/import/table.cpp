@@ -59,7 +59,7 @@ std::span<const TableLine> longest_stretch(const std::vector<TableLine>& lines) 
     }
     first = end == first ? first + 1 : end;
   }
-  return {best, static_cast<std::size_t>(most)};
+  return std::span(lines).subspan(static_cast<std::size_t>(best - lines.begin()), static_cast<std::size_t>(most));
 }
 
 /// As wide as the model, with numbers where it has some; a number may be missing.

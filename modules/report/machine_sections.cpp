@@ -171,7 +171,8 @@ std::string not_recorded(const std::vector<Environment>& recorded) {
                                       {"pressure_hPa", "air pressure"},
                                       {"humidity_pct", "humidity"},
                                       {"feed_mm_min", "feed"}})
-    if (std::none_of(recorded.begin(), recorded.end(), [&](const Environment& e) { return e.column == column; }))
+    if (std::none_of(recorded.begin(), recorded.end(),
+                     [name = std::string_view(column)](const Environment& e) { return e.column == name; }))
       missing.push_back(words);
   if (missing.empty()) return "";
   return fmt::format("Not recorded in the files: {}.", fmt::join(missing, ", "));
