@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kWidth = 460.0, kLeft = 50.0, kRight = 8.0, kPanel = 190.0, kFoot = 36.0;
 constexpr double kTitle = 20.0, kKeyRow = 17.0;
-constexpr double kLetter = 6.3;  ///< width of a letter of the key, on average
+constexpr double kLetter = 6.0;  ///< width of a letter of the key, on average
 constexpr std::size_t kMarksAcross = 40;
 
 struct Frame {
@@ -101,7 +101,7 @@ double add_key(std::string& svg, const PlotPanel& panel) {
   double x = kLeft, y = kTitle + 10.0;
   for (const PlotSeries& series : panel.series) {
     if (series.name.empty() || series.points.empty()) continue;
-    const double width = 32.0 + kLetter * static_cast<double>(series.name.size());
+    const double width = 42.0 + kLetter * static_cast<double>(series.name.size());
     if (x > kLeft && x + width > kWidth) x = kLeft, y += kKeyRow;
     const Look look = look_of(series.mark);
     if (look.line || look.style == "spread")

@@ -146,6 +146,7 @@ class Browser:
                       text="\r" if key == "Enter" and kind == "keyDown" else "")
 
     def look(self, width, height, dark=False):
+        self.call("Emulation.setScrollbarsHidden", hidden=True)
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
         self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
 

@@ -22,7 +22,7 @@ function element(tag, attributes = {}, ...children) {
 const typeset = (text) =>
   String(text)
     .replace(/\bum\b/g, "µm")
-    .replace(/degC\b/g, "°C")
+    .replace(/\bdegC\b/g, "°C")
     .replace(/\+-\s?/g, "± ")
     .replace(/ -> /g, " → ");
 
@@ -49,7 +49,9 @@ function figures(svg, single = false) {
   return holder;
 }
 
-const card = (title, ...children) => element("section", { class: "card" }, element("h2", {}, title), ...children);
+const card = (title, ...children) =>
+  element("section", { class: "card", "aria-label": title }, element("h2", { tabindex: "-1" }, title), ...children);
+const sentence = (text) => typeset(text.charAt(0).toUpperCase() + text.slice(1) + (text.endsWith(".") ? "" : "."));
 const wholeAnswer = (verb, text) =>
   element("details", {}, element("summary", {}, `The whole answer of ${verb}`), element("pre", { tabindex: "0" }, text));
 
@@ -125,6 +127,13 @@ function note(words, program = "ecs") {
 
 // --- one thing at a time
 
+/** Where reading goes on; what was worked may be gone. */
+function focusOn(heading) {
+  if (!heading) return;
+  heading.focus({ preventScroll: true });
+  heading.scrollIntoView({ block: "start" });
+}
+
 let busy = false;
 const say = (text) => (byId("state").textContent = text);
 
@@ -163,7 +172,7 @@ async function during(text, work) {
 
 // --- cards
 
-const parts = ["about", "verdict", "guess", "figures", "missing", "ladder", "iso", "take", "terminal"];
+const parts = ["about", "verdict", "guess", "ladder", "missing", "figures", "iso", "take", "terminal"];
 const fill = (part, ...children) => byId(part).replaceChildren(...children.filter(Boolean));
 
 function layOut() {
@@ -398,7 +407,7 @@ function addEffect(name, more) {
     bench.added.push(before);
     if (bench.game) showGuessed(said);
     await showAll();
-    byId("ladder").scrollIntoView({ behavior: "smooth", block: "center" });
+    focusOn(byId(bench.game ? "guess" : "ladder").querySelector("h2"));
   });
 }
 
@@ -407,6 +416,7 @@ function takeBack() {
     await write(bench.model, bench.added.pop());
     if (bench.game) byId("guessed").replaceChildren();
     await showAll();
+    focusOn(byId("about").querySelector("h2"));
   });
 }
 
@@ -421,14 +431,17 @@ async function showAll() {
 // --- the game
 
 function showGuessed(said) {
-  byId("guessed").replaceChildren(element("p", {}, element("strong", {}, typeset(unwrapped(said.text.split("\n\n")[0])))));
+  const lines = said.text.split("\n\n")[0].split("\n");
+  const [summary, values] = [(line) => !line.startsWith(" "), (line) => line.startsWith(" ")].map((is) =>
+    typeset(unwrapped(lines.filter(is).join("\n"))));
+  byId("guessed").replaceChildren(element("p", {}, element("strong", {}, summary)), element("p", {}, values));
 }
 
 async function showGuess() {
   const library = await effectLibrary();
   const describe = () => {
     const one = library.get(byId("suspect").value);
-    byId("about-suspect").textContent = one ? typeset(`${one.cause}. Distinguished by: ${one.tells_apart}.`) : "";
+    byId("about-suspect").textContent = one ? `${sentence(one.cause)} ${sentence(`distinguished by: ${one.tells_apart}`)}` : "";
   };
   const options = [...library.values()].filter((one) => one.effect !== "user").map((one) =>
     element("option", { value: one.effect }, one.title));
@@ -459,9 +472,12 @@ function showTruth() {
   return during("The truth is being opened.", async () => {
     const said = await run("ecs", "model", "reveal", ".");
     note(["model", "reveal", "."]);
-    const own = bench.added.length ? "" : " Nothing was added to the model yet.";
+    const { history } = (await run("ecs", "model", "history", bench.model)).answer;
+    const hidden = said.answer.truth.effects.map((one) => one.name);
+    const found = hidden.filter((name) => history.some((step) => step.effect === name));
     byId("revealed").replaceChildren(
-      element("p", {}, element("strong", { id: "hidden-text" }, typeset(said.answer.truth.text)), own),
+      element("p", {}, element("strong", { id: "hidden-text" }, typeset(said.answer.truth.text))),
+      element("p", {}, found.length === hidden.length ? "Your model has it." : "Your model does not have it."),
       wholeAnswer("ecs model reveal", said.text));
   });
 }
@@ -478,16 +494,17 @@ function play(event) {
     const files = ["machine.toml", "model.toml", "data.csv", "truth.sealed"];
     if ((await ask({ action: "has", path: "made/map.csv" }))) files.push("map.csv");
     for (const file of files) await write(file, await readBytes(`made/${file}`));
-    bench = { game: true, hinted: false, model: "model.toml", machine: "machine.toml", data: ["data.csv"], lines: ["data.csv"], importWords: [],
+    await write("mine.toml", await readBytes("model.toml"));
+    bench = { game: true, hinted: false, model: "mine.toml", machine: "machine.toml", data: ["data.csv"], lines: ["data.csv"], importWords: [],
       commands: [], added: [] };
     layOut();
     note(words.slice(0, -1).concat("case"), "ecs-emulator");
-    bench.commands.push("cd case");
+    bench.commands.push("cd case", "cp model.toml mine.toml");
     fill("about", element("h2", { tabindex: "-1", id: "case" }, `Case ${seed}`),
       element("p", {}, said.text.trim().replace(/^[^:]*: /, "")));
     await showGuess();
     await showAll();
-    byId("case").focus();
+    focusOn(byId("case"));
     byId("seed").value = String(Number(seed) + 1);
   });
 }
@@ -506,6 +523,9 @@ function importWords() {
   if (byId("sense").value) words.push("--sense", byId("sense").value);
   return words;
 }
+
+/** Without the line that speaks of an option of the command. */
+const withoutHints = (text) => text.split("\n").filter((line) => !line.startsWith("nothing written")).join("\n").trim();
 
 /** A free name for a new model. */
 function newModelName(names) {
@@ -538,11 +558,11 @@ function analyse(files) {
     layOut();
     if (!given.model) await verb("model", "new", ...dataWords());
     fill("about", element("h2", { tabindex: "-1", id: "case" }, data.join(", ")),
-      imported ? element("pre", { tabindex: "0" }, imported.text.trim()) : null,
+      imported ? element("pre", { tabindex: "0", "aria-label": "What was read" }, withoutHints(imported.text)) : null,
       imported && imported.messages ? element("p", { class: "soft" }, typeset(unwrapped(imported.messages))) : null);
     say("The diagnosis is being computed.");
     await showAll();
-    byId("case").focus();
+    focusOn(byId("case"));
   });
 }
 
