@@ -1,12 +1,11 @@
 // The program of the page: one function that runs a command line of `ecs`, or `ecs-emulator hide`, on files in memory,
-// and answers as the verb does. Does not live here: what a verb does or says, the page (modules/page/index.html).
-#include "app/cli/program.hpp"
-
+// and answers as the verb does. Does not live here: what a verb does or says, the page (modules/page/web).
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "app/cli/module.hpp"
+#include "app/cli/program.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
