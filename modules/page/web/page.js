@@ -172,7 +172,7 @@ async function during(text, work) {
 
 // --- cards
 
-const parts = ["about", "verdict", "guess", "ladder", "missing", "figures", "iso", "take", "terminal"];
+const parts = ["about", "guess", "verdict", "ladder", "missing", "figures", "iso", "take", "terminal"];
 const fill = (part, ...children) => byId(part).replaceChildren(...children.filter(Boolean));
 
 function layOut() {
@@ -465,6 +465,7 @@ function hint() {
   return during("The diagnosis is being computed.", async () => {
     bench.hinted = true;
     await diagnose();
+    byId("verdict").scrollIntoView({ block: "nearest" });
   });
 }
 
@@ -549,6 +550,7 @@ function analyse(files) {
     const others = ["machine", "model", "error map", "parameters", "recipe", "measurement plan"];
     const data = looks.filter((one) => !others.includes(one.kind)).map((one) => one.file);
     const words = importWords();
+    if (!data.length) await run("ecs", "laser", "import", ...names);  // it says what they are
     if (!data.length) throw new Refusal("No measurement is among the files. Choose a file of readings as well.");
     const paths = of("circular test", "diagonal test");
     const lines = data.filter((name) => !paths.includes(name));
