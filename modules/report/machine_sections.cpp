@@ -224,7 +224,7 @@ namespace {
 
 /// Four decimals at most; very small and very large numbers unchanged.
 std::string shown_value(const params::Field& field, const UnitParameters& parameters) {
-  const std::string value = params::text_of(field, parameters);
+  std::string value = params::text_of(field, parameters);
   const auto number = params::number_of(field, parameters);
   if (field.type != params::FieldType::number || !number) return value;
   const double size = std::abs(*number);

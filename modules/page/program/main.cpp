@@ -15,18 +15,8 @@
 namespace ecs::app {
 
 // The verbs that need no unit.
-#define ECS_FAMILIES(FAMILY) \
-  FAMILY(kLaserReading)      \
-  FAMILY(kLaserStatistics)   \
-  FAMILY(kMapBuilding)       \
-  FAMILY(kModelBeginning)    \
-  FAMILY(kModelFitting)      \
-  FAMILY(kModelDiagnosis)    \
-  FAMILY(kModelLadder)
-
-#define FAMILY(name) extern const std::vector<Action> name;
-ECS_FAMILIES(FAMILY)
-#undef FAMILY
+extern const std::vector<Action> kLaserReading, kLaserStatistics, kMapBuilding, kModelBeginning, kModelFitting,
+    kModelDiagnosis, kModelLadder;
 
 const Module& hidden_cases_module();
 const Module& report_module();
@@ -44,10 +34,9 @@ const Registry& verbs_of_page() {
     all.menus = {{"laser", "PROCESS LASER DATA: measurements"},
                  {"map", "PROCESS LASER DATA: error maps"},
                  {"model", "MODEL: the error model against measurements"}};
-#define FAMILY(name) \
-  for (const Action& action : name) all.actions.push_back(&action);
-    ECS_FAMILIES(FAMILY)
-#undef FAMILY
+    for (const auto* family : {&kLaserReading, &kLaserStatistics, &kMapBuilding, &kModelBeginning, &kModelFitting,
+                               &kModelDiagnosis, &kModelLadder})
+      for (const Action& action : *family) all.actions.push_back(&action);
     for (const Module* module : modules()) {
       all.menus.insert(all.menus.end(), module->menus.begin(), module->menus.end());
       for (const auto& family : module->verbs) all.add(family);
