@@ -24,7 +24,8 @@ const typeset = (text) =>
     .replace(/\bum\b/g, "µm")
     .replace(/\bdegC\b/g, "°C")
     .replace(/\+-\s?/g, "± ")
-    .replace(/ -> /g, " → ");
+    .replace(/ -> /g, " → ")
+    .replace(/(\de)-(?=\d)/g, "$1\u2011");
 
 /** A paragraph of a text of 80 columns, as one line. */
 const unwrapped = (text) => text.replace(/\s*\n\s*/g, " ").trim();
@@ -35,10 +36,10 @@ function table(caption, titles, rows) {
   const isNumber = titles.map((title) => title.startsWith(">"));
   const cells = (tag, row) =>
     row.map((cell, i) => element(tag, { class: isNumber[i] ? "n" : null, scope: tag === "th" ? "col" : null }, cell));
-  return element("div", { class: "scroll", role: "region", "aria-label": caption, tabindex: "0" },
-    element("table", {}, element("caption", {}, caption),
+  return element("div", { class: "table" }, element("p", { class: "soft" }, caption),
+    element("div", { class: "scroll", role: "region", "aria-label": caption, tabindex: "0" }, element("table", { "aria-label": caption },
       element("thead", {}, element("tr", {}, cells("th", titles.map((title) => title.replace(">", ""))))),
-      element("tbody", {}, rows.map((row) => element("tr", {}, cells("td", row))))));
+      element("tbody", {}, rows.map((row) => element("tr", {}, cells("td", row)))))));
 }
 
 /** SVG of the program: it has escaped what comes from files, and scripts in it do not run. */
@@ -199,7 +200,7 @@ function candidateBox(candidate, library) {
   const facts = [
     ["because", candidate.because], ["but", candidate.but], ["to decide", candidate.decide],
     ["cannot be told from", (candidate.indistinguishable_from || []).map((one) => one.name || one).join(", ")],
-    ["cause", known && known.cause], ["check", known && known.check], ["compensated by", known && known.how],
+    ["cause", known && known.cause], ["check", known && known.check], ["compensated", known && known.how],
     ["next", candidate.next_measurement],
   ].filter(([, text]) => text);
   return element("article", { class: "candidate" },
