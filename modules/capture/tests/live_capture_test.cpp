@@ -60,7 +60,7 @@ TEST_CASE(
     }
     if (k == 11) {
       gauge->unplug();
-      REQUIRE(shows(screen, "Nothing is lost: 11", 30, 120));
+      REQUIRE(shows(screen, "unplugged. 11 reading", 30, 120));
       fake::press(*pedal);
       REQUIRE(shows(screen, "not accepted: the gauge is unplugged", 30, 120));
       gauge = bus.plug(fake::gauge_spec());
