@@ -359,6 +359,8 @@ async function lineFiles() {
     used.add(name);
     await write(`before/${name}.csv`, new TextEncoder().encode([...comments, titles, ...own, ""].join("\n")));
   }
+  const told = `# before/ holds the lines of all.csv, a file each: ${[...used].join(", ")}`;
+  if (!bench.commands.includes(told)) bench.commands.push(told);
 }
 
 async function saveReport() {
