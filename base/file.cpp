@@ -186,6 +186,10 @@ std::uint32_t crc32_of(std::span<const std::uint8_t> bytes) {
   return static_cast<std::uint32_t>(::crc32_z(0, bytes.data(), bytes.size()));
 }
 
+std::uint32_t crc32_of_both(std::uint32_t first, std::uint32_t second, std::size_t second_bytes) {
+  return static_cast<std::uint32_t>(::crc32_combine(first, second, static_cast<z_off_t>(second_bytes)));
+}
+
 Result<std::filesystem::path> state_folder() {
   const auto from = [](const char* name) -> std::filesystem::path {
     const char* value = std::getenv(name);

@@ -32,6 +32,8 @@ namespace ecs {
 
 /// CRC-32 (IEEE 802.3, as zlib and the unit's block check).
 [[nodiscard]] std::uint32_t crc32_of(std::span<const std::uint8_t> bytes);
+/// Of two stretches one behind the other, from the CRC of each.
+[[nodiscard]] std::uint32_t crc32_of_both(std::uint32_t first, std::uint32_t second, std::size_t second_bytes);
 
 /// Folder for state that outlives a run (the bundled emulator's battery memory, stored links):
 /// $ECS_STATE_DIR, else $XDG_STATE_HOME/ecs, else $HOME/.local/state/ecs. Created if missing.

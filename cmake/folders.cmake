@@ -33,7 +33,7 @@ ecs_folder(model/regression base base/linear model/data model/effects PkgConfig:
 
 ecs_folder(protocol/client base core protocol/line protocol/registers PkgConfig::modbus Threads::Threads fmt::fmt)
 ecs_folder(protocol/line base protocol/registers PkgConfig::modbus Threads::Threads fmt::fmt tl::expected)
-ecs_folder(protocol/registers base core fmt::fmt tl::expected)
+ecs_folder(protocol/registers base core PkgConfig::sodium fmt::fmt tl::expected)
 ecs_folder(protocol/server base core protocol/line protocol/registers fmt::fmt)
 
 ecs_folder(ecs_emulator/drive base core ecs_emulator/random)

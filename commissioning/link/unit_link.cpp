@@ -6,7 +6,6 @@
 #include <map>
 #include <mutex>
 #include <optional>
-#include <random>
 #include <utility>
 
 #include <fcntl.h>
@@ -27,28 +26,74 @@ std::uint64_t key_in(const std::string& text) {
   return error == std::errc() && end == digits.data() + digits.size() ? key : 0;
 }
 
+/// A file beside `path` with this content, that only its owner can read; empty: it could not be written whole.
+std::filesystem::path private_draft(const std::filesystem::path& path, const std::string& content) {
+  std::filesystem::path draft = fmt::format("{}.{:016x}", path.string(), protocol::chance_64());
+  const int file = ::open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (file < 0) return {};
+  const ssize_t written = ::write(file, content.data(), content.size());
+  ::close(file);
+  if (written == static_cast<ssize_t>(content.size())) return draft;
+  std::error_code ignored;
+  std::filesystem::remove(draft, ignored);
+  return {};
+}
+
 /// The file's key; a new file where there is none. Of two programs that make it at once, both take the one kept: it
 /// gets its name when it is whole.
 std::uint64_t kept_key() {
   const auto folder = state_folder();
   if (!folder) return 0;
   const std::filesystem::path path = *folder / "host.key";
-  std::random_device chance;
-  const std::string made = fmt::format("{:08x}{:08x}\n", chance(), chance());
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) {
-    const std::filesystem::path draft = fmt::format("{}.{:08x}", path.string(), chance());
-    const int file = ::open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
-    if (file < 0) return 0;
-    const ssize_t written = ::write(file, made.data(), made.size());
-    ::close(file);
-    if (written == static_cast<ssize_t>(made.size())) std::filesystem::create_hard_link(draft, path, ignored);
+    const std::filesystem::path draft = private_draft(path, fmt::format("{:016x}\n", protocol::chance_64()));
+    if (draft.empty()) return 0;
+    std::filesystem::create_hard_link(draft, path, ignored);
     std::filesystem::remove(draft, ignored);
   }
   const Unwatched secret;
   const auto text = read_file(path);
   return text ? key_in(*text) : 0;
 }
+
+/// One file for each unit in the state folder, with the serial number by its SHA-256 and the secret in hexadecimal
+/// digits.
+class KeptSecrets : public protocol::SecretStore {
+ public:
+  std::optional<protocol::Secret> secret_of(const std::string& serial_number) override {
+    const auto path = path_of(serial_number);
+    const Unwatched unwatched;
+    const auto text = path ? read_file(*path) : Result<std::string>(std::string());
+    if (!text) return std::nullopt;
+    const std::string_view digits = trimmed(*text);
+    protocol::Secret secret{};
+    if (digits.size() != 2 * secret.size()) return std::nullopt;
+    for (std::size_t i = 0; i < secret.size(); ++i) {
+      const auto* const at = digits.data() + 2 * i;
+      if (const auto [end, error] = std::from_chars(at, at + 2, secret[i], 16); error != std::errc() || end != at + 2)
+        return std::nullopt;
+    }
+    return secret;
+  }
+  void keep(const std::string& serial_number, const protocol::Secret& secret) override {
+    const auto path = path_of(serial_number);
+    if (!path) return;
+    std::string digits;
+    for (const std::uint8_t byte : secret) digits += fmt::format("{:02x}", byte);
+    std::error_code ignored;
+    if (const std::filesystem::path draft = private_draft(*path, digits + "\n"); !draft.empty())
+      std::filesystem::rename(draft, *path, ignored);
+  }
+
+ private:
+  static std::optional<std::filesystem::path> path_of(const std::string& serial_number) {
+    const auto folder = state_folder();
+    if (!folder) return std::nullopt;
+    constexpr std::size_t kDigits = 16;
+    return *folder / fmt::format("unit-{}.key", sha256_hex(serial_number).substr(0, kDigits));
+  }
+};
 
 /// "user@computer", cut by the unit to what it keeps.
 std::string own_name() {
@@ -66,7 +111,7 @@ std::string own_name() {
 
 }  // namespace
 
-protocol::Host this_host() { return {kept_key(), own_name(), {}}; }
+protocol::Host this_host() { return {kept_key(), own_name(), {}, std::make_shared<KeptSecrets>()}; }
 
 std::string arm_code_in_environment() {
   const char* code = std::getenv("ECS_ARM_CODE");

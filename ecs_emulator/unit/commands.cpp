@@ -98,7 +98,7 @@ protocol::CommandResult Unit::begin_in_integration(const Command& command) {
     case CommandCode::begin_staging:
       return begin_staging(command.staging_from);
     case CommandCode::commit_staged:
-      return commit(command.length, command.crc);
+      return commit(command.length, command.digest);
     case CommandCode::abandon_staged:
       staging_ = false;
       return done();
@@ -175,12 +175,13 @@ protocol::CommandResult Unit::begin_staging(protocol::StagingFrom from) {
 }
 
 /// Why what is staged is no image that this unit can take; `done` if it is.
-protocol::CommandResult Unit::commit_refused(std::uint32_t length, std::uint32_t crc) {
+protocol::CommandResult Unit::commit_refused(std::uint32_t length, std::uint64_t digest) {
   if (!staging_) return refused(UnitError::no_staging, "begin staging first");
   const Address bank = inactive_bank(memory_);
   const std::uint32_t size = bank_bytes(memory_.modules());
   if (length == 0 || length > size) return refused(UnitError::bad_argument, fmt::format("a bank has {} bytes", size));
-  if (crc32_of(memory_.view(bank, length)) != crc) return refused(UnitError::check_mismatch);
+  if (protocol::short_digest(protocol::digest_of(memory_.view(bank, length))) != digest)
+    return refused(UnitError::check_mismatch);
   const ImageVerdict verdict = check_image(memory_.view(bank, length));
   if (verdict.fault != ImageFault::none) return refused(UnitError::image_refused, sentence_on(verdict));
   if (verdict.total_bytes != length)
@@ -195,8 +196,8 @@ protocol::CommandResult Unit::commit_refused(std::uint32_t length, std::uint32_t
   return done();
 }
 
-protocol::CommandResult Unit::commit(std::uint32_t length, std::uint32_t crc) {
-  if (const CommandResult verdict = commit_refused(length, crc); verdict.state != CommandState::done) return verdict;
+protocol::CommandResult Unit::commit(std::uint32_t length, std::uint64_t digest) {
+  if (const CommandResult verdict = commit_refused(length, digest); verdict.state != CommandState::done) return verdict;
   const Address bank = inactive_bank(memory_);
   const auto active = active_image(memory_);
   const ByteView records = memory_.view(kCommitRecords.first, kCommitRecords.size);
@@ -219,6 +220,16 @@ protocol::CommandResult Unit::commit(std::uint32_t length, std::uint32_t crc) {
   }
   take_over(commit);
   return done(commit.sequence);
+}
+
+/// Computed anew only where memory has changed, so that the loop waits for it once.
+protocol::ImageDigest Unit::active_digest() {
+  if (digest_version_ == memory_.version()) return digest_;
+  const auto active = active_image(memory_);
+  digest_ =
+      active ? protocol::digest_of(memory_.view(active->first, active->commit.image_bytes)) : protocol::ImageDigest{};
+  digest_version_ = memory_.version();
+  return digest_;
 }
 
 /// What follows from another active map.

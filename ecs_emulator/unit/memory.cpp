@@ -86,6 +86,7 @@ void UnitMemory::write(Address address, std::uint8_t value) {
     if (power_failed_) return;
     if (writes_left_) --*writes_left_;
     changed_ = true;
+    ++version_;
   }
   for (const Stuck& stuck : stuck_)
     if (stuck.address == address) value = static_cast<std::uint8_t>((value & ~stuck.mask) | stuck.value);
@@ -98,6 +99,7 @@ void UnitMemory::write(Address first, ByteView bytes) {
 
 void UnitMemory::stick(Address address, int bit, int level) {
   const auto mask = static_cast<std::uint8_t>(1u << bit);
+  ++version_;
   stuck_.push_back({address, mask, level != 0 ? mask : std::uint8_t{0}});
   *at(address) = static_cast<std::uint8_t>((read(address) & ~mask) | stuck_.back().value);
 }

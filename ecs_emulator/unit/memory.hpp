@@ -45,7 +45,10 @@ class UnitMemory {
   /// One bit of a location is stuck at `level` (0 or 1).
   void stick(Address address, int bit, int level);
   /// Flips bits of one location, whatever the region.
-  void corrupt(Address address, std::uint8_t bits) { *at(address) = static_cast<std::uint8_t>(read(address) ^ bits); }
+  void corrupt(Address address, std::uint8_t bits) {
+    ++version_;
+    *at(address) = static_cast<std::uint8_t>(read(address) ^ bits);
+  }
   void repair() { stuck_.clear(); }
   /// Power fails after this many further writes to battery-backed memory.
   void power_fails_after(std::uint64_t writes) { writes_left_ = writes; }
@@ -59,6 +62,8 @@ class UnitMemory {
   /// Changed since the battery's file was last written.
   [[nodiscard]] bool changed() const { return changed_; }
   void kept() { changed_ = false; }
+  /// Another number whenever battery-backed memory may have changed.
+  [[nodiscard]] std::uint64_t version() const { return version_; }
 
  private:
   struct Stuck {
@@ -76,6 +81,7 @@ class UnitMemory {
   std::optional<std::uint64_t> writes_left_;
   bool power_failed_ = false;
   bool changed_ = false;
+  std::uint64_t version_ = 0;
 };
 
 struct TestVerdict {

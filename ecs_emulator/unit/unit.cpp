@@ -42,6 +42,7 @@ void Unit::start_up() {
   memory_.power_up();
   ++starts_;
   mode_ = UnitMode::starting;
+  (void)active_digest();
   fault_ = Fault::none;
   fault_address_ = 0;
   fault_axis_.reset();

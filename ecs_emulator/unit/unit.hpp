@@ -85,6 +85,9 @@ class Unit final : public protocol::UnitPort, public Compensator {
   void host_armed() override {
     if (powered_ && mode_ == UnitMode::starting) enter_integration();
   }
+  void show_code(const std::string& code) override { shown_code_ = code; }
+  [[nodiscard]] const std::string& shown_code() const { return shown_code_; }
+  [[nodiscard]] protocol::ImageDigest active_digest() override;
   [[nodiscard]] std::optional<std::uint64_t> take_outputs_ended() override {
     return std::exchange(outputs_ended_ms_, std::nullopt);
   }
@@ -138,8 +141,8 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] protocol::CommandResult begin_in_integration(const protocol::Command& command);
   [[nodiscard]] protocol::CommandResult begin_on_axis(const protocol::Command& command);
   [[nodiscard]] protocol::CommandResult begin_staging(protocol::StagingFrom from);
-  [[nodiscard]] protocol::CommandResult commit(std::uint32_t length, std::uint32_t crc);
-  [[nodiscard]] protocol::CommandResult commit_refused(std::uint32_t length, std::uint32_t crc);
+  [[nodiscard]] protocol::CommandResult commit(std::uint32_t length, std::uint64_t digest);
+  [[nodiscard]] protocol::CommandResult commit_refused(std::uint32_t length, std::uint64_t digest);
   void take_over(const Commit& commit);
   [[nodiscard]] protocol::CommandResult output(const protocol::Command& command);
   [[nodiscard]] protocol::CommandResult run_user_software(Address start, std::uint32_t argument);
@@ -181,6 +184,9 @@ class Unit final : public protocol::UnitPort, public Compensator {
   std::optional<UserSoftware> user_software_;
   std::uint64_t user_software_since_ = 0;  ///< tick
   protocol::CommandResult result_;
+  std::string shown_code_;
+  protocol::ImageDigest digest_{};  ///< of the active image, at digest_version_ of memory
+  std::optional<std::uint64_t> digest_version_;
 
   std::function<bool()> on_commit_;
   double extra_us_ = 0.0;

@@ -40,8 +40,11 @@ Result<protocol::ModbusServer> open_line(const ServeOptions& options) {
 /// The unit on the line.
 class Socket final : public protocol::RegisterHandler {
  public:
-  Socket(Unit& unit, std::string arm_code) : unit_(unit), face_(unit, std::move(arm_code)) {}
-  void arrives_on(std::uint64_t connection) override { face_.arrives_on(connection); }
+  Socket(Unit& unit, protocol::ArmCode code) : unit_(unit), face_(unit, std::move(code)) {}
+  void arrives_on(std::uint64_t connection, const std::string& origin) override {
+    face_.arrives_on(connection, origin);
+  }
+  [[nodiscard]] Speaks speaks_on(std::uint64_t connection) override { return face_.speaks_on(connection); }
   tl::expected<protocol::Registers, protocol::ModbusException> read(std::uint16_t first, std::uint16_t count) override {
     if (silent()) return tl::unexpected(protocol::ModbusException::device_failure);
     return face_.read(first, count);
@@ -67,14 +70,16 @@ class RunningWorkshop {
                   std::optional<WorkshopSocket> door, const std::atomic<int>& stop)
       : simulation_(std::move(simulation)),
         unit_({serial_number, options.memory_modules, axis_modules(simulation_), options.mode}),
-        socket_(unit_, options.arm_code),
+        socket_(unit_, {options.arm_code, options.fixed_code}),
         line_(std::move(line)),
         second_line_(std::move(second_line)),
         door_(std::move(door)),
         battery_(options.memory),
         real_time_(options.real_time),
         stop_(stop),
-        workshop_{&simulation_, &unit_, &line_.faults(), protocol::to_text(line_.address()), options.arm_code} {
+        workshop_{&simulation_, &unit_, &line_.faults(), protocol::to_text(line_.address())} {
+    unit_.show_code(options.arm_code);
+    code_told_ = options.arm_code;
     simulation_.attach(&unit_);
     simulation_.on_pause([this] { return serve_line() && !(door_ && door_->visitor_left()); });
     unit_.on_commit([this] { return keep_memory(); });
@@ -135,7 +140,15 @@ class RunningWorkshop {
   bool serve_line() {
     line_.serve_ready(socket_, std::chrono::milliseconds(0));
     if (second_line_) second_line_->serve_ready(socket_, std::chrono::milliseconds(0));
+    if (unit_.shown_code() != code_told_) tell_code();
     return stop_ == 0;
+  }
+
+  /// The unit shows another code than at the beginning: a line on stdout, as the first one.
+  void tell_code() {
+    code_told_ = unit_.shown_code();
+    fmt::print("{}\n", nlohmann::json{{"arm_code", code_told_}}.dump());
+    (void)std::fflush(stdout);
   }
 
   std::string act(const std::string& request, const std::function<void(const std::string&)>& report) {
@@ -181,12 +194,8 @@ class RunningWorkshop {
   Clock::time_point last_{};
   Clock::time_point kept_{};
   double owed_s_ = 0.0;
+  std::string code_told_;
 };
-
-std::string code_by_chance() {
-  std::random_device chance;
-  return fmt::format("{:06}", one_of(chance, 1'000'000));
-}
 
 /// With the file of the token that a host must show.
 std::string second_link_of(protocol::LinkAddress address, const std::string& token_file) {
@@ -223,7 +232,8 @@ Result<Simulation> simulation_for(const std::filesystem::path& machine, const st
 Result<void> serve(const ServeOptions& given, const std::atomic<int>& stop,
                    const std::function<void(const std::string&)>& ready) {
   ServeOptions options = given;
-  if (options.arm_code.empty()) options.arm_code = code_by_chance();
+  options.fixed_code = !options.arm_code.empty();
+  if (!options.fixed_code) options.arm_code = protocol::code_by_chance();
   ECS_TRY(simulation, simulation_for(options.machine, options.errors, options.seed, options.serial_number));
   if (options.memory_modules < 1 || options.memory_modules > kMostModules)
     return problem(ProblemKind::usage, fmt::format("memory modules: expected 1 to {}", kMostModules));

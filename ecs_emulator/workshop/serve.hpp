@@ -29,8 +29,9 @@ struct ServeOptions {
   int pace_baud = 0;                         ///< 0: as fast as the pseudo-terminal goes
   std::uint8_t memory_modules = 5;
   LinkSense mode = LinkSense::automatic;
-  std::string arm_code;    ///< that the unit shows; empty: six digits by chance
-  bool real_time = false;  ///< simulated time goes by the clock, what is done in the workshop too
+  std::string arm_code;     ///< that the unit shows; empty: six digits by chance
+  bool fixed_code = false;  ///< the code was given: too many wrong ones do not change it
+  bool real_time = false;   ///< simulated time goes by the clock, what is done in the workshop too
 };
 
 /// Machine and errors, put together.

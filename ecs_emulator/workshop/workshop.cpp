@@ -364,7 +364,7 @@ Answer fault(const Workshop& workshop, Arguments& arguments) {
 Answer arm_code(const Workshop& workshop, Arguments& arguments) {
   if (workshop.unit == nullptr) arguments.complain("this machine has no unit");
   ECS_DO(arguments.checked());
-  return Json{{"arm_code", workshop.arm_code}};
+  return Json{{"arm_code", workshop.unit->shown_code()}};
 }
 
 template <Answer (*kAct)(const Workshop&, Arguments&)>

@@ -17,7 +17,6 @@ struct Workshop {
   Unit* unit = nullptr;                  ///< null: there is no unit
   protocol::LinkFaults* line = nullptr;  ///< null: no line
   std::string link{};                    ///< as the host's --link takes it; empty: no line
-  std::string arm_code{};                ///< that the unit shows
 };
 
 /// Carries out one request, `{"action": "jog", …}`.

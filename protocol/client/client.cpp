@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <ctime>
 #include <limits>
-#include <random>
 
 #include <fmt/format.h>
 
+#include "base/file.hpp"
 #include "protocol/registers/unit_registers.hpp"
 
 namespace ecs::protocol {
@@ -17,11 +17,14 @@ using namespace std::chrono_literals;
 using std::chrono::milliseconds;
 
 const Registers kEchoOnly{0};  ///< the link fills it in
+constexpr Block kEchoAlone{kEcho.first, 1};
 constexpr milliseconds kShortLimit = 5s;
 constexpr milliseconds kStagingLimit = 60s;  ///< clearing or copying a whole bank
 constexpr milliseconds kRamTestLimit = 10min;
 constexpr milliseconds kFirstPoll = 5ms;
 constexpr milliseconds kSlowestPoll = 200ms;
+constexpr int kMostExchangeTries = 10;  ///< of a unit to which others at this address come too often
+constexpr milliseconds kExchangePause = 150ms;
 constexpr int kMostArmings = 3;  ///< for one command, of a unit that starts again and again
 
 constexpr std::string_view kOpensByItself =
@@ -30,17 +33,17 @@ constexpr std::string_view kOpensByItself =
 }  // namespace
 
 UnitClient::UnitClient(Link link, const Host& host) : link_(std::move(link)) {
-  std::random_device chance;
-  self_.key = host.key != 0 ? host.key : std::uint64_t{chance()} << 32 | chance();
-  self_.number = chance();
+  self_.key = host.key != 0 ? host.key : chance_64();
+  self_.number = static_cast<std::uint32_t>(chance_64());
   self_.host = host.name;
   arm_code_ = host.arm_code;
+  secrets_ = host.secrets;
 }
 
 Result<UnitClient> UnitClient::connect(const LinkAddress& address, const LinkOptions& options, const Host& host) {
   ECS_TRY(link, Link::open(address, options));
   UnitClient client(std::move(link), host);
-  ECS_TRY(version, client.link_.ask(kEcho, kEchoOnly, kVersion));
+  ECS_TRY(version, client.link_.ask(kEchoAlone, kEchoOnly, kVersion));
   if (version[1] != kProtocolVersion)
     return problem(
         ProblemKind::link,
@@ -51,19 +54,19 @@ Result<UnitClient> UnitClient::connect(const LinkAddress& address, const LinkOpt
 }
 
 Result<Identity> UnitClient::identity() {
-  auto identity = link_.ask(kEcho, kEchoOnly, kIdentity).and_then(value_in<Identity>);
+  auto identity = link_.ask(kEchoAlone, kEchoOnly, kIdentity).and_then(value_in<Identity>);
   if (identity && serial_number_.empty()) serial_number_ = identity->serial_number;
   return identity;
 }
 
 Result<MonitorSample> UnitClient::monitor() {
-  return link_.ask(kEcho, kEchoOnly, kMonitor).and_then(value_in<MonitorSample>);
+  return link_.ask(kEchoAlone, kEchoOnly, kMonitor).and_then(value_in<MonitorSample>);
 }
 
 Result<UnitStatus> UnitClient::status() {
-  auto status = link_.ask(kEcho, kEchoOnly, kStatus).and_then(value_in<UnitStatus>);
+  auto status = link_.ask(kEchoAlone, kEchoOnly, kStatus).and_then(value_in<UnitStatus>);
   if (!status) return status;
-  ECS_TRY(pointers, link_.ask(kEcho, kEchoOnly, kPointers));
+  ECS_TRY(pointers, link_.ask(kEchoAlone, kEchoOnly, kPointers));
   ECS_DO(take_pointers(pointers, *status));
   return status;
 }
@@ -116,27 +119,87 @@ Result<CommandResult> UnitClient::outcome_of(const Command& command, const Comma
   }
 }
 
+Asker UnitClient::asker() { return key_ ? Asker{session_, ++challenge_} : Asker{}; }
+
+bool UnitClient::is_sealed(const Registers& answer, const Block& block, std::uint32_t challenge) const {
+  return key_ && check_at_end(answer) == answer_check(*key_, block, challenge, answer);
+}
+
+/// Asks once more where the key is not the unit's any more and this host has another one.
+Result<UnitClient::Answer> UnitClient::ask_sealed(const Block& request,
+                                                  const std::function<Registers(const Asker&)>& values,
+                                                  const Block& answer) {
+  for (bool again = false;; again = true) {
+    const Asker who = asker();
+    ECS_TRY(registers, link_.ask(request, values(who), answer));
+    if (who.session == 0 || is_sealed(registers, answer, who.challenge)) return Answer{std::move(registers), true};
+    if (again) return Answer{std::move(registers), false};
+    ECS_DO(session_now());
+    if (!key_) return Answer{std::move(registers), false};
+  }
+}
+
+/// Of an answer without the unit's check only a refusal counts that says why there is none.
+Result<CommandResult> UnitClient::believed_result(const Answer& answer, CommandCode code) const {
+  auto result = value_in<CommandResult>(answer.registers);
+  if (!result || answer.believed || code == CommandCode::arm) return result;
+  const bool says_why = result->error == UnitError::session_unknown || result->error == UnitError::not_armed ||
+                        result->error == UnitError::wrong_key;
+  if (says_why) return result;
+  return problem(ProblemKind::link, fmt::format("{}: {}", name_of(code), kNotSealed));
+}
+
 Result<CommandResult> UnitClient::result_now() {
-  return link_.ask(kResultSelect, registers_of(ResultSelect{session_, sequence_}, 0), kCommandResult)
-      .and_then(value_in<CommandResult>);
+  ECS_TRY(answer, ask_sealed(
+                      kResultSelect,
+                      [this](const Asker& who) {
+                        return registers_of(ResultSelect{key_ ? who : Asker{session_, 0}, sequence_}, 0);
+                      },
+                      kCommandResult));
+  return believed_result(answer, CommandCode::none);
 }
 
 Result<CommandResult> UnitClient::exchange(const Command& command) {
-  return link_.ask(kCommand, registers_of(command, 0), kCommandResult).and_then(value_in<CommandResult>);
+  const bool in_session = command.asker.session != 0;
+  const Registers values = sealed(registers_of(command, 0), Keyed::command, in_session ? key_ : std::nullopt);
+  ECS_TRY(registers, link_.ask(kCommand, values, kCommandResult));
+  const bool believed = !key_ || !in_session || is_sealed(registers, kCommandResult, command.asker.challenge);
+  return believed_result({std::move(registers), believed}, command.code);
+}
+
+/// The key of the session, from this host's secret or from that which another of its programs has kept: whichever the
+/// answer is sealed with.
+bool UnitClient::adopt_key(const SessionState& state, const Registers& answer) {
+  const auto kept = secrets_ ? secrets_->secret_of(serial_number_) : std::nullopt;
+  for (const auto& secret : {secret_, kept}) {
+    if (!secret) continue;
+    key_ = session_key(*secret, state.session, state.nonce);
+    if (!is_sealed(answer, kSession, self_.challenge)) continue;
+    secret_ = secret;
+    return true;
+  }
+  key_.reset();
+  return false;
 }
 
 /// Opens the session of this client, or finds it again as the unit knows it now.
 Result<SessionState> UnitClient::session_now() {
+  if (serial_number_.empty()) ECS_DO(identity());
   self_.unix_time_s = static_cast<std::uint32_t>(std::time(nullptr));
-  auto state = link_.ask(kSessionOpen, registers_of(self_, 0), kSession).and_then(value_in<SessionState>);
+  self_.challenge = ++challenge_;
+  ECS_TRY(answer, link_.ask(kSessionOpen, registers_of(self_, 0), kSession));
+  auto state = value_in<SessionState>(answer);
   if (!state) return state;
   if (state->error == UnitError::other_version)
     return problem(ProblemKind::link,
                    fmt::format("the unit speaks protocol version {}, this program version {}; use matching versions",
                                state->protocol_version, kProtocolVersion));
   if (state->session == 0) return problem(ProblemKind::link, "the unit opens no session; is another host using it?");
+  if (!adopt_key(*state, answer)) state->armed_s = 0;
   if (state->session != session_) sequence_ = state->sequence;
   session_ = state->session;
+  sequence_ = std::max(sequence_, state->sequence);
+  window_number_ = std::max(window_number_, state->window);
   if (state->armed_s > 0) armed_in_ = session_;
   return state;
 }
@@ -159,16 +222,16 @@ Result<SessionState> UnitClient::armed_session() {
   return now;
 }
 
-/// Session, number, proof and, where the command acts at once, the unit's clock as it is now.
+/// Session, number and, where the command acts at once, the unit's clock as it is now.
 Result<void> UnitClient::make_ready(Command& command) {
   if (session_ == 0 || needs_arming(command.code)) {
     ECS_TRY(now, needs_arming(command.code) ? armed_session() : session_now());
     command.clock_ms = now.clock_ms;
-    if (command.session == 0) command.stops = now.stops;  // given again, it still is overtaken by a stop of before
+    if (command.asker.session == 0)
+      command.stops = now.stops;  // given again, it still is overtaken by a stop of before
   }
-  command.session = session_;
+  command.asker = {session_, ++challenge_};
   command.sequence = ++sequence_;
-  if (command.code == CommandCode::arm) command.proof = arm_proof(code_in_proof_, session_);
   return {};
 }
 
@@ -185,7 +248,8 @@ Result<CommandResult> UnitClient::run(Command command, std::chrono::milliseconds
     // A session that was there just before: the unit has started, and may have carried the command out before that,
     // which counts but for a staging, whose end the start was.
     const bool once = needs_arming(command.code) && command.code != CommandCode::begin_staging;
-    const bool lapsed = first->error == UnitError::not_armed && knows_code();
+    const bool lapsed = (first->error == UnitError::not_armed && knows_code()) || first->error == UnitError::wrong_key;
+    if (lapsed) ECS_DO(session_now());
     const bool not_taken = unknown ? !once : lapsed || first->error == UnitError::late;
     if (!not_taken || std::chrono::steady_clock::now() > until)
       return wait_for(command, std::move(*first), limit, busy);
@@ -196,7 +260,7 @@ Result<CommandResult> UnitClient::wait_for(const Command& command, CommandResult
                                            std::chrono::milliseconds limit, const CommandCallback& busy) {
   const auto until = std::chrono::steady_clock::now() + limit;
   milliseconds poll = kFirstPoll;
-  const auto ours = [&] { return result.session == command.session && result.sequence == command.sequence; };
+  const auto ours = [&] { return result.session == command.asker.session && result.sequence == command.sequence; };
   while (ours() && result.state == CommandState::busy) {
     if (busy) busy(result);
     const bool over = std::chrono::steady_clock::now() >= until;
@@ -302,11 +366,44 @@ Result<std::uint32_t> UnitClient::armed_s() {
 }
 
 Result<void> UnitClient::arm(const std::string& code, std::uint16_t minutes) {
-  code_in_proof_ = code;
-  return run_plain({.code = CommandCode::arm, .minutes = minutes}, kShortLimit);
+  ECS_TRY(now, session_now());
+  const ExchangeTerms terms = exchange_terms(code, serial_number_, session_, minutes);
+  const HalfExchange own = half_exchange(terms);
+  const auto refused = [](const ArmAnswer& answer) {
+    const std::string wait = answer.wait_s > 0 ? fmt::format(": try again in {} s", answer.wait_s) : std::string();
+    return problem(ProblemKind::refused, fmt::format("the unit refuses to arm: {}{}", text_of(answer.error), wait));
+  };
+  const auto share = [&] {
+    return link_.ask(kArmShare, registers_of(ArmShare{session_, minutes, own.share}, 0), kArmAnswer)
+        .and_then(value_in<ArmAnswer>);
+  };
+  auto shared_answer = share();
+  for (int again = 0; again < kMostExchangeTries && shared_answer && shared_answer->error == UnitError::busy; ++again)
+    if (link_.pause(kExchangePause)) shared_answer = share();
+  ECS_TRY(shared, std::move(shared_answer));
+  if (shared.error != UnitError::none) return refused(shared);
+  const auto key = shared_key(terms, End::host, own, shared.share);
+  if (!key) return problem(ProblemKind::link, "arm: the unit sent an invalid share; the unit is not armed");
+  const ArmConfirm confirm{session_, confirmation_of(terms, End::host, *key, own.share)};
+  ECS_TRY(answer, link_.ask(kArmConfirm, registers_of(confirm, 0), kArmAnswer).and_then(value_in<ArmAnswer>));
+  if (answer.error != UnitError::none) return refused(answer);
+  if (!same(answer.confirmation, confirmation_of(terms, End::unit, *key, shared.share)))
+    return problem(ProblemKind::link,
+                   "arm: the answer proves no knowledge of the code; another program answers in place of the unit");
+  secret_ = secret_from(*key);
+  key_ = session_key(*secret_, session_, now.nonce);
+  armed_in_ = session_;
+  if (secrets_) secrets_->keep(serial_number_, *secret_);
+  return {};
 }
 
-Result<void> UnitClient::disarm() { return run_plain({.code = CommandCode::arm}, kShortLimit); }
+Result<void> UnitClient::disarm() {
+  ECS_DO(session_now());
+  ECS_DO(run_plain({.code = CommandCode::arm}, kShortLimit));
+  secret_.reset();
+  key_.reset();
+  return {};
+}
 
 Result<void> UnitClient::clear_fault() { return run_plain({.code = CommandCode::clear_fault}, kShortLimit); }
 
@@ -315,8 +412,16 @@ Result<void> UnitClient::reset_unit() {
 }
 
 Result<std::uint32_t> UnitClient::check_memory(Address address, std::uint32_t bytes) {
-  return run({.code = CommandCode::check_memory, .address = address, .length = bytes}, kStagingLimit)
-      .map([](const CommandResult& result) { return result.value; });
+  constexpr std::uint32_t kPiece = 0x4000;  ///< the unit's loop waits for no longer check
+  std::uint32_t crc = 0;
+  for (std::uint32_t at = 0; at < bytes || at == 0; at += kPiece) {
+    const std::uint32_t length = std::min(kPiece, bytes - at);
+    ECS_TRY(piece,
+            run({.code = CommandCode::check_memory, .address = static_cast<Address>(address + at), .length = length},
+                kShortLimit));
+    crc = at == 0 ? piece.value : crc32_of_both(crc, piece.value, length);
+  }
+  return crc;
 }
 
 }  // namespace ecs::protocol

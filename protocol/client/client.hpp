@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,6 +22,11 @@ namespace ecs::protocol {
 
 /// Part of the message of a command that ended early where the unit may still carry it out: its stop was not answered.
 inline constexpr std::string_view kStopNotReceived = "the request to stop did not reach the unit";
+
+/// Of an answer to a host that is armed.
+inline constexpr std::string_view kNotSealed =
+    "the keyed check of the answer is missing or wrong: the time for which this host was armed has ended, the unit was "
+    "restarted, or another program answers in place of the unit; arm the unit again";
 
 struct Progress {
   std::size_t bytes_done = 0;
@@ -41,8 +48,17 @@ struct UploadReport {
 
 /// What of an image counts as held by the unit and is not sent.
 enum class Held {
-  by_checks,  ///< what has the same CRC-32: another content with the same check is taken for it
+  by_checks,  ///< what has the same SHA-256 (the image) or keyed check (a piece of it)
   nothing,    ///< the whole image is sent
+};
+
+/// Where the programs of a user on a computer keep the secrets that they share with units.
+class SecretStore {
+ public:
+  virtual ~SecretStore() = default;
+  /// Shared with the unit of that serial number; nothing: none is kept.
+  [[nodiscard]] virtual std::optional<Secret> secret_of(const std::string& serial_number) = 0;
+  virtual void keep(const std::string& serial_number, const Secret& secret) = 0;
 };
 
 /// Who asks, for the unit's records.
@@ -50,6 +66,7 @@ struct Host {
   std::uint64_t key = 0;  ///< one number for all programs of a user on a computer; 0: one by chance
   std::string name;       ///< up to 16 characters
   std::string arm_code;   ///< that the unit shows: it is armed as soon as something needs it; empty: none is known
+  std::shared_ptr<SecretStore> secrets{};  ///< null: what this program arms, it alone may use
 };
 
 /// Problems: kind `link` for the link, a failed command and a unit that sends nonsense; kind `refused` for what the
@@ -79,7 +96,8 @@ class UnitClient {
   [[nodiscard]] bool take_wants_code() { return std::exchange(wants_code_, false); }
   /// How long this host is armed yet, s; 0: it is not.
   [[nodiscard]] Result<std::uint32_t> armed_s();
-  /// Arms the unit for this host, all its programs included. A wrong code is `refused`.
+  /// Arms the unit for this host, all its programs included, by an exchange of keys: neither the code nor anything it
+  /// could be found from travels. A wrong code is `refused`; a unit that does not know its code is a `link` problem.
   [[nodiscard]] Result<void> arm(const std::string& code, std::uint16_t minutes = kUsualArmed_min);
   [[nodiscard]] Result<void> disarm();
 
@@ -134,7 +152,12 @@ class UnitClient {
  private:
   struct SentImage {
     std::span<const std::uint8_t> bytes;
-    std::uint32_t crc = 0;
+    ImageDigest digest{};
+  };
+  /// An answer with whether it is this unit's, as far as this host can know: a host without a key believes everybody.
+  struct Answer {
+    Registers registers;
+    bool believed = false;
   };
   /// What the staged bank begins as, and which pieces of the image it holds then.
   struct Beginning {
@@ -142,6 +165,12 @@ class UnitClient {
     std::vector<bool> held;
   };
   using FrameCallback = std::function<void(const BlockFrame&)>;
+  [[nodiscard]] Asker asker();
+  [[nodiscard]] bool is_sealed(const Registers& answer, const Block& block, std::uint32_t challenge) const;
+  [[nodiscard]] Result<Answer> ask_sealed(const Block& request, const std::function<Registers(const Asker&)>& values,
+                                          const Block& answer);
+  [[nodiscard]] bool adopt_key(const SessionState& state, const Registers& answer);
+  [[nodiscard]] Result<CommandResult> believed_result(const Answer& answer, CommandCode code) const;
   [[nodiscard]] Result<CommandResult> result_now();
   [[nodiscard]] Result<SessionState> session_now();
   [[nodiscard]] Result<void> make_ready(Command& command);
@@ -153,8 +182,6 @@ class UnitClient {
                                                std::chrono::milliseconds limit, const CommandCallback& busy);
   [[nodiscard]] Result<CommandResult> stopped(const Command& command, bool over);
   [[nodiscard]] Result<ActiveMap> active_map_when_idle();
-  [[nodiscard]] static bool names(const ActiveMap& now, std::span<const std::uint8_t> image);
-  [[nodiscard]] Result<bool> holds(const ActiveMap& now, const SentImage& sent);
   [[nodiscard]] Result<std::uint32_t> commit_staged(const ActiveMap& before, const SentImage& sent);
   [[nodiscard]] Result<std::uint32_t> confirmed(std::uint32_t commit, const SentImage& sent);
   [[nodiscard]] Result<std::uint32_t> settled(const ActiveMap& before, const SentImage& sent, Problem why,
@@ -180,14 +207,17 @@ class UnitClient {
   std::string serial_number_;  ///< of the unit that answered first: no other one is sent a map
   SessionOpen self_;
   std::string arm_code_;
-  std::string code_in_proof_;  ///< that the command arm proves for the session it is given in
+  std::shared_ptr<SecretStore> secrets_;
+  std::optional<Secret> secret_;  ///< that this host shares with the unit
+  std::optional<Secret> key_;     ///< of the session; nothing: not armed, as far as this host knows
+  std::uint32_t challenge_ = 0;   ///< the last one
   bool wants_code_ = false;
   std::uint32_t session_ = 0;                   ///< 0: none is open
   std::uint32_t armed_in_ = 0;                  ///< the session in which this host was seen armed last; 0: in none
   UnitError window_refusal_ = UnitError::none;  ///< of the window that was asked for last
-  std::uint16_t sequence_ = 0;                  ///< of the last command
-  std::uint16_t window_tag_ = 0;
-  std::uint32_t token_ = 0;  ///< of the staging that was started last
+  std::uint32_t sequence_ = 0;                  ///< of the last command
+  std::uint32_t window_number_ = 0;             ///< of the last window
+  std::uint32_t token_ = 0;                     ///< of the staging that was started last
 };
 
 }  // namespace ecs::protocol

@@ -2,7 +2,6 @@
 // what the unit does not hold yet; its commit: given once, and afterwards the unit itself says which map is active.
 #include <algorithm>
 #include <bit>
-#include <random>
 
 #include <fmt/format.h>
 
@@ -37,11 +36,13 @@ class Meter {
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
 };
 
-Registers registers_of(const WindowOpen& window, const BlockFrame& frame) {
-  Registers registers{window.tag, frame.number, 0};
+Registers registers_of(const WindowOpen& window, const BlockFrame& frame, const std::optional<Secret>& key) {
+  Registers registers(kBlockHeaderRegisters, 0);
+  registers[0] = window.tag();
+  registers[1] = frame.number;
   Registers payload = packed(frame.payload);
-  registers[2] =
-      block_check(window, frame.number, window.coded ? unpacked(payload, 2 * payload.size()) : frame.payload);
+  put_check(registers, block_check(key, window, frame.number,
+                                   window.coded ? unpacked(payload, 2 * payload.size()) : frame.payload));
   registers.insert(registers.end(), payload.begin(), payload.end());
   return registers;
 }
@@ -67,13 +68,6 @@ Problem wrong_bank(Address named, const ActiveMap& before) {
           {}};
 }
 
-std::vector<std::uint32_t> checks_of(Image image) {
-  std::vector<std::uint32_t> checks;
-  for (std::size_t at = 0; at < image.size(); at += kPieceBytes)
-    checks.push_back(crc32_of(image.subspan(at, std::min(kPieceBytes, image.size() - at))));
-  return checks;
-}
-
 /// The stretches of the image whose pieces the unit does not hold.
 std::vector<std::pair<std::size_t, std::size_t>> missing_stretches(const std::vector<bool>& held, std::size_t bytes) {
   std::vector<std::pair<std::size_t, std::size_t>> stretches;
@@ -95,11 +89,17 @@ std::size_t count_of(const std::vector<bool>& held) {
 }  // namespace
 
 Result<std::vector<std::uint8_t>> UnitClient::read_piece(Address address, std::size_t bytes) {
-  const ReadSelect select{address, static_cast<std::uint16_t>(bytes)};
-  const Block answer{kMemory.first, static_cast<std::uint16_t>(kMemoryHeaderRegisters + (bytes + 1) / 2)};
-  ECS_TRY(registers, link_.ask(kReadSelect, registers_of(select, 0), answer));
-  ECS_TRY(head, value_in<MemoryHead>(registers));
-  auto held = unpacked(std::span(registers).subspan(kMemoryHeaderRegisters), bytes);
+  const std::size_t check = key_ ? kKeyedCheckRegisters : 0;
+  const Block answer{kMemory.first, static_cast<std::uint16_t>(kMemoryHeaderRegisters + (bytes + 1) / 2 + check)};
+  ECS_TRY(asked, ask_sealed(
+                     kReadSelect,
+                     [&](const Asker& who) {
+                       return registers_of(ReadSelect{address, static_cast<std::uint16_t>(bytes), who}, 0);
+                     },
+                     answer));
+  ECS_TRY(head, value_in<MemoryHead>(asked.registers));
+  auto held = unpacked(std::span(asked.registers).subspan(kMemoryHeaderRegisters), bytes);
+  if (!asked.believed) return problem(ProblemKind::link, fmt::format("memory at {:06X}: {}", address, kNotSealed));
   if (head.address != address || head.crc != crc32_of(held))
     return problem(
         ProblemKind::link,
@@ -113,7 +113,7 @@ Result<std::vector<std::uint8_t>> UnitClient::read_memory(Address address, std::
   std::vector<std::uint8_t> memory;
   memory.reserve(bytes);
   while (memory.size() < bytes) {
-    const std::size_t size = std::min(kMemoryBytes, bytes - memory.size());
+    const std::size_t size = std::min(key_ ? kKeyedMemoryBytes : kMemoryBytes, bytes - memory.size());
     ECS_TRY(piece, read_piece(static_cast<Address>(address + memory.size()), size));
     memory.insert(memory.end(), piece.begin(), piece.end());
     meter.reach(memory.size(), memory.size());
@@ -123,11 +123,18 @@ Result<std::vector<std::uint8_t>> UnitClient::read_memory(Address address, std::
 
 /// Opens the window, or finds it open: the same one again changes nothing, and one that a late frame has replaced is
 /// opened again.
-Result<WindowAck> UnitClient::ask_ack(const WindowOpen& window) {
-  auto ack = link_.ask(kWindowOpen, registers_of(window, 0), kWindowAck).and_then(value_in<WindowAck>);
+Result<WindowAck> UnitClient::ask_ack(const WindowOpen& asked) {
+  WindowOpen window = asked;
+  window.asker.challenge = ++challenge_;
+  ECS_TRY(registers,
+          link_.ask(kWindowOpen, sealed(protocol::registers_of(window, 0), Keyed::window, key_), kWindowAck));
+  auto ack = value_in<WindowAck>(registers);
   if (!ack) return ack;
-  const bool ours = ack->tag == window.tag && ack->address == window.address && ack->length == window.length;
+  const bool ours = ack->number == window.number && ack->address == window.address && ack->length == window.length;
   if (!ours) ack->error = UnitError::token_expired;
+  const bool believed = !key_ || is_sealed(registers, kWindowAck, window.asker.challenge);
+  const bool says_why = ack->error == UnitError::session_unknown || ack->error == UnitError::not_armed;
+  if (!believed && !says_why) ack->error = UnitError::wrong_key;
   window_refusal_ = ack->error;
   if (ack->error == UnitError::session_unknown) session_ = 0;
   if (ack->error == UnitError::not_armed) wants_code_ = true;
@@ -150,7 +157,7 @@ Result<void> UnitClient::send_missing(const WindowOpen& window, const WindowFram
   int failures_in_a_row = 0;
   for (const BlockFrame& frame : frames.frames) {
     if ((frame.blocks & ~received) == 0) continue;
-    const auto written = link_.write_once(kBlockWrite.first, registers_of(window, frame));
+    const auto written = link_.write_once(kBlockWrite.first, registers_of(window, frame, key_));
     if (!written && link_.last_failure() == LinkFailure::exception) return {};
     failures_in_a_row = written ? 0 : failures_in_a_row + 1;
     const bool hopeless = link_.cancelled() || !link_.connected() || failures_in_a_row >= link_.timing().tries;
@@ -161,26 +168,30 @@ Result<void> UnitClient::send_missing(const WindowOpen& window, const WindowFram
   return {};
 }
 
-/// Where the time of the arming ends meanwhile and the code is known, the host is armed again and the window sent
-/// again.
+/// Where the time of the arming ends meanwhile and the code is known, or another program of this host arms it again,
+/// and where a block of somebody else has closed the window, it is sent again under another number.
 Result<void> UnitClient::write_window(const WindowFrames& frames, const FrameCallback& sent) {
-  window_refusal_ = UnitError::none;
-  auto done = fill_window(frames, sent);
-  if (done || window_refusal_ != UnitError::not_armed || !knows_code()) return done;
-  const std::uint32_t session = session_;
-  ECS_DO(armed_session());
-  return session_ == session ? fill_window(frames, sent) : done;
+  constexpr int kMostWindows = 4;
+  for (int windows = 1;; ++windows) {
+    window_refusal_ = UnitError::none;
+    auto done = fill_window(frames, sent);
+    const bool of_arming = window_refusal_ == UnitError::wrong_key ||
+                           (window_refusal_ == UnitError::not_armed && (knows_code() || secrets_));
+    if (done || windows == kMostWindows || !(of_arming || window_refusal_ == UnitError::check_mismatch)) return done;
+    if (!of_arming) continue;
+    const std::uint32_t session = session_;
+    ECS_DO(armed_session());
+    if (session_ != session || !key_) return done;
+  }
 }
 
 Result<void> UnitClient::fill_window(const WindowFrames& frames, const FrameCallback& sent) {
-  if (window_tag_ == 0) window_tag_ = static_cast<std::uint16_t>(std::random_device{}());
-  if (++window_tag_ == 0) ++window_tag_;
-  const WindowOpen window{window_tag_,
+  const WindowOpen window{++window_number_,
                           frames.address,
                           static_cast<std::uint32_t>(frames.bytes.size()),
                           in_axis_memory(frames.address) ? token_ : 0,
                           frames.coded,
-                          session_};
+                          {session_, 0}};
   const std::size_t blocks = blocks_in(window.length, window.block_bytes());
   auto ack = ask_ack(window);
   int fruitless = 0;
@@ -226,21 +237,30 @@ Result<void> UnitClient::write_memory(Address address, std::span<const std::uint
 
 Address address_of(Bank bank) { return bank == Bank::B ? kBankB.first : kBankA.first; }
 
-/// Which pieces of the image lie at `bank` already, by their checks.
+/// Which pieces of the image lie at `bank` already, by their keyed checks.
 Result<std::vector<bool>> UnitClient::held_at(Address bank, Image image) {
-  const auto wanted = checks_of(image);
+  const std::size_t pieces = (image.size() + kPieceBytes - 1) / kPieceBytes;
   std::vector<bool> held;
-  while (held.size() < wanted.size()) {
+  while (held.size() < pieces) {
     const std::size_t at = held.size() * kPieceBytes;
-    const std::size_t count = std::min(kMostChecks, wanted.size() - held.size());
-    const CheckSelect select{static_cast<Address>(bank + at),
-                             static_cast<std::uint32_t>(std::min(count * kPieceBytes, image.size() - at)),
-                             static_cast<std::uint16_t>(kPieceBytes)};
-    const Block answer{kChecks.first, static_cast<std::uint16_t>(1 + 2 * count)};
-    ECS_TRY(found, link_.ask(kCheckSelect, registers_of(select, 0), answer));
+    const std::size_t count = std::min(kMostChecks, pieces - held.size());
+    const auto length = static_cast<std::uint32_t>(std::min(count * kPieceBytes, image.size() - at));
+    const Block answer{kChecks.first, static_cast<std::uint16_t>(1 + kKeyedCheckRegisters * (count + 1))};
+    ECS_TRY(asked, ask_sealed(
+                       kCheckSelect,
+                       [&](const Asker& who) {
+                         return protocol::registers_of(CheckSelect{who, static_cast<Address>(bank + at), length,
+                                                                   static_cast<std::uint16_t>(kPieceBytes)},
+                                                       0);
+                       },
+                       answer));
+    if (!asked.believed || !key_) return problem(ProblemKind::link, fmt::format("checks of memory: {}", kNotSealed));
+    const std::span<const std::uint16_t> found(asked.registers);
     for (std::size_t i = 0; i < count; ++i) {
-      const std::uint32_t check = static_cast<std::uint32_t>(found[1 + 2 * i]) << 16 | found[2 + 2 * i];
-      held.push_back(check == wanted[held.size()]);
+      const std::size_t from = held.size() * kPieceBytes;
+      const auto piece = image.subspan(from, std::min(kPieceBytes, image.size() - from));
+      held.push_back(check_at_end(found.first(1 + kKeyedCheckRegisters * (i + 1))) ==
+                     piece_check(*key_, static_cast<Address>(bank + from), piece));
     }
   }
   return held;
@@ -249,7 +269,8 @@ Result<std::vector<bool>> UnitClient::held_at(Address bank, Image image) {
 /// Where the staging begins: the active map, or what an earlier transfer has left, whichever has more of the image.
 /// What was left is not asked for where the active map has nearly all.
 Result<UnitClient::Beginning> UnitClient::beginning_for(const ActiveMap& before, Image image, Held by) {
-  if (by == Held::nothing)
+  ECS_DO(armed_session());
+  if (by == Held::nothing || !key_)
     return Beginning{StagingFrom::cleared, std::vector<bool>((image.size() + kPieceBytes - 1) / kPieceBytes)};
   Beginning beginning{StagingFrom::active, {}};
   if (before.active_bank != Bank::none) {
@@ -294,9 +315,9 @@ Result<void> UnitClient::stage(Address address, Image image, const std::vector<b
 
 Result<UploadReport> UnitClient::upload_image(Image image, const ProgressCallback& progress, Held held) {
   ECS_TRY(before, active_map());
-  const SentImage sent{image, crc32_of(image)};
+  const SentImage sent{image, digest_of(image)};
   UploadReport report{image.size(), 0, before.commit_sequence, true};
-  if (held == Held::by_checks && names(before, image)) {
+  if (held == Held::by_checks && before.digest == sent.digest) {
     if (progress) progress({image.size(), image.size(), 0.0});
     return report;
   }
@@ -349,7 +370,10 @@ std::string unknown_after(const ActiveMap& before) {
 }  // namespace
 
 Result<ActiveMap> UnitClient::active_map() {
-  auto now = link_.ask(kEcho, Registers{0}, kActiveMap).and_then(value_in<ActiveMap>);
+  ECS_TRY(asked, ask_sealed(
+                     kEcho, [](const Asker& who) { return protocol::registers_of(EchoAsk{who}, 0); }, kActiveMap));
+  if (!asked.believed) return problem(ProblemKind::link, fmt::format("active map: {}", kNotSealed));
+  auto now = value_in<ActiveMap>(asked.registers);
   if (now && serial_number_.empty()) serial_number_ = now->serial_number;
   if (!now || now->serial_number == serial_number_) return now;
   return problem(ProblemKind::link, fmt::format("unit {} answers on this link now, unit {} did before",
@@ -368,36 +392,19 @@ Result<ActiveMap> UnitClient::active_map_when_idle() {
   }
 }
 
-/// The active image is this one: by length, and by the block check that the unit computes over it.
-/// An image that is not sound has none that could tell.
-bool UnitClient::names(const ActiveMap& now, std::span<const std::uint8_t> image) {
-  if (now.active_bank == Bank::none || now.image_length_bytes != image.size()) return false;
-  const ImageVerdict verdict = check_image(image);
-  return verdict.fault == ImageFault::none && verdict.total_bytes == image.size() &&
-         now.block_check_expected == verdict.check_found && now.block_check_found == verdict.check_found;
-}
-
-/// Whether the active map is the one sent: its sequence alone does not tell whose it is.
-Result<bool> UnitClient::holds(const ActiveMap& now, const SentImage& sent) {
-  if (names(now, sent.bytes)) return true;
-  if (now.active_bank == Bank::none || now.image_length_bytes != sent.bytes.size()) return false;
-  return check_memory(address_of(now.active_bank), static_cast<std::uint32_t>(sent.bytes.size()))
-      .map([&](std::uint32_t found) { return found == sent.crc; });
-}
-
 /// A commit was given and it was not answered with `done`: the unit itself says what became of it. One that is still on
 /// its way does nothing after an abandon that the unit has answered, so "not taken" is what it says after that.
 Result<std::uint32_t> UnitClient::settled(const ActiveMap& before, const SentImage& sent, Problem why, bool cancelled) {
   auto now = active_map_when_idle();
   if (now && now->commit_sequence == before.commit_sequence) now = abandoned();
   const bool changed = now && now->commit_sequence != before.commit_sequence;
-  const auto ours = changed ? holds(*now, sent) : Result<bool>(false);
+  const bool ours = changed && now->digest == sent.digest;
   const bool other_unit = !now && link_.last_failure() == LinkFailure::none;
-  if (!now || !ours)
+  if (!now)
     why.message += (other_unit ? "; " + now.error().message : std::string()) + unknown_after(before);
   else if (!changed)
     why.message += not_taken(before);
-  else if (!*ours)
+  else if (!ours)
     why.message += "; " + another_is_active(*now);
   else if (cancelled)
     why.message +=
@@ -419,9 +426,7 @@ Result<std::uint32_t> UnitClient::confirmed(std::uint32_t commit, const SentImag
   };
   const auto now = active_map();
   if (!now) return in_doubt(now.error());
-  const auto ours = now->commit_sequence == commit ? holds(*now, sent) : Result<bool>(false);
-  if (!ours) return in_doubt(ours.error());
-  if (*ours) return commit;
+  if (now->commit_sequence == commit && now->digest == sent.digest) return commit;
   return problem(ProblemKind::link, "the commit was answered as done, but " + another_is_active(*now));
 }
 
@@ -460,7 +465,7 @@ Result<ActiveMap> UnitClient::abandoned() {
 Result<std::uint32_t> UnitClient::commit_staged(const ActiveMap& before, const SentImage& sent) {
   auto done = run({.code = CommandCode::commit_staged,
                    .length = static_cast<std::uint32_t>(sent.bytes.size()),
-                   .crc = sent.crc,
+                   .digest = short_digest(sent.digest),
                    .token = token_},
                   kCommitLimit);
   const bool cancelled = link_.cancelled();

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -13,7 +14,7 @@
 namespace ecs::protocol {
 
 /// Raised when a field moves or changes its meaning; the host refuses to talk to another version.
-inline constexpr std::uint16_t kProtocolVersion = 2;
+inline constexpr std::uint16_t kProtocolVersion = 3;
 
 /// A run of 16-bit registers. Numbers go high word first: 32 bits = 2 registers, 64 bits = 4. A real number is the
 /// IEEE 754 double as 64 bits, always. Text is two characters a register, the first in the high byte, zero-padded.
@@ -27,22 +28,28 @@ struct Block {
   friend constexpr bool operator==(const Block&, const Block&) = default;
 };
 
-// Request blocks: written by the host, read back as last written. Each but `kBlockWrite` begins with the echo cell: one
-// cell for all of them, which comes back as the first register of every answer block. A host that writes a new echo
-// and reads an answer in one transaction (function 23) can tell a late reply from the one it waits for.
-inline constexpr Block kEcho{0x0000, 1};         ///< echo alone: before a plain answer block
-inline constexpr Block kReadSelect{0x0010, 4};   ///< echo, address (2), bytes
-inline constexpr Block kCheckSelect{0x0018, 6};  ///< echo, address (2), bytes (2), bytes of a piece
-/// echo, tag, address (2), bytes (2), token (2), coded, session (2), check (2)
-inline constexpr Block kWindowOpen{0x0020, 13};
-/// echo, session (2), sequence, command, the unit's clock (2) and stops as the host saw them, 8 arguments, check (2)
-inline constexpr Block kCommand{0x0030, 18};
-inline constexpr Block kResultSelect{0x0048, 4};  ///< echo, session (2), sequence
-/// echo, protocol version, key (4), number (2), time (2), host name (8), check (2)
-inline constexpr Block kSessionOpen{0x0050, 20};
+// Request blocks: written by the host; those below 0x0100 are read back as last written, of those that name a session
+// only the echo. Each but `kBlockWrite` begins with the echo cell: one cell for all of them, which comes back as the
+// first register of every answer block. A host that writes a new echo and reads an answer in one transaction (function
+// 23) can tell a late reply from the one it waits for. Who asks (session (2), challenge (2)) wants an answer that ends
+// with a keyed check.
+inline constexpr Block kEcho{0x0000, 5};  ///< echo, who asks (4): before a plain answer block; the echo alone will do
+inline constexpr Block kReadSelect{0x0010,
+                                   8};  ///< echo, address (2), bytes, who asks (4); the first four alone will do
+/// echo, who asks (4), number (2), address (2), bytes (2), token (2), coded, keyed check (4)
+inline constexpr Block kWindowOpen{0x0020, 18};
+/// echo, who asks (4), sequence (2), command, the unit's clock (2) and stops as the host saw them, 8 arguments, keyed
+/// check (4)
+inline constexpr Block kCommand{0x0038, 23};
+/// echo, challenge (2), protocol version, key (4), number (2), time (2), host name (8), check (2)
+inline constexpr Block kSessionOpen{0x0050, 22};
 inline constexpr Block kEventSelect{0x0068, 3};  ///< echo, number of the first event to read (2)
 inline constexpr Block kToken{0x0070, 16};       ///< TCP beyond one computer: the SHA-256 of the token, before all else
-inline constexpr Block kBlockWrite{0x0080, 123};  ///< tag, number, check, 120 payload registers
+inline constexpr Block kBlockWrite{0x0080, 123};  ///< tag, number, keyed check (4), 117 payload registers
+inline constexpr Block kCheckSelect{0x0600, 10};  ///< echo, who asks (4), address (2), bytes (2), bytes of a piece
+inline constexpr Block kResultSelect{0x0610, 7};  ///< echo, who asks (4), sequence (2)
+inline constexpr Block kArmShare{0x0618, 22};     ///< echo, session (2), minutes, the host's share (16), check (2)
+inline constexpr Block kArmConfirm{0x0630, 13};   ///< echo, session (2), the host's confirmation (8), check (2)
 
 // Answer blocks: read only; the first register is the echo.
 inline constexpr Block kIdentity{0x0100, 54};
@@ -50,27 +57,36 @@ inline constexpr Block kVersion{0x0100, 2};  ///< its beginning, which every ver
 inline constexpr Block kStatus{0x0180, 58};
 inline constexpr Block kMonitor{0x0200, 69};
 inline constexpr Block kPointers{0x0280, 77};
-inline constexpr Block kCommandResult{0x0300, 51};
-inline constexpr Block kWindowAck{0x0380, 13};
-inline constexpr Block kMemory{0x0400, 125};    ///< echo, address (2), CRC-32 of the bytes (2), 120 registers of data
-inline constexpr Block kChecks{0x0480, 121};    ///< echo, the CRC-32 of each piece (2), up to 60
-inline constexpr Block kEvents{0x0500, 96};     ///< echo, newest number (2), 3 events of 31 registers
-inline constexpr Block kSession{0x0580, 12};    ///< the host's own session, how long it is armed, and the unit's clock
-inline constexpr Block kActiveMap{0x0590, 18};  ///< what a transfer looks at again and again, of one unit at one time
-inline constexpr std::uint16_t kRegisterSpace = 0x0600;  ///< nothing lies at or above
+inline constexpr Block kCommandResult{0x0300, 56};  ///< ends with the keyed check (4)
+inline constexpr Block kWindowAck{0x0380, 18};      ///< ends with the keyed check (4)
+/// echo, address (2), CRC-32 of the bytes (2), 120 registers of data; behind the data that a host with a key asked for,
+/// at most 116 registers, the keyed check (4)
+inline constexpr Block kMemory{0x0400, 125};
+inline constexpr Block kChecks{0x0480, 125};  ///< echo, a keyed check of each piece (4), up to 30, keyed check (4)
+inline constexpr Block kEvents{0x0500, 96};   ///< echo, newest number (2), 3 events of 31 registers
+/// The host's own session, how long it is armed, and the unit's clock; ends with the keyed check (4).
+inline constexpr Block kSession{0x0580, 24};
+/// What a transfer looks at again and again, of one unit at one time; ends with the keyed check (4).
+inline constexpr Block kActiveMap{0x05A0, 38};
+/// echo, error, s before another code is looked at, the unit's share (16) and confirmation (8), s that the host is
+/// armed (2)
+inline constexpr Block kArmAnswer{0x05D0, 29};
+inline constexpr std::uint16_t kRegisterSpace = 0x0640;  ///< nothing lies at or above
 
 // The memory window: a stretch of memory is written as up to 64 numbered blocks, then acknowledged all at once.
-inline constexpr std::size_t kBlockHeaderRegisters = 3;
-inline constexpr std::size_t kBlockBytes = 2 * (kBlockWrite.count - kBlockHeaderRegisters);  ///< 240
+inline constexpr std::size_t kKeyedCheckRegisters = 4;
+inline constexpr std::size_t kBlockHeaderRegisters = 2 + kKeyedCheckRegisters;
+inline constexpr std::size_t kBlockBytes = 2 * (kBlockWrite.count - kBlockHeaderRegisters);  ///< 234
 inline constexpr std::size_t kWindowBlocks = 64;
-inline constexpr std::size_t kWindowBytes = kBlockBytes * kWindowBlocks;  ///< 15,360
+inline constexpr std::size_t kWindowBytes = kBlockBytes * kWindowBlocks;  ///< 14,976
 /// Of a coded window: a block of memory, and the most blocks of which one frame brings the codes.
 inline constexpr std::size_t kCodedBlockBytes = 120;
 inline constexpr std::size_t kCodedBlocksInFrame = 16;
-inline constexpr std::size_t kMostChecks = (kChecks.count - 1) / 2;
+inline constexpr std::size_t kMostChecks = (kChecks.count - 1 - kKeyedCheckRegisters) / kKeyedCheckRegisters;  ///< 30
 inline constexpr std::size_t kCheckRegisters = 2;  ///< at the end of a request block that has a check
 inline constexpr std::size_t kMemoryHeaderRegisters = 5;
 inline constexpr std::size_t kMemoryBytes = 2 * (kMemory.count - kMemoryHeaderRegisters);  ///< 240, most in one read
+inline constexpr std::size_t kKeyedMemoryBytes = kMemoryBytes - 2 * kKeyedCheckRegisters;  ///< 232, with a keyed check
 
 inline constexpr std::size_t kResultTextBytes = 80;
 inline constexpr std::size_t kSerialNumberBytes = 16;
@@ -79,7 +95,8 @@ inline constexpr std::size_t kMachineBytes = 40;
 inline constexpr std::size_t kHostNameBytes = 16;
 inline constexpr std::size_t kEventTextBytes = 24;
 inline constexpr std::size_t kEventsInBlock = 3;
-inline constexpr std::size_t kKeptEvents = 64;  ///< by a unit; the oldest gives way
+inline constexpr std::size_t kKeptEvents = 64;       ///< by a unit; the oldest gives way
+inline constexpr std::size_t kKeptOfStrangers = 16;  ///< of these, of hosts that were not armed
 
 // What one Modbus request can carry (MODBUS Application Protocol V1.1b3, 6.3, 6.12, 6.17).
 inline constexpr std::size_t kMostRead = 125;
@@ -102,13 +119,17 @@ class RegisterHandler {
  public:
   virtual ~RegisterHandler() = default;
   /// The connection that the requests to come arrive on. A TCP connection has a number that no other one ever has; a
-  /// serial line is one connection, whoever writes on it.
-  virtual void arrives_on(std::uint64_t /*connection*/) {}
+  /// serial line is one connection, whoever writes on it. The origin is the peer's address, or the serial line.
+  virtual void arrives_on(std::uint64_t /*connection*/, const std::string& /*origin*/) {}
   /// `count` registers from `first` on, or the exception to answer with.
   [[nodiscard]] virtual tl::expected<Registers, ModbusException> read(std::uint16_t first, std::uint16_t count) = 0;
   /// All of the values or none. Never called for a broadcast.
   [[nodiscard]] virtual tl::expected<void, ModbusException> write(std::uint16_t first,
                                                                   std::span<const std::uint16_t> values) = 0;
+  /// Who speaks on that connection: a host that only reads gives way to every other one, a host that gave a command in
+  /// the last minute only to an armed one.
+  enum class Speaks { reader, commander, armed };
+  [[nodiscard]] virtual Speaks speaks_on(std::uint64_t /*connection*/) { return Speaks::reader; }
   /// The device has no power: what it was asked last gets no reply.
   [[nodiscard]] virtual bool silent() const { return false; }
 };

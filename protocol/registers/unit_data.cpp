@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
-
 namespace ecs::protocol {
 
 namespace {
@@ -38,6 +36,9 @@ constexpr std::array<std::string_view, kUnitErrorCount> kErrorTexts{
     "shows its code",
     "this is not the code shown by the unit",
     "too many wrong codes",
+    "the keyed check is wrong: the host was armed again, the unit was restarted, or another program uses the host's "
+    "name; "
+    "try again",
 };
 
 constexpr std::array<std::string_view, kCommandCount> kCommandNames{"none",
@@ -90,10 +91,10 @@ bool needs_arming(CommandCode code) noexcept {
   return acts_at_once(code) || code == CommandCode::begin_staging || code == CommandCode::commit_staged;
 }
 
-std::uint64_t arm_proof(std::string_view code, std::uint32_t session) {
-  constexpr std::size_t kDigits = 16;
-  const std::string digest = sha256_hex(fmt::format("{:08x}:{}", session, code));
-  return std::stoull(digest.substr(0, kDigits), nullptr, 16);
+ExchangeTerms exchange_terms(std::string_view code, std::string_view serial_number, std::uint32_t session,
+                             std::uint16_t minutes) {
+  return {std::string(code), fmt::format("ECS host, ECS unit {}", serial_number), fmt::format("{:08x}", session),
+          fmt::format("{} min", minutes), std::string(serial_number)};
 }
 
 bool switches_off(CommandCode code) noexcept {

@@ -11,6 +11,7 @@
 #include "core/address_map.hpp"
 #include "core/axis.hpp"
 #include "core/fault.hpp"
+#include "protocol/registers/keys.hpp"
 #include "protocol/registers/register_map.hpp"
 
 namespace ecs::protocol {
@@ -85,6 +86,7 @@ struct ActiveMap {
   Bank active_bank = Bank::none;
   std::uint32_t commit_sequence = 0;
   std::uint32_t image_length_bytes = 0;
+  ImageDigest digest{};  ///< SHA-256 of the active image as the unit's memory holds it; zeros: no map
   friend bool operator==(const ActiveMap&, const ActiveMap&) = default;
 };
 
@@ -138,8 +140,9 @@ enum class UnitError : std::uint16_t {
   not_armed = 21,        ///< the unit is read-only for this host
   wrong_code = 22,       ///< to arm the unit; see the text
   too_many_codes = 23,   ///< wrong codes: no code is looked at for a while; see the text
+  wrong_key = 24,        ///< the keyed check is not that of this host's arming, or the exchange of keys failed
 };
-inline constexpr std::uint16_t kUnitErrorCount = 24;
+inline constexpr std::uint16_t kUnitErrorCount = 25;
 /// In plain words, with what to do.
 [[nodiscard]] std::string_view text_of(UnitError error) noexcept;
 
@@ -152,7 +155,7 @@ enum class CommandCode : std::uint16_t {
   output_compensation = 4,  ///< axis, output_um, relay_on
   output_off = 5,           ///< every output 0, every relay open
   begin_staging = 6,        ///< staging_from; result value = first address of the bank to write, and the token
-  commit_staged = 7,        ///< length, crc, token
+  commit_staged = 7,        ///< length, digest, token
   abandon_staged = 8,       ///< token
   test_datum = 9,           ///< axis; ends when the sequence is done, failed or stopped
   record_datum = 10,        ///< axis; result value = address of the record, read with read_memory
@@ -162,7 +165,7 @@ enum class CommandCode : std::uint16_t {
   reset_unit = 14,    ///< answered `done` before the unit restarts
   check_memory = 15,  ///< address, length; result value = CRC-32 over that memory
   stop = 16,          ///< ends the command under way
-  arm = 17,           ///< minutes, proof; result value = seconds that the host is armed
+  arm = 17,           ///< as a command it ends the arming of this host, which begins with an exchange (ArmShare)
 };
 inline constexpr std::uint16_t kCommandCount = 18;
 [[nodiscard]] std::string_view name_of(CommandCode code) noexcept;
@@ -187,14 +190,49 @@ inline constexpr std::uint32_t kMostAge_ms = 2000;
 /// Longest time that a host can be armed.
 inline constexpr std::uint16_t kMostArmed_min = 1440;
 inline constexpr std::uint16_t kUsualArmed_min = 30;
-/// What a host shows for knowing the unit's code, in a session: the first 8 bytes of the SHA-256 of "SESSION:CODE", the
-/// session in 8 hexadecimal digits. The code itself does not travel.
-[[nodiscard]] std::uint64_t arm_proof(std::string_view code, std::uint32_t session);
+/// Who asks: an answer to it ends with a check under the key of that session.
+struct Asker {
+  std::uint32_t session = 0;    ///< 0: nobody, the answer has no check
+  std::uint32_t challenge = 0;  ///< a number that this host never sends again in this session
+  friend bool operator==(const Asker&, const Asker&) = default;
+};
+/// Before a plain answer block.
+struct EchoAsk {
+  Asker asker{};
+  friend bool operator==(const EchoAsk&, const EchoAsk&) = default;
+};
+
+/// The first half of the exchange that arms a host (keys.hpp): its share. The session is the exchange's "sid".
+struct ArmShare {
+  std::uint32_t session = 0;
+  std::uint16_t minutes = 0;  ///< 1 … kMostArmed_min
+  Share share{};
+  friend bool operator==(const ArmShare&, const ArmShare&) = default;
+};
+/// The second half: that the host has derived the key. The unit answers with its own confirmation only then, so each
+/// guess of the code costs a try at the unit.
+struct ArmConfirm {
+  std::uint32_t session = 0;
+  Confirmation confirmation{};
+  friend bool operator==(const ArmConfirm&, const ArmConfirm&) = default;
+};
+struct ArmAnswer {
+  UnitError error = UnitError::none;
+  std::uint16_t wait_s = 0;     ///< before another code is looked at
+  Share share{};                ///< of the unit; zeros: there is no exchange
+  Confirmation confirmation{};  ///< of the unit; zeros: not armed
+  std::uint32_t armed_s = 0;
+  friend bool operator==(const ArmAnswer&, const ArmAnswer&) = default;
+};
+/// What both ends put into that exchange.
+[[nodiscard]] ExchangeTerms exchange_terms(std::string_view code, std::string_view serial_number, std::uint32_t session,
+                                           std::uint16_t minutes);
 
 /// A host makes itself known. The same key and number again: the same session, as long as the unit remembers it.
 struct SessionOpen {
+  std::uint32_t challenge = 0;  ///< see Asker
   std::uint16_t protocol_version = kProtocolVersion;
-  std::uint64_t key = 0;          ///< of the host, by chance; kept from one program to the next
+  std::uint64_t key = 0;          ///< names the host, by chance; kept from one program to the next; no secret
   std::uint32_t number = 0;       ///< of this program on that host, by chance
   std::uint32_t unix_time_s = 0;  ///< the host's clock
   std::string host;               ///< up to 16 characters, for the unit's records
@@ -206,11 +244,14 @@ struct SessionState {
   std::uint16_t protocol_version = kProtocolVersion;
   UnitError error = UnitError::none;
   std::uint32_t session = 0;   ///< by chance; 0: none was opened
-  std::uint16_t sequence = 0;  ///< of the last command that came in it
+  std::uint32_t sequence = 0;  ///< of the last command that came in it
+  std::uint32_t window = 0;    ///< number of the last window that it opened
   std::uint32_t clock_ms = 0;  ///< the unit's, since power-up, modulo 2³²
   std::uint16_t stops = 0;     ///< commands that switched off, modulo 2¹⁶
   std::uint32_t armed_s = 0;   ///< the host is armed for so long yet
   std::uint16_t wait_s = 0;    ///< before the unit looks at another code
+  bool needs_code = false;     ///< the unit shows a code; otherwise the empty one arms
+  std::uint64_t nonce = 0;     ///< of the session, see session_key()
   friend bool operator==(const SessionState&, const SessionState&) = default;
 };
 
@@ -245,14 +286,14 @@ struct EventSelect {
 
 /// Whose result is read.
 struct ResultSelect {
-  std::uint32_t session = 0;
-  std::uint16_t sequence = 0;
+  Asker asker{};
+  std::uint32_t sequence = 0;
   friend bool operator==(const ResultSelect&, const ResultSelect&) = default;
 };
 
 /// One command. Only the fields that its code names (above) travel.
 struct Command {
-  std::uint16_t sequence = 0;  ///< counts the commands of a session; a repeat is not done twice
+  std::uint32_t sequence = 0;  ///< counts the commands of a session; a repeat is not done twice
   CommandCode code = CommandCode::none;
   Axis axis = Axis::X;
   double position_mm = 0.0;
@@ -262,18 +303,16 @@ struct Command {
   Address address = 0;
   std::uint32_t argument = 0;
   std::uint32_t length = 0;
-  std::uint32_t crc = 0;    ///< CRC-32 (IEEE 802.3)
-  std::uint32_t token = 0;  ///< of the staging
-  std::uint32_t session = 0;
+  std::uint64_t digest = 0;  ///< the first 8 bytes of the SHA-256 of the image
+  std::uint32_t token = 0;   ///< of the staging
+  Asker asker{};
   std::uint32_t clock_ms = 0;  ///< of the unit, when the command was given
   std::uint16_t stops = 0;     ///< of the unit, when the command was given
-  std::uint16_t minutes = 0;
-  std::uint64_t proof = 0;  ///< see arm_proof()
   friend bool operator==(const Command&, const Command&) = default;
 };
 
 struct CommandResult {
-  std::uint16_t sequence = 0;  ///< of the command that this answers
+  std::uint32_t sequence = 0;  ///< of the command that this answers
   CommandState state = CommandState::idle;
   UnitError error = UnitError::none;
   std::uint16_t per_mille = 0;  ///< how far a busy command is, if the unit knows
@@ -284,21 +323,24 @@ struct CommandResult {
   friend bool operator==(const CommandResult&, const CommandResult&) = default;
 };
 
-/// Which stretch of memory the window writes. A new tag starts afresh; the same tag again changes nothing.
+/// Which stretch of memory the window writes. A higher number starts afresh; the same one again changes nothing; a
+/// lower one of the session is not opened.
 struct WindowOpen {
-  std::uint16_t tag = 0;  ///< 0: no window
+  std::uint32_t number = 0;  ///< counts the windows of a session from 1; 0: no window
   Address address = 0;
   std::uint32_t length = 0;  ///< 1 … kWindowBytes
   std::uint32_t token = 0;   ///< of the staging that it belongs to; 0 outside axis memory
   bool coded = false;        ///< blocks of 120 bytes, several in a frame, coded (core/block_code.hpp); axis memory only
-  std::uint32_t session = 0;
+  Asker asker{};
+  /// That its blocks carry.
+  [[nodiscard]] std::uint16_t tag() const { return static_cast<std::uint16_t>(number); }
   [[nodiscard]] std::size_t block_bytes() const { return coded ? kCodedBlockBytes : kBlockBytes; }
   friend bool operator==(const WindowOpen&, const WindowOpen&) = default;
 };
 
 /// What of the open window has arrived.
 struct WindowAck {
-  std::uint16_t tag = 0;
+  std::uint32_t number = 0;
   UnitError error = UnitError::none;
   Address address = 0;
   std::uint32_t length = 0;
@@ -309,15 +351,17 @@ struct WindowAck {
 
 /// The bytes that have a check each: pieces from `address` on, the last may be shorter.
 struct CheckSelect {
+  Asker asker{};
   Address address = 0;
   std::uint32_t length = 0;
-  std::uint16_t piece = 0;  ///< bytes, above 0; at most 60 pieces
+  std::uint16_t piece = 0;  ///< bytes, above 0; at most kMostChecks pieces
   friend bool operator==(const CheckSelect&, const CheckSelect&) = default;
 };
 
 struct ReadSelect {
   Address address = 0;
-  std::uint16_t bytes = 0;  ///< 1 … kMemoryBytes
+  std::uint16_t bytes = 0;  ///< 1 … kMemoryBytes; with an asker kKeyedMemoryBytes
+  Asker asker{};
   friend bool operator==(const ReadSelect&, const ReadSelect&) = default;
 };
 

@@ -47,8 +47,14 @@ class FieldWriter {
   void text(const std::string& value, std::size_t bytes, std::string_view);
   /// Registers from here to the end of a block of `count` stay 0.
   void rest(std::size_t count) { out_.resize(count, 0); }
+  template <std::size_t N>
+  void octets(const std::array<std::uint8_t, N>& value) {
+    for (std::size_t i = 0; i < N; i += 2) out_.push_back(load_big<std::uint16_t>(value, i));
+  }
   /// CRC-32 over what was written after the echo, high byte first.
   void check();
+  /// Room for the keyed check, see sealed().
+  void keyed() { out_.resize(out_.size() + kKeyedCheckRegisters, 0); }
 
   Registers out_;
 };
@@ -78,8 +84,13 @@ class FieldReader {
   void axes(PerAxis<bool>& set);
   void letter(bool& present, Axis axis);
   void text(std::string& value, std::size_t bytes, std::string_view name);
+  template <std::size_t N>
+  void octets(std::array<std::uint8_t, N>& value) {
+    for (std::size_t i = 0; i < N; i += 2) store_big(value, i, next());
+  }
   void rest(std::size_t) {}
   void check() {}  ///< see check_agrees()
+  void keyed() {}  ///< see seal_agrees()
 
   std::string problem_;  ///< empty: every field was good
 
@@ -182,6 +193,41 @@ void FieldReader::text(std::string& value, std::size_t bytes, std::string_view n
 template <class T, class Of>
 concept Is = std::is_same_v<std::remove_const_t<T>, Of>;
 
+template <class Pass, Is<Asker> T>
+void fields(Pass& pass, T& asker) {
+  pass.number(asker.session, "session");
+  pass.number(asker.challenge, "challenge");
+}
+
+template <class Pass, Is<EchoAsk> T>
+void fields(Pass& pass, T& ask) {
+  fields(pass, ask.asker);
+}
+
+template <class Pass, Is<ArmShare> T>
+void fields(Pass& pass, T& arm) {
+  pass.number(arm.session, "session");
+  pass.number(arm.minutes, "minutes");
+  pass.octets(arm.share);
+  pass.check();
+}
+
+template <class Pass, Is<ArmConfirm> T>
+void fields(Pass& pass, T& arm) {
+  pass.number(arm.session, "session");
+  pass.octets(arm.confirmation);
+  pass.check();
+}
+
+template <class Pass, Is<ArmAnswer> T>
+void fields(Pass& pass, T& answer) {
+  pass.one_of(answer.error, kUnitErrorCount, "error");
+  pass.number(answer.wait_s, "wait");
+  pass.octets(answer.share);
+  pass.octets(answer.confirmation);
+  pass.number(answer.armed_s, "armed");
+}
+
 template <class Pass, Is<Identity> T>
 void fields(Pass& pass, T& identity) {
   pass.number(identity.protocol_version, "protocol version");
@@ -254,6 +300,8 @@ void fields(Pass& pass, T& map) {
   pass.one_of(map.active_bank, 3, "active bank");
   pass.number(map.commit_sequence, "commit sequence");
   pass.number(map.image_length_bytes, "image length");
+  pass.octets(map.digest);
+  pass.keyed();
 }
 
 template <class Pass, class T>
@@ -293,7 +341,7 @@ void arguments(Pass& pass, T& command) {
       return pass.one_of(command.staging_from, 3, "staging from");
     case CommandCode::commit_staged:
       pass.number(command.length, "length");
-      pass.number(command.crc, "CRC");
+      pass.number(command.digest, "digest");
       return pass.number(command.token, "token");
     case CommandCode::abandon_staged:
       return pass.number(command.token, "token");
@@ -306,9 +354,6 @@ void arguments(Pass& pass, T& command) {
     case CommandCode::check_memory:
       pass.number(command.address, "address");
       return pass.number(command.length, "length");
-    case CommandCode::arm:
-      pass.number(command.minutes, "minutes");
-      return pass.number(command.proof, "proof");
     default:
       return;
   }
@@ -316,14 +361,14 @@ void arguments(Pass& pass, T& command) {
 
 template <class Pass, Is<Command> T>
 void fields(Pass& pass, T& command) {
-  pass.number(command.session, "session");
+  fields(pass, command.asker);
   pass.number(command.sequence, "sequence");
   pass.one_of(command.code, kCommandCount, "command");
   pass.number(command.clock_ms, "clock");
   pass.number(command.stops, "stops");
   arguments(pass, command);
-  pass.rest(kCommand.count - kCheckRegisters);
-  pass.check();
+  pass.rest(kCommand.count - kKeyedCheckRegisters);
+  pass.keyed();
 }
 
 template <class Pass, Is<CommandResult> T>
@@ -336,17 +381,18 @@ void fields(Pass& pass, T& result) {
   pass.number(result.value, "value");
   pass.number(result.token, "token");
   pass.text(result.text, kResultTextBytes, "text");
+  pass.keyed();
 }
 
 template <class Pass, Is<WindowOpen> T>
 void fields(Pass& pass, T& window) {
-  pass.number(window.tag, "tag");
+  fields(pass, window.asker);
+  pass.number(window.number, "number");
   pass.number(window.address, "address");
   pass.number(window.length, "length");
   pass.number(window.token, "token");
   pass.flag(window.coded, "coded");
-  pass.number(window.session, "session");
-  pass.check();
+  pass.keyed();
 }
 
 template <class Pass, Is<MemoryHead> T>
@@ -357,6 +403,7 @@ void fields(Pass& pass, T& head) {
 
 template <class Pass, Is<CheckSelect> T>
 void fields(Pass& pass, T& select) {
+  fields(pass, select.asker);
   pass.number(select.address, "address");
   pass.number(select.length, "length");
   pass.number(select.piece, "piece");
@@ -364,28 +411,31 @@ void fields(Pass& pass, T& select) {
 
 template <class Pass, Is<WindowAck> T>
 void fields(Pass& pass, T& ack) {
-  pass.number(ack.tag, "tag");
+  pass.number(ack.number, "number");
   pass.one_of(ack.error, kUnitErrorCount, "error");
   pass.number(ack.address, "address");
   pass.number(ack.length, "length");
   pass.number(ack.received, "received");
   pass.number(ack.crc, "CRC");
+  pass.keyed();
 }
 
 template <class Pass, Is<ReadSelect> T>
 void fields(Pass& pass, T& select) {
   pass.number(select.address, "address");
   pass.number(select.bytes, "bytes");
+  fields(pass, select.asker);
 }
 
 template <class Pass, Is<ResultSelect> T>
 void fields(Pass& pass, T& select) {
-  pass.number(select.session, "session");
+  fields(pass, select.asker);
   pass.number(select.sequence, "sequence");
 }
 
 template <class Pass, Is<SessionOpen> T>
 void fields(Pass& pass, T& open) {
+  pass.number(open.challenge, "challenge");
   pass.number(open.protocol_version, "protocol version");
   pass.number(open.key, "key");
   pass.number(open.number, "number");
@@ -400,10 +450,14 @@ void fields(Pass& pass, T& state) {
   pass.one_of(state.error, kUnitErrorCount, "error");
   pass.number(state.session, "session");
   pass.number(state.sequence, "sequence");
+  pass.number(state.window, "window");
   pass.number(state.clock_ms, "clock");
   pass.number(state.stops, "stops");
   pass.number(state.armed_s, "armed");
   pass.number(state.wait_s, "wait");
+  pass.flag(state.needs_code, "needs a code");
+  pass.number(state.nonce, "nonce");
+  pass.keyed();
 }
 
 template <class Pass, Is<EventPage> T>
@@ -474,6 +528,10 @@ ECS_BLOCK(WindowAck, "the acknowledgement");
 ECS_BLOCK(SessionState, "the session");
 ECS_BLOCK(EventPage, "the list of events");
 ECS_BLOCK(MemoryHead, "the memory");
+ECS_BLOCK(EchoAsk, "the question");
+ECS_BLOCK(ArmShare, "the host's share");
+ECS_BLOCK(ArmConfirm, "the host's confirmation");
+ECS_BLOCK(ArmAnswer, "the answer to an arming");
 ECS_BLOCK(Command, "the command");
 ECS_BLOCK(WindowOpen, "the window");
 ECS_BLOCK(CheckSelect, "the selection");
@@ -530,14 +588,65 @@ std::size_t bytes_in_block(std::uint32_t length, std::size_t number, std::size_t
   return before >= length ? 0 : std::min(block_bytes, length - before);
 }
 
-std::uint16_t block_check(const WindowOpen& window, std::uint16_t number, std::span<const std::uint8_t> payload) {
-  std::vector<std::uint8_t> bytes(12);
-  store_big(bytes, 0, window.session);
-  store_big(bytes, 4, window.token);
-  store_big(bytes, 8, window.tag);
-  store_big(bytes, 10, number);
-  bytes.insert(bytes.end(), payload.begin(), payload.end());
-  return crc16_of(bytes);
+namespace {
+
+std::span<const std::uint16_t> sealed_part(std::span<const std::uint16_t> block) {
+  return block.subspan(1, block.size() - 1 - kKeyedCheckRegisters);
+}
+
+Registers registers_of_number(std::uint64_t number) {
+  FieldWriter pass;
+  pass.number(number, "");
+  return std::move(pass.out_);
+}
+
+}  // namespace
+
+void put_check(Registers& block, std::uint64_t check) {
+  const Registers registers = registers_of_number(check);
+  std::copy(registers.begin(), registers.end(), block.end() - static_cast<std::ptrdiff_t>(kKeyedCheckRegisters));
+}
+
+std::uint64_t check_at_end(std::span<const std::uint16_t> block) {
+  std::uint64_t check = 0;
+  for (const std::uint16_t word : block.last(kKeyedCheckRegisters)) check = check << 16 | word;
+  return check;
+}
+
+Registers sealed(Registers block, Keyed kind, const std::optional<Secret>& key) {
+  put_check(block, keyed_check(key, kind, sealed_part(block)));
+  return block;
+}
+
+bool seal_agrees(std::span<const std::uint16_t> block, Keyed kind, const std::optional<Secret>& key) {
+  return check_at_end(block) == keyed_check(key, kind, sealed_part(block));
+}
+
+std::uint64_t answer_check(const Secret& key, const Block& block, std::uint32_t challenge,
+                           std::span<const std::uint16_t> answer) {
+  Registers registers{block.first, static_cast<std::uint16_t>(challenge >> 16), static_cast<std::uint16_t>(challenge)};
+  const auto content = answer.first(answer.size() - kKeyedCheckRegisters);
+  registers.insert(registers.end(), content.begin(), content.end());
+  return keyed_check(key, Keyed::answer, registers);
+}
+
+std::uint64_t block_check(const std::optional<Secret>& key, const WindowOpen& window, std::uint16_t number,
+                          std::span<const std::uint8_t> payload) {
+  FieldWriter pass;
+  pass.number(window.asker.session, "");
+  pass.number(window.number, "");
+  pass.number(window.address, "");
+  pass.number(window.length, "");
+  pass.number(window.token, "");
+  pass.flag(window.coded, "");
+  pass.number(number, "");
+  return keyed_check(key, Keyed::block, pass.out_, payload);
+}
+
+std::uint64_t piece_check(const Secret& key, Address address, std::span<const std::uint8_t> bytes) {
+  FieldWriter pass;
+  pass.number(address, "");
+  return keyed_check(key, Keyed::piece, pass.out_, bytes);
 }
 
 std::uint16_t crc16_of(std::span<const std::uint8_t> bytes) {

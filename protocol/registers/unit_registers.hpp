@@ -4,9 +4,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "base/result.hpp"
+#include "protocol/registers/keys.hpp"
 #include "protocol/registers/register_map.hpp"
 #include "protocol/registers/unit_data.hpp"
 
@@ -37,10 +40,23 @@ template <class T>
 /// Bytes that block `number` (from 0) of a window of `length` bytes carries; 0: no such block.
 [[nodiscard]] std::size_t bytes_in_block(std::uint32_t length, std::size_t number,
                                          std::size_t block_bytes = kBlockBytes);
-/// The check of a block: CRC-16 (Modbus) over the window's session, token and tag and the block's number, high byte
-/// first, then the payload bytes. A block of another host or staging does not agree, though its header carries neither.
-[[nodiscard]] std::uint16_t block_check(const WindowOpen& window, std::uint16_t number,
-                                        std::span<const std::uint8_t> payload);
+/// The keyed check of a block: over the window (session, number, address, length, token, coded), the block's number and
+/// the payload bytes. A block of another host, window or staging does not agree, though its header carries none of
+/// them.
+[[nodiscard]] std::uint64_t block_check(const std::optional<Secret>& key, const WindowOpen& window,
+                                        std::uint16_t number, std::span<const std::uint8_t> payload);
+/// Of a piece of memory, that a host compares with its own without reading it.
+[[nodiscard]] std::uint64_t piece_check(const Secret& key, Address address, std::span<const std::uint8_t> bytes);
+
+/// A request block whose last four registers are the keyed check over all between the echo and them.
+[[nodiscard]] Registers sealed(Registers block, Keyed kind, const std::optional<Secret>& key);
+[[nodiscard]] bool seal_agrees(std::span<const std::uint16_t> block, Keyed kind, const std::optional<Secret>& key);
+/// The keyed check of an answer: over the place of its block, the challenge of who asked, and its registers, the echo
+/// included, before the check.
+[[nodiscard]] std::uint64_t answer_check(const Secret& key, const Block& block, std::uint32_t challenge,
+                                         std::span<const std::uint16_t> answer);
+void put_check(Registers& block, std::uint64_t check);
+[[nodiscard]] std::uint64_t check_at_end(std::span<const std::uint16_t> block);
 
 /// Polynomial 0xA001 reflected, start 0xFFFF. On the wire the low byte goes first.
 [[nodiscard]] std::uint16_t crc16_of(std::span<const std::uint8_t> bytes);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <random>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,9 +13,13 @@ HostSession& HostSessions::open(const SessionOpen& host) {
     return session.id != 0 && session.host.key == host.key && session.host.number == host.number;
   });
   if (found == sessions_.end()) {
-    found = std::min_element(sessions_.begin(), sessions_.end(),
-                             [](const HostSession& a, const HostSession& b) { return a.used < b.used; });
-    *found = HostSession{number_by_chance(found->id), host, {}, 0};
+    found = std::min_element(sessions_.begin(), sessions_.end(), [](const HostSession& a, const HostSession& b) {
+      return std::pair(a.keyed, a.used) < std::pair(b.keyed, b.used);
+    });
+    const std::uint32_t id = number_by_chance(found->id);
+    *found = HostSession{};
+    found->id = id;
+    found->nonce = chance_64();
   }
   found->host = host;
   found->used = ++uses_;
@@ -32,9 +35,8 @@ HostSession* HostSessions::find(std::uint32_t id) {
 }
 
 std::uint32_t number_by_chance(std::uint32_t other) {
-  std::random_device chance;
   std::uint32_t number = other;
-  while (number == other || number == 0) number = chance();
+  while (number == other || number == 0) number = static_cast<std::uint32_t>(chance_64());
   return number;
 }
 
@@ -54,46 +56,114 @@ auto* place_of(auto& places, std::uint64_t key) {
   return its == places.end() ? nullptr : &*its;
 }
 
-CommandResult refused(UnitError error, std::string text) {
-  return {0, CommandState::refused, error, 0, 0, std::move(text)};
+ArmAnswer arm_refused(UnitError error, std::uint16_t wait_s = 0) {
+  ArmAnswer answer;
+  answer.error = error;
+  answer.wait_s = wait_s;
+  return answer;
 }
 
 }  // namespace
 
-CommandResult Arming::arm(const Command& command, const HostSession& session, std::uint64_t now_ms) {
-  if (command.minutes > kMostArmed_min)
-    return refused(UnitError::bad_argument, fmt::format("expected at most {} minutes", kMostArmed_min));
+ArmAnswer Arming::begin(const ArmShare& arm, HostSession& session, std::string_view serial_number,
+                        const std::string& origin, std::uint64_t now_ms) {
+  session.exchange.reset();
+  if (arm.minutes == 0 || arm.minutes > kMostArmed_min) return session.arming = arm_refused(UnitError::bad_argument);
+  if (const auto wait = wait_s(origin, now_ms); wait > 0)
+    return session.arming = arm_refused(UnitError::too_many_codes, wait);
+  if (!may_exchange(origin, now_ms)) return session.arming = arm_refused(UnitError::busy);
+  const ExchangeTerms terms = exchange_terms(code_.code, serial_number, session.id, arm.minutes);
+  const HalfExchange own = half_exchange(terms);
+  const auto key = shared_key(terms, End::unit, own, arm.share);
+  if (!key) return session.arming = arm_refused(UnitError::wrong_key);
+  ArmAnswer answer;
+  answer.share = own.share;
+  ArmAnswer if_right = answer;
+  if_right.confirmation = confirmation_of(terms, End::unit, *key, own.share);
+  if_right.armed_s = arm.minutes * kSecondsPerMinute;
+  session.exchange =
+      ArmExchange{confirmation_of(terms, End::host, *key, arm.share), secret_from(*key), arm.minutes, if_right};
+  return session.arming = answer;
+}
+
+ArmAnswer Arming::confirm(const ArmConfirm& arm, HostSession& session, const std::string& origin,
+                          std::uint64_t now_ms) {
+  const auto exchange = std::exchange(session.exchange, std::nullopt);
+  if (!exchange) return session.arming;
+  if (const auto wait = wait_s(origin, now_ms); wait > 0)
+    return session.arming = arm_refused(UnitError::too_many_codes, wait);
+  if (!same(arm.confirmation, exchange->expected)) {
+    count_wrong(origin, now_ms);
+    return session.arming = arm_refused(UnitError::wrong_code, wait_s(origin, now_ms));
+  }
+  origin_of(origin).wrong_in_a_row = 0;
+  wrong_in_all_ = 0;
   Armed* const its = place_of(armed_, session.host.key);
-  if (command.minutes == 0) {
-    if (its != nullptr) *its = {};
-    return {0, CommandState::done, UnitError::none, 0, 0, {}};
-  }
-  if (const auto wait = wait_s(now_ms); wait > 0)
-    return refused(UnitError::too_many_codes, fmt::format("try again in {} s", wait));
-  if (!code_.empty() && command.proof != arm_proof(code_, session.id)) {
-    const unsigned doublings = std::min(wrong_in_a_row_++, 6U);
-    const auto wait = std::min<std::uint64_t>(std::uint64_t{1} << doublings, kLongestWait_s);
-    closed_until_ms_ = now_ms + wait * kMsPer_s;
-    return refused(UnitError::wrong_code, fmt::format("try again in {} s", wait));
-  }
-  wrong_in_a_row_ = 0;
   Armed& place =
       its != nullptr ? *its : *std::min_element(armed_.begin(), armed_.end(), [](const Armed& a, const Armed& b) {
         return a.until_ms < b.until_ms;
       });
-  const std::uint32_t seconds = command.minutes * kSecondsPerMinute;
-  place = {session.host, now_ms + seconds * kMsPer_s};
-  return {0, CommandState::done, UnitError::none, 0, seconds, {}};
+  place = {session.host, exchange->secret, now_ms + exchange->if_right.armed_s * kMsPer_s};
+  return session.arming = exchange->if_right;
+}
+
+Arming::Origin& Arming::origin_of(const std::string& origin) {
+  if (origins_.size() >= kOrigins && origins_.find(origin) == origins_.end())
+    origins_.erase(std::min_element(origins_.begin(), origins_.end(), [](const auto& a, const auto& b) {
+      return a.second.until_ms < b.second.until_ms;
+    }));
+  return origins_[origin];
+}
+
+bool Arming::may_exchange(const std::string& origin, std::uint64_t now_ms) {
+  if (!needs_code()) return true;
+  Origin& its = origin_of(origin);
+  const double passed_s =
+      static_cast<double>(now_ms - std::min(now_ms, its.counted_ms)) / static_cast<double>(kMsPer_s);
+  its.exchanges_left = std::min(kMostExchanges, its.exchanges_left + kExchangesASecond * passed_s);
+  its.counted_ms = now_ms;
+  if (its.exchanges_left < 1.0) return false;
+  its.exchanges_left -= 1.0;
+  return true;
+}
+
+void Arming::count_wrong(const std::string& origin, std::uint64_t now_ms) {
+  Origin& its = origin_of(origin);
+  const unsigned doublings = std::min(its.wrong_in_a_row++, 6U);
+  its.until_ms = now_ms + kMsPer_s * std::min<std::uint64_t>(std::uint64_t{1} << doublings, kLongestWait_s);
+  if (++wrong_in_all_ < kMostWrongCodes) return;
+  if (code_.fixed) {
+    all_closed_until_ms_ = now_ms + kMsPer_s * kSecondsPerMinute;
+    return;
+  }
+  code_.code = code_by_chance();
+  code_changed_ = true;
+  wrong_in_all_ = 0;
+}
+
+std::optional<std::string> Arming::take_new_code() {
+  return std::exchange(code_changed_, false) ? std::optional(code_.code) : std::nullopt;
+}
+
+void Arming::disarm(const HostSession& session) {
+  if (Armed* const its = place_of(armed_, session.host.key)) *its = {};
 }
 
 std::uint32_t Arming::left_s(const HostSession& session, std::uint64_t now_ms) const {
-  if (code_.empty()) return kMostArmed_min * kSecondsPerMinute;
   const Armed* const its = place_of(armed_, session.host.key);
   return its == nullptr ? 0 : static_cast<std::uint32_t>(seconds_until(its->until_ms, now_ms));
 }
 
-std::uint16_t Arming::wait_s(std::uint64_t now_ms) const {
-  return static_cast<std::uint16_t>(seconds_until(closed_until_ms_, now_ms));
+std::optional<Secret> Arming::key_of(const HostSession& session, std::uint64_t now_ms) const {
+  const Armed* const its = place_of(armed_, session.host.key);
+  if (its == nullptr || its->until_ms <= now_ms) return std::nullopt;
+  return session_key(its->secret, session.id, session.nonce);
+}
+
+std::uint16_t Arming::wait_s(const std::string& origin, std::uint64_t now_ms) const {
+  const auto its = origins_.find(origin);
+  const std::uint64_t until_ms = std::max(all_closed_until_ms_, its == origins_.end() ? 0 : its->second.until_ms);
+  return static_cast<std::uint16_t>(seconds_until(until_ms, now_ms));
 }
 
 std::optional<ArmingEnd> Arming::take_ended(std::uint64_t now_ms) {
@@ -107,8 +177,9 @@ std::optional<ArmingEnd> Arming::take_ended(std::uint64_t now_ms) {
 
 void Arming::begin_again() {
   armed_ = {};
-  wrong_in_a_row_ = 0;
-  closed_until_ms_ = 0;
+  origins_.clear();
+  wrong_in_all_ = 0;
+  all_closed_until_ms_ = 0;
 }
 
 namespace {
@@ -120,25 +191,32 @@ bool same_but_for_time(const HostEvent& a, const HostEvent& b) {
 
 }  // namespace
 
-std::uint32_t EventList::add(HostEvent event) {
-  if (!events_.empty() && same_but_for_time(events_.back(), event) &&
-      events_.back().times < std::numeric_limits<std::uint16_t>::max()) {
-    event.number = events_.back().number;
-    event.times = static_cast<std::uint16_t>(events_.back().times + 1);
-    events_.back() = std::move(event);
-    return newest_;
+std::uint32_t EventList::add(HostEvent event, bool armed) {
+  const auto newest =
+      std::find_if(events_.rbegin(), events_.rend(), [&](const Kept& kept) { return kept.armed == armed; });
+  if (newest != events_.rend() && same_but_for_time(newest->event, event) &&
+      newest->event.times < std::numeric_limits<std::uint16_t>::max()) {
+    event.number = newest->event.number;
+    event.times = static_cast<std::uint16_t>(newest->event.times + 1);
+    newest->event = std::move(event);
+    return newest->event.number;
   }
   event.number = ++newest_;
-  events_.push_back(std::move(event));
-  if (events_.size() > kKeptEvents) events_.pop_front();
+  events_.push_back({std::move(event), armed});
+  const auto stranger = [](const Kept& kept) { return !kept.armed; };
+  const auto strangers = static_cast<std::size_t>(std::count_if(events_.begin(), events_.end(), stranger));
+  if (strangers > kKeptOfStrangers)
+    events_.erase(std::find_if(events_.begin(), events_.end(), stranger));
+  else if (events_.size() > kKeptEvents)
+    events_.pop_front();
   return newest_;
 }
 
 void EventList::settle(std::uint32_t number, CommandState state, UnitError error) {
-  for (HostEvent& event : events_) {
-    if (event.number != number) continue;
-    event.state = state;
-    event.error = error;
+  for (Kept& kept : events_) {
+    if (kept.event.number != number) continue;
+    kept.event.state = state;
+    kept.event.error = error;
   }
 }
 
@@ -146,10 +224,12 @@ EventPage EventList::page(std::uint32_t first) const {
   EventPage page;
   page.newest = newest_;
   std::size_t place = 0;
-  for (const HostEvent& event : events_)
-    if (event.number >= first && place < page.events.size()) page.events[place++] = event;
+  for (const Kept& kept : events_)
+    if (kept.event.number >= first && place < page.events.size()) page.events[place++] = kept.event;
   return page;
 }
+
+std::string minutes_in_words(std::uint32_t seconds) { return fmt::format("{} min", seconds / kSecondsPerMinute); }
 
 std::string stretch_in_words(Address address, std::uint32_t bytes) {
   return fmt::format("0x{:06X}, {} bytes", address, bytes);
@@ -166,14 +246,14 @@ std::string arguments_in_words(const Command& command) {
       if (command.staging_from == StagingFrom::kept) return "over the contents of the bank";
       return command.staging_from == StagingFrom::active ? "copy of the active map" : "";
     case CommandCode::commit_staged:
-      return fmt::format("{} bytes, {:08X}", command.length, command.crc);
+      return fmt::format("{} bytes, {:08X}", command.length, command.digest >> 32);
     case CommandCode::test_datum:
     case CommandCode::record_datum:
       return std::string(1, letter_of(command.axis));
     case CommandCode::run_user_software:
       return fmt::format("0x{:06X}", command.address);
     case CommandCode::arm:
-      return fmt::format("{} min", command.minutes);
+      return minutes_in_words(0);
     default:
       return {};
   }

@@ -14,23 +14,33 @@ namespace ecs::protocol {
 namespace {
 
 constexpr std::array kAnswers{kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck,
-                              kMemory,   kChecks, kSession, kEvents,   kActiveMap};
-constexpr std::array kEchoed{kEcho,    kReadSelect,   kCheckSelect, kWindowOpen,
-                             kCommand, kResultSelect, kSessionOpen, kEventSelect};
-constexpr std::array kWithCheck{kWindowOpen, kCommand, kSessionOpen};
+                              kMemory,   kChecks, kSession, kEvents,   kActiveMap,     kArmAnswer};
+constexpr std::array kEchoed{kEcho,         kReadSelect,  kCheckSelect, kWindowOpen, kCommand,
+                             kResultSelect, kSessionOpen, kEventSelect, kArmShare,   kArmConfirm};
+constexpr std::array kWithCheck{kSessionOpen, kArmShare, kArmConfirm};
 /// What names a session; never read back, and its answer is given once.
-constexpr std::array kOfSession{kWindowOpen, kCommand, kResultSelect, kSessionOpen};
+constexpr std::array kOfSession{kWindowOpen,  kCommand,  kResultSelect, kSessionOpen,
+                                kCheckSelect, kArmShare, kArmConfirm};
+constexpr std::array kSealed{kCommandResult, kWindowAck, kSession, kActiveMap};
+constexpr std::array kAskers{kEcho, kWindowOpen, kCommand, kResultSelect, kCheckSelect};
+constexpr std::size_t kAskerAt = 1, kAskerInReadSelect = 4;
+
+Asker asker_in(std::span<const std::uint16_t> block, std::size_t at) {
+  const auto number = [&](std::size_t i) { return static_cast<std::uint32_t>(block[i]) << 16 | block[i + 1]; };
+  return {number(at), number(at + 2)};
+}
 
 ActiveMap active_map_of(UnitPort& unit) {
   const UnitStatus status = unit.status();
   return {unit.identity().serial_number, status.block_check_expected, status.block_check_found, status.active_bank,
-          status.commit_sequence,        status.image_length_bytes};
+          status.commit_sequence,        status.image_length_bytes,   unit.active_digest()};
 }
 
 bool is_one_of(const auto& blocks, const Block& block) {
   return std::find(blocks.begin(), blocks.end(), block) != blocks.end();
 }
-constexpr std::uint32_t kLongestCheck = 0x100000;  ///< more than any region of the unit
+constexpr std::uint64_t kPlaceAfterCommand_ms = 60'000;
+constexpr std::uint32_t kLongestCheck = 0x4000;  ///< so that the loop waits for no check
 
 std::optional<Block> answer_block(std::uint16_t first, std::uint16_t count) {
   for (const Block& block : kAnswers)
@@ -46,29 +56,50 @@ std::optional<Block> request_block(std::uint16_t first, std::size_t count) {
 
 CommandResult refused(UnitError error) { return {0, CommandState::refused, error, 0, 0, {}}; }
 
-/// A later number of the same count, which begins again after 65,535.
-bool comes_after(std::uint16_t number, std::uint16_t before) {
-  const auto ahead = static_cast<std::uint16_t>(number - before);
-  return ahead != 0 && ahead < 0x8000;
-}
-
 }  // namespace
 
 tl::expected<Registers, ModbusException> RegisterServer::read(std::uint16_t first, std::uint16_t count) {
+  const Asker asker = std::exchange(asker_, Asker{});
   if (first + std::uint32_t{count} <= requests_.size())
     return Registers(requests_.begin() + first, requests_.begin() + first + count);
   const auto block = answer_block(first, count);
   if (!block) return tl::unexpected(ModbusException::illegal_address);
   Registers whole;
   if (*block == kMemory || *block == kChecks) {
-    auto of_memory = *block == kMemory ? memory_answer() : checks_answer();
+    auto of_memory = *block == kMemory ? memory_answer(asker) : checks_answer(asker);
     if (!of_memory) return of_memory;
     whole = std::move(*of_memory);
   } else {
     whole = answer(*block);
+    if (is_one_of(kSealed, *block)) seal(whole, *block, asker);
   }
   const auto from = whole.begin() + (first - block->first);
   return Registers(from, from + count);
+}
+
+RegisterHandler::Speaks RegisterServer::speaks_on(std::uint64_t connection) {
+  const auto its = std::find_if(speakers_.begin(), speakers_.end(),
+                                [connection](const Speaker& speaker) { return speaker.connection == connection; });
+  if (its == speakers_.end()) return Speaks::reader;
+  if (key_of(its->session)) return Speaks::armed;
+  return unit_->clock().ms - its->commanded_ms <= kPlaceAfterCommand_ms ? Speaks::commander : Speaks::reader;
+}
+
+/// The session that gave a command, on the connection at hand.
+void RegisterServer::note_speaker(std::uint32_t session) {
+  std::erase_if(speakers_, [this](const Speaker& speaker) { return speaker.connection == connection_; });
+  speakers_.push_front({connection_, session, unit_->clock().ms});
+  if (speakers_.size() > kSessions) speakers_.pop_back();
+}
+
+std::optional<Secret> RegisterServer::key_of(std::uint32_t session_id) {
+  const HostSession* session = sessions_.find(session_id);
+  return session == nullptr ? std::nullopt : arming_.key_of(*session, unit_->clock().ms);
+}
+
+/// The check of an answer to a host that has a key; zeros for everybody else.
+void RegisterServer::seal(Registers& answer, const Block& block, const Asker& asker) {
+  if (const auto key = key_of(asker.session)) put_check(answer, answer_check(*key, block, asker.challenge, answer));
 }
 
 Registers RegisterServer::answer(const Block& block) {
@@ -84,43 +115,53 @@ Registers RegisterServer::answer(const Block& block) {
     return registers_of(events_.page(event_select_.first), echo_);
   }
   const Block asked = std::exchange(asked_, Block{});
+  if (block == kArmAnswer)
+    return registers_of(asked == kArmShare || asked == kArmConfirm ? arming_answer_ : ArmAnswer{}, echo_);
   return registers_of(asked == kWindowOpen && refused_window_ ? *refused_window_ : window_.ack(), echo_);
 }
 
-tl::expected<Registers, ModbusException> RegisterServer::memory_answer() {
+tl::expected<Registers, ModbusException> RegisterServer::memory_answer(const Asker& asker) {
   const auto select = value_in<ReadSelect>(std::span(requests_).subspan(kReadSelect.first, kReadSelect.count));
-  if (!select || select->bytes == 0 || select->bytes > kMemoryBytes)
-    return tl::unexpected(ModbusException::illegal_value);
+  const std::size_t most = asker.session == 0 ? kMemoryBytes : kKeyedMemoryBytes;
+  if (!select || select->bytes == 0 || select->bytes > most) return tl::unexpected(ModbusException::illegal_value);
   std::vector<std::uint8_t> bytes(select->bytes);
   if (unit_->read_memory(select->address, bytes) != UnitError::none)
     return tl::unexpected(ModbusException::illegal_address);
   Registers registers = registers_of(MemoryHead{select->address, crc32_of(bytes)}, echo_);
   const Registers data = packed(bytes);
   registers.insert(registers.end(), data.begin(), data.end());
+  if (asker.session != 0) {
+    registers.resize(registers.size() + kKeyedCheckRegisters, 0);
+    seal(registers, kMemory, asker);
+  }
   registers.resize(kMemory.count, 0);
   return registers;
 }
 
-tl::expected<Registers, ModbusException> RegisterServer::checks_answer() {
-  const auto select = value_in<CheckSelect>(std::span(requests_).subspan(kCheckSelect.first, kCheckSelect.count));
-  const bool possible = select && select->length > 0 && select->length <= kBankBytes && select->piece > 0;
-  if (!possible || (select->length - 1) / select->piece >= kMostChecks)
+/// Only for a host that is armed: to nobody else the checks say anything, and they take their time.
+tl::expected<Registers, ModbusException> RegisterServer::checks_answer(const Asker& asker) {
+  const auto key = std::exchange(asked_, Block{}) == kCheckSelect ? key_of(asker.session) : std::nullopt;
+  const CheckSelect& select = check_select_;
+  const bool possible = key && select.length > 0 && select.length <= kLongestCheck && select.piece > 0;
+  if (!possible || (select.length - 1) / select.piece >= kMostChecks)
     return tl::unexpected(ModbusException::illegal_value);
   Registers registers{echo_};
   std::vector<std::uint8_t> bytes;
-  for (std::uint32_t at = 0; at < select->length; at += select->piece) {
-    bytes.resize(std::min<std::uint32_t>(select->piece, select->length - at));
-    if (unit_->read_memory(select->address + at, bytes) != UnitError::none)
+  for (std::uint32_t at = 0; at < select.length; at += select.piece) {
+    bytes.resize(std::min<std::uint32_t>(select.piece, select.length - at));
+    if (unit_->read_memory(select.address + at, bytes) != UnitError::none)
       return tl::unexpected(ModbusException::illegal_address);
-    const std::uint32_t crc = crc32_of(bytes);
-    registers.push_back(static_cast<std::uint16_t>(crc >> 16));
-    registers.push_back(static_cast<std::uint16_t>(crc & 0xFFFF));
+    registers.resize(registers.size() + kKeyedCheckRegisters, 0);
+    put_check(registers, piece_check(*key, select.address + at, bytes));
   }
+  registers.resize(registers.size() + kKeyedCheckRegisters, 0);
+  seal(registers, kChecks, asker);
   registers.resize(kChecks.count, 0);
   return registers;
 }
 
 tl::expected<void, ModbusException> RegisterServer::write(std::uint16_t first, std::span<const std::uint16_t> values) {
+  asker_ = {};
   if (first == kBlockWrite.first && values.size() <= kBlockWrite.count) {
     if (!take_block(values)) return tl::unexpected(ModbusException::illegal_value);
     return {};
@@ -131,7 +172,8 @@ tl::expected<void, ModbusException> RegisterServer::write(std::uint16_t first, s
   if (whole && is_one_of(kWithCheck, *block) && !check_agrees(values))
     return tl::unexpected(ModbusException::illegal_value);
   if (!is_one_of(kOfSession, *block)) std::copy(values.begin(), values.end(), requests_.begin() + first);
-  if (first == block->first) echo_ = requests_[block->first] = values.front();
+  if (first == block->first) echo_ = values.front();
+  if (block->end() <= requests_.size()) requests_[block->first] = echo_;
   if (whole) act_on(*block, values);
   return {};
 }
@@ -141,9 +183,10 @@ tl::expected<void, ModbusException> RegisterServer::write(std::uint16_t first, s
 bool RegisterServer::take_block(std::span<const std::uint16_t> block) {
   forget_hosts_of_another_start();
   if (connection_ != window_connection_) return false;
-  if (!may_write(window_.session())) window_.refuse(UnitError::not_armed);
+  const auto key = key_of(window_.session());
+  if (!key) window_.refuse(UnitError::not_armed);
   const bool was_open = window_.error() == UnitError::none;
-  if (window_.take(block)) return true;
+  if (window_.take(block, key)) return true;
   if (was_open && window_.error() == UnitError::check_mismatch)
     if (const HostSession* session = sessions_.find(window_.session()))
       note_window(*session, window_.window(), UnitError::check_mismatch);
@@ -163,58 +206,86 @@ void RegisterServer::forget_hosts_of_another_start() {
 
 void RegisterServer::act_on(const Block& block, std::span<const std::uint16_t> whole) {
   asked_ = block;
+  if (is_one_of(kAskers, block)) asker_ = asker_in(whole, kAskerAt);
+  if (block == kReadSelect) asker_ = asker_in(whole, kAskerInReadSelect);
   note_what_has_ended();
   if (block == kSessionOpen) {
     if (const auto host = value_in<SessionOpen>(whole)) open_session(*host);
   } else if (block == kWindowOpen) {
-    if (const auto window = value_in<WindowOpen>(whole)) open_window(*window);
+    if (const auto window = value_in<WindowOpen>(whole)) open_window(*window, whole);
   } else if (block == kResultSelect) {
     if (const auto select = value_in<ResultSelect>(whole)) selected_ = *select;
+  } else if (block == kCheckSelect) {
+    if (const auto select = value_in<CheckSelect>(whole)) check_select_ = *select;
   } else if (block == kEventSelect) {
     if (const auto select = value_in<EventSelect>(whole)) event_select_ = *select;
+  } else if (block == kArmShare) {
+    if (const auto arm = value_in<ArmShare>(whole)) begin_arming(*arm);
+  } else if (block == kArmConfirm) {
+    if (const auto arm = value_in<ArmConfirm>(whole)) confirm_arming(*arm);
   } else if (block == kCommand) {
-    if (const auto command = value_in<Command>(whole)) return take_command(*command);
+    if (const auto command = value_in<Command>(whole)) return take_command(*command, whole);
+    constexpr std::size_t kSequence = 5, kCode = 7;
     Command unreadable;
-    unreadable.session = static_cast<std::uint32_t>(whole[1]) << 16 | whole[2];
-    unreadable.sequence = whole[3];
-    unreadable.code = whole[4] < kCommandCount ? CommandCode::none : static_cast<CommandCode>(kCommandCount);
-    take_command(unreadable);
+    unreadable.asker = asker_;
+    unreadable.sequence = static_cast<std::uint32_t>(whole[kSequence]) << 16 | whole[kSequence + 1];
+    unreadable.code = whole[kCode] < kCommandCount ? CommandCode::none : static_cast<CommandCode>(kCommandCount);
+    take_command(unreadable, whole);
   }
 }
 
 void RegisterServer::open_session(const SessionOpen& host) {
   opened_ = {};
-  if (host.protocol_version == kProtocolVersion)
-    opened_.session = sessions_.open(host).id;
-  else
+  if (host.protocol_version != kProtocolVersion) {
     opened_.error = UnitError::other_version;
+    return;
+  }
+  opened_.session = sessions_.open(host).id;
+  asker_ = {opened_.session, host.challenge};
 }
 
-/// The session that the request has opened, as it is now. Nobody else reads it: its number is a secret of its host.
+/// The session that the request has opened, as it is now.
 SessionState RegisterServer::session_asked() {
   forget_hosts_of_another_start();
   SessionState state = std::exchange(asked_, Block{}) == kSessionOpen ? opened_ : SessionState{};
   const std::uint64_t now_ms = unit_->clock().ms;
   const HostSession* session = sessions_.find(state.session);
   if (session == nullptr) state.session = 0;
-  if (session != nullptr) state.sequence = session->result.sequence;
-  if (session != nullptr) state.armed_s = arming_.left_s(*session, now_ms);
-  state.wait_s = arming_.wait_s(now_ms);
+  if (session != nullptr) {
+    state.sequence = session->result.sequence;
+    state.window = session->window;
+    state.nonce = session->nonce;
+    state.armed_s = arming_.left_s(*session, now_ms);
+  }
+  state.wait_s = arming_.wait_s(origin_, now_ms);
+  state.needs_code = arming_.needs_code();
   state.clock_ms = static_cast<std::uint32_t>(now_ms);
   state.stops = stops_;
   return state;
 }
 
+/// Why a window is not even looked at.
+UnitError RegisterServer::refusal_of(const WindowOpen& window, const HostSession* session,
+                                     std::span<const std::uint16_t> whole) {
+  if (session == nullptr) return UnitError::session_unknown;
+  const auto key = arming_.key_of(*session, unit_->clock().ms);
+  if (!key) return UnitError::not_armed;
+  if (!seal_agrees(whole, Keyed::window, key)) return UnitError::wrong_key;
+  if (window.number > session->window) return UnitError::none;
+  const bool again = window.number == window_.window().number && window.asker.session == window_.session();
+  return again ? UnitError::none : UnitError::token_expired;
+}
+
 /// A window that is refused for its host leaves that of another one open.
-void RegisterServer::open_window(const WindowOpen& window) {
-  const HostSession* session = sessions_.find(window.session);
-  UnitError error = session == nullptr          ? UnitError::session_unknown
-                    : may_write(window.session) ? UnitError::none
-                                                : UnitError::not_armed;
+void RegisterServer::open_window(const WindowOpen& window, std::span<const std::uint16_t> whole) {
+  HostSession* session = sessions_.find(window.asker.session);
+  UnitError error = refusal_of(window, session, whole);
   refused_window_.reset();
   if (error != UnitError::none) {
-    refused_window_ = WindowAck{window.tag, error, window.address, window.length, 0, 0};
+    refused_window_ = WindowAck{window.number, error, window.address, window.length, 0, 0};
   } else {
+    session->window = window.number;
+    session->proved = true;
     window_connection_ = connection_;
     if (!window_.open(window)) return;
     error = window_.error();
@@ -229,66 +300,80 @@ void RegisterServer::note_window(const HostSession& session, const WindowOpen& w
   written.state = error == UnitError::none ? CommandState::done : CommandState::refused;
   written.error = error;
   written.text = stretch_in_words(window.address, window.length);
-  note(session.host, unit_->clock().ms, std::move(written));
+  const bool armed = error != UnitError::not_armed && error != UnitError::wrong_key;
+  note(session.host, unit_->clock().ms, std::move(written), armed);
 }
 
-bool RegisterServer::may_write(std::uint32_t session_id) {
-  const HostSession* session = sessions_.find(session_id);
-  return session != nullptr && arming_.left_s(*session, unit_->clock().ms) > 0;
-}
-
-std::uint32_t RegisterServer::note(const SessionOpen& host, std::uint64_t at_ms, HostEvent event) {
+std::uint32_t RegisterServer::note(const SessionOpen& host, std::uint64_t at_ms, HostEvent event, bool armed) {
   event.unit_time_s = static_cast<std::uint32_t>(at_ms / 1000);
   event.unix_time_s = host.unix_time_s;
   event.starts = static_cast<std::uint16_t>(unit_->clock().starts);
   event.host = host.host;
-  return events_.add(std::move(event));
+  return events_.add(std::move(event), armed);
 }
 
 /// A host that falls silent loses what it was given; the list of events says when.
 void RegisterServer::note_what_has_ended() {
   forget_hosts_of_another_start();
+  for (HostSession& session : sessions_.all())
+    session.keyed = session.proved && arming_.left_s(session, unit_->clock().ms) > 0;
   HostEvent ended;
   ended.error = UnitError::time_out;
   if (const auto at_ms = unit_->take_outputs_ended()) {
     ended.code = CommandCode::output_compensation;
     ended.state = CommandState::failed;
     ended.text = "relay opened";
-    note(output_host_, *at_ms, ended);
+    note(output_host_, *at_ms, ended, true);
   }
   while (const auto arming = arming_.take_ended(unit_->clock().ms)) {
     ended.code = CommandCode::arm;
     ended.state = CommandState::done;
     ended.text = "has ended";
-    note(arming->host, arming->at_ms, ended);
+    note(arming->host, arming->at_ms, ended, true);
   }
 }
 
-/// A command that comes again, or after a later one of its session, does nothing.
-void RegisterServer::take_command(const Command& command) {
-  selected_ = {command.session, command.sequence};
+/// A command that comes again, or after a later one of its session, does nothing. In the session of an armed host its
+/// key seals every command, but for one that switches off: that is carried out whoever gives it, also in no session
+/// (0), and leaves no trace in a session.
+void RegisterServer::take_command(const Command& command, std::span<const std::uint16_t> whole) {
+  selected_ = {command.asker, command.sequence};
+  free_result_.reset();
   look_at_busy_command();
-  HostSession* session = sessions_.find(command.session);
-  if (session == nullptr || !comes_after(command.sequence, session->result.sequence)) return;
-  CommandResult result = outcome_of(command, *session);
-  result.session = command.session;
+  HostSession nobody;
+  HostSession* session = sessions_.find(command.asker.session);
+  if (session == nullptr && !(command.asker.session == 0 && switches_off(command.code))) return;
+  if (session == nullptr) session = &nobody;
+  const auto key = arming_.key_of(*session, unit_->clock().ms);
+  const bool sealed = seal_agrees(whole, Keyed::command, key);
+  const bool free = switches_off(command.code) &&
+                    (session == &nobody ? sealed : !sealed && key && seal_agrees(whole, Keyed::command, std::nullopt));
+  if (!free && command.sequence <= session->result.sequence) return;
+  CommandResult result = sealed || free ? outcome_of(command, *session) : refused(UnitError::wrong_key);
+  result.session = command.asker.session;
   result.sequence = command.sequence;
   if (result.state == CommandState::done && switches_off(command.code)) ++stops_;
   if (result.state == CommandState::done && command.relay_on) output_host_ = session->host;
-  if (needs_arming(command.code) || switches_off(command.code) || command.code == CommandCode::arm) {
+  if (!sealed || needs_arming(command.code) || switches_off(command.code) || command.code == CommandCode::arm) {
     HostEvent event;
-    event.code = command.code;
+    event.code = static_cast<std::uint16_t>(command.code) < kCommandCount ? command.code : CommandCode::none;
     event.state = result.state;
     event.error = result.error;
     event.text = arguments_in_words(command);
-    const std::uint32_t number = note(session->host, unit_->clock().ms, std::move(event));
+    const std::uint32_t number = note(session->host, unit_->clock().ms, std::move(event), key && sealed);
     if (result.state == CommandState::busy) busy_event_ = number;
   }
+  if (free || !sealed) {
+    free_result_ = std::move(result);
+    return;
+  }
+  session->proved = session->proved || key;
+  note_speaker(session->id);
   session->result = std::move(result);
 }
 
 /// Why a command is not even looked at by the unit.
-UnitError RegisterServer::refusal_of(const Command& command, const HostSession& session) const {
+UnitError RegisterServer::refusal_of(const Command& command, const HostSession& session) {
   if (command.code == CommandCode::none) return UnitError::bad_argument;
   if (static_cast<std::uint16_t>(command.code) >= kCommandCount) return UnitError::unknown_command;
   if (port_busy_ && command.code != CommandCode::stop) return UnitError::busy;
@@ -300,21 +385,52 @@ UnitError RegisterServer::refusal_of(const Command& command, const HostSession& 
   return command.stops == stops_ ? UnitError::none : UnitError::overtaken;
 }
 
+void RegisterServer::begin_arming(const ArmShare& arm) {
+  HostSession* session = sessions_.find(arm.session);
+  arming_answer_ = {};
+  arming_answer_.error = UnitError::session_unknown;
+  if (session == nullptr) return;
+  arming_answer_ = arming_.begin(arm, *session, unit_->identity().serial_number, origin_, unit_->clock().ms);
+  if (arming_answer_.error != UnitError::none) note_arming(*session, arming_answer_.error, 0);
+}
+
 /// A host that is armed is present: the unit that is starting enters integration mode.
-CommandResult RegisterServer::armed(const Command& command, const HostSession& session) {
-  CommandResult result = arming_.arm(command, session, unit_->clock().ms);
-  if (result.state == CommandState::done && result.value > 0) unit_->host_armed();
-  return result;
+void RegisterServer::confirm_arming(const ArmConfirm& arm) {
+  HostSession* session = sessions_.find(arm.session);
+  arming_answer_ = {};
+  arming_answer_.error = UnitError::session_unknown;
+  if (session == nullptr) return;
+  const bool tries = session->exchange.has_value();
+  arming_answer_ = arming_.confirm(arm, *session, origin_, unit_->clock().ms);
+  if (const auto code = arming_.take_new_code()) unit_->show_code(*code);
+  if (!tries) return;
+  note_arming(*session, arming_answer_.error, arming_answer_.armed_s);
+  if (arming_answer_.armed_s == 0) return;
+  session->proved = true;
+  note_speaker(session->id);
+  unit_->host_armed();
+}
+
+void RegisterServer::note_arming(const HostSession& session, UnitError error, std::uint32_t seconds) {
+  HostEvent event;
+  event.code = CommandCode::arm;
+  event.error = error;
+  event.state = error == UnitError::none ? CommandState::done : CommandState::refused;
+  if (error == UnitError::none) event.text = minutes_in_words(seconds);
+  note(session.host, unit_->clock().ms, std::move(event), error == UnitError::none);
 }
 
 CommandResult RegisterServer::outcome_of(const Command& command, const HostSession& session) {
-  if (command.code == CommandCode::arm) return armed(command, session);
+  if (command.code == CommandCode::arm) {
+    arming_.disarm(session);
+    return {0, CommandState::done, UnitError::none, 0, 0, {}};
+  }
   if (command.code == CommandCode::check_memory) return check_memory(command);
   if (const UnitError error = refusal_of(command, session); error != UnitError::none) return refused(error);
   CommandResult result = begun(command);
   if (result.state == CommandState::busy) {
     port_busy_ = true;
-    busy_ = {command.session, command.sequence};
+    busy_ = {command.asker, command.sequence};
   } else if (command.code == CommandCode::stop) {
     look_at_busy_command();
   }
@@ -355,9 +471,9 @@ void RegisterServer::look_at_busy_command() {
   CommandResult now = unit_->progress();
   port_busy_ = now.state == CommandState::busy;
   events_.settle(busy_event_, now.state, now.error);
-  HostSession* session = sessions_.find(busy_.session);
+  HostSession* session = sessions_.find(busy_.asker.session);
   if (session == nullptr || session->result.sequence != busy_.sequence) return;
-  now.session = busy_.session;
+  now.session = busy_.asker.session;
   now.sequence = busy_.sequence;
   session->result = std::move(now);
 }
@@ -369,16 +485,24 @@ CommandResult RegisterServer::result_selected() {
   const Block asked = std::exchange(asked_, Block{});
   if (asked != kCommand && asked != kResultSelect) return {};
   CommandResult result;
-  if (const HostSession* session = sessions_.find(selected_.session); session == nullptr)
+  if (const HostSession* session = sessions_.find(selected_.asker.session); asked == kCommand && free_result_)
+    result = *free_result_;
+  else if (session == nullptr)
     result = refused(UnitError::session_unknown);
   else if (session->result.sequence == selected_.sequence)
     result = session->result;
-  result.session = selected_.session;
+  result.session = selected_.asker.session;
   result.sequence = selected_.sequence;
   return result;
 }
 
 namespace {
+
+/// The same stretch, whoever asks again.
+bool same_window(WindowOpen a, const WindowOpen& b) {
+  a.asker.challenge = b.asker.challenge;
+  return a == b;
+}
 
 /// @param count  0 … 64
 std::uint64_t bits_below(std::size_t count) {
@@ -388,12 +512,11 @@ std::uint64_t bits_below(std::size_t count) {
 }  // namespace
 
 bool MemoryWindow::open(const WindowOpen& window) {
-  if (window == window_) return false;
+  if (same_window(window, window_)) return false;
   window_ = window;
   received_ = 0;
-  wrong_checks_ = 0;
   const bool possible = window.length > 0 && window.length <= kWindowBlocks * window.block_bytes();
-  if (window.tag == 0 || !possible || (window.coded && !in_axis_memory(window.address)))
+  if (window.number == 0 || !possible || (window.coded && !in_axis_memory(window.address)))
     error_ = UnitError::bad_argument;
   else if (in_axis_memory(window.address) && (window.token == 0 || window.token != token_))
     error_ = UnitError::token_expired;
@@ -413,17 +536,17 @@ void MemoryWindow::stage_under(std::uint32_t token) {
   error_ = UnitError::token_expired;
 }
 
-bool MemoryWindow::take(std::span<const std::uint16_t> registers) {
+bool MemoryWindow::take(std::span<const std::uint16_t> registers, const std::optional<Secret>& key) {
   if (error_ != UnitError::none || registers.size() < kBlockHeaderRegisters) return false;
   const std::uint16_t tag = registers[0];
   const std::uint16_t number = registers[1];
   const auto payload = registers.subspan(kBlockHeaderRegisters);
-  if (tag == 0 || tag != window_.tag) return false;
+  if (window_.number == 0 || tag != window_.tag()) return false;
   const std::size_t bytes = window_.coded ? 2 * payload.size() : bytes_in_block(window_.length, number);
   if (bytes == 0 || payload.size() != (bytes + 1) / 2) return false;
   const auto content = unpacked(payload, bytes);
-  if (block_check(window_, number, content) != registers[2]) {
-    if (++wrong_checks_ >= kMostWrongChecks) refuse(UnitError::check_mismatch);
+  if (!key || block_check(key, window_, number, content) != check_at_end(registers.first(kBlockHeaderRegisters))) {
+    refuse(UnitError::check_mismatch);
     return false;
   }
   if (window_.coded) return take_coded(number, content);
@@ -459,8 +582,8 @@ bool MemoryWindow::take_coded(std::uint16_t number, std::span<const std::uint8_t
 std::uint64_t MemoryWindow::all_blocks() const { return bits_below(blocks_in(window_.length, window_.block_bytes())); }
 
 WindowAck MemoryWindow::ack() const {
-  WindowAck ack{window_.tag, error_, window_.address, window_.length, received_, 0};
-  if (window_.tag == 0 || error_ != UnitError::none || received_ != all_blocks()) return ack;
+  WindowAck ack{window_.number, error_, window_.address, window_.length, received_, 0};
+  if (window_.number == 0 || error_ != UnitError::none || received_ != all_blocks()) return ack;
   std::vector<std::uint8_t> held(window_.length);
   ack.error = unit_->read_memory(window_.address, held);
   if (ack.error == UnitError::none) ack.crc = crc32_of(held);

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,11 +20,6 @@ namespace ecs::protocol {
 
 class UnitPort;
 
-/// Wrong checks of blocks that close a window. The CRC of the line keeps out all but 1 in 65,536 spoilt frames, so a
-/// block that is wrong within a right frame is rare and three in one window are no noise; a stranger finds the check of
-/// a block with a chance of 1 in 65,536 a try.
-inline constexpr unsigned kMostWrongChecks = 3;
-
 /// Assembles blocks into the memory of a unit. Blocks may come twice or out of order; one that is not intact, not of
 /// this window or beyond its end is not taken. Memory is only written inside the stretch that the unit agreed to.
 class MemoryWindow {
@@ -34,21 +30,21 @@ class MemoryWindow {
   /// `token_expired`. 0: nothing is staged.
   void stage_under(std::uint32_t token);
   [[nodiscard]] std::uint32_t token() const { return token_; }
-  [[nodiscard]] std::uint32_t session() const { return window_.session; }
+  [[nodiscard]] std::uint32_t session() const { return window_.asker.session; }
   [[nodiscard]] const WindowOpen& window() const { return window_; }
   [[nodiscard]] UnitError error() const { return error_; }
 
-  /// Starts a window; the tag that is already open changes nothing. A stretch that may not be written, or not under
+  /// Starts a window; the number that is already open changes nothing. A stretch that may not be written, or not under
   /// this token, leaves the window closed with the reason in ack().error.
   /// @return false: it was open, or refused, already
   bool open(const WindowOpen& window);
   /// The window that was opened last is closed for this reason.
   void refuse(UnitError why);
 
-  /// One frame: tag, number, check, payload. In a coded window it brings several blocks, taken all or not at all, and
-  /// none before those below them. False: not taken. The kMostWrongChecks-th wrong check closes the window,
-  /// acknowledged as `check_mismatch`; what it has brought stays in memory.
-  [[nodiscard]] bool take(std::span<const std::uint16_t> registers);
+  /// One frame: tag, number, keyed check, payload. In a coded window it brings several blocks, taken all or not at all,
+  /// and none before those below them. False: not taken. A block with the window's tag and another check than the key
+  /// gives closes the window, acknowledged as `check_mismatch`; what it has brought stays in memory.
+  [[nodiscard]] bool take(std::span<const std::uint16_t> registers, const std::optional<Secret>& key);
 
   [[nodiscard]] WindowAck ack() const;
 
@@ -62,7 +58,6 @@ class MemoryWindow {
   WindowOpen window_;
   UnitError error_ = UnitError::none;
   std::uint64_t received_ = 0;
-  unsigned wrong_checks_ = 0;  ///< of blocks of this window
   std::array<std::uint8_t, block_code::kHistoryBytes + kCodedBlocksInFrame * kCodedBlockBytes> decoded_{};
 };
 
@@ -81,6 +76,10 @@ class UnitPort {
   [[nodiscard]] virtual UnitClock clock() = 0;
   /// A host has armed the unit.
   virtual void host_armed() {}
+  /// After too many wrong codes: what the unit shows from now on.
+  virtual void show_code(const std::string& /*code*/) {}
+  /// SHA-256 of the active image as memory holds it; zeros: there is none.
+  [[nodiscard]] virtual ImageDigest active_digest() = 0;
   /// When, by clock(), it has switched its outputs off because no command came any more; each time is reported once.
   [[nodiscard]] virtual std::optional<std::uint64_t> take_outputs_ended() { return std::nullopt; }
 
@@ -99,31 +98,40 @@ class UnitPort {
 
 class RegisterServer : public RegisterHandler {
  public:
-  /// @param arm_code  that the unit shows; empty: no host needs one
-  explicit RegisterServer(UnitPort& unit, std::string arm_code = {})
-      : unit_(&unit), window_(unit), arming_(std::move(arm_code)) {}
+  /// @param code  that the unit shows
+  explicit RegisterServer(UnitPort& unit, ArmCode code = {}) : unit_(&unit), window_(unit), arming_(std::move(code)) {}
 
-  void arrives_on(std::uint64_t connection) override { connection_ = connection; }
+  void arrives_on(std::uint64_t connection, const std::string& origin) override {
+    connection_ = connection;
+    origin_ = origin;
+  }
+  [[nodiscard]] Speaks speaks_on(std::uint64_t connection) override;
   [[nodiscard]] tl::expected<Registers, ModbusException> read(std::uint16_t first, std::uint16_t count) override;
   [[nodiscard]] tl::expected<void, ModbusException> write(std::uint16_t first,
                                                           std::span<const std::uint16_t> values) override;
 
  private:
   [[nodiscard]] Registers answer(const Block& block);
-  [[nodiscard]] tl::expected<Registers, ModbusException> memory_answer();
-  [[nodiscard]] tl::expected<Registers, ModbusException> checks_answer();
+  [[nodiscard]] tl::expected<Registers, ModbusException> memory_answer(const Asker& asker);
+  [[nodiscard]] tl::expected<Registers, ModbusException> checks_answer(const Asker& asker);
+  void seal(Registers& answer, const Block& block, const Asker& asker);
+  [[nodiscard]] std::optional<Secret> key_of(std::uint32_t session_id);
+  void note_speaker(std::uint32_t session);
   void act_on(const Block& block, std::span<const std::uint16_t> whole);
   void forget_hosts_of_another_start();
   void open_session(const SessionOpen& host);
-  void open_window(const WindowOpen& window);
+  void open_window(const WindowOpen& window, std::span<const std::uint16_t> whole);
+  [[nodiscard]] UnitError refusal_of(const WindowOpen& window, const HostSession* session,
+                                     std::span<const std::uint16_t> whole);
   [[nodiscard]] bool take_block(std::span<const std::uint16_t> block);
   void note_window(const HostSession& session, const WindowOpen& window, UnitError error);
-  void take_command(const Command& command);
+  void take_command(const Command& command, std::span<const std::uint16_t> whole);
   [[nodiscard]] CommandResult outcome_of(const Command& command, const HostSession& session);
-  [[nodiscard]] UnitError refusal_of(const Command& command, const HostSession& session) const;
-  [[nodiscard]] CommandResult armed(const Command& command, const HostSession& session);
-  [[nodiscard]] bool may_write(std::uint32_t session_id);
-  std::uint32_t note(const SessionOpen& host, std::uint64_t at_ms, HostEvent event);
+  [[nodiscard]] UnitError refusal_of(const Command& command, const HostSession& session);
+  void begin_arming(const ArmShare& arm);
+  void confirm_arming(const ArmConfirm& arm);
+  void note_arming(const HostSession& session, UnitError error, std::uint32_t seconds);
+  std::uint32_t note(const SessionOpen& host, std::uint64_t at_ms, HostEvent event, bool armed);
   void note_what_has_ended();
   [[nodiscard]] CommandResult begun(const Command& command);
   [[nodiscard]] CommandResult check_memory(const Command& command);
@@ -133,7 +141,14 @@ class RegisterServer : public RegisterHandler {
 
   UnitPort* unit_;
   MemoryWindow window_;
-  std::uint64_t connection_ = 0;         ///< of the request at hand
+  std::uint64_t connection_ = 0;  ///< of the request at hand
+  std::string origin_;
+  struct Speaker {
+    std::uint64_t connection = 0;
+    std::uint32_t session = 0;       ///< of its last command
+    std::uint64_t commanded_ms = 0;  ///< when that came
+  };
+  std::deque<Speaker> speakers_;         ///< the last kSessions that gave a command
   std::uint64_t window_connection_ = 0;  ///< that has opened the window, or found it open: no other one fills it
   std::uint16_t echo_ = 0;
   Registers requests_ = Registers(kBlockWrite.end(), 0);  ///< as last written; of a session only the echo
@@ -143,6 +158,10 @@ class RegisterServer : public RegisterHandler {
   std::uint32_t starts_ = 0;
   std::uint16_t stops_ = 0;
   Block asked_{};  ///< the whole block that was written last, until its answer is read
+  Asker asker_;    ///< who wrote it
+  CheckSelect check_select_;
+  ArmAnswer arming_answer_;
+  std::optional<CommandResult> free_result_;  ///< of a stop without a key in the session of an armed host
   std::optional<WindowAck> refused_window_;
   SessionState opened_;     ///< the session that was asked for last
   ResultSelect selected_;   ///< the result that was asked for last

@@ -56,8 +56,9 @@ class ServerLink {
   /// Carries out one request and puts its reply, spoilt or not, into the channel. The reply begins one gap after
   /// `request_end`, when the request's last byte had passed the wire, or now if that is over.
   /// @param connection  that it came on, from next_connection()
+  /// @param origin  the peer's address, or the serial line
   void carry_out(std::span<const std::uint8_t> frame, RegisterHandler& handler, std::uint64_t connection,
-                 ReplyChannel& channel, Clock::time_point request_end, const WirePace& pace);
+                 const std::string& origin, ReplyChannel& channel, Clock::time_point request_end, const WirePace& pace);
   /// A number that no other connection of this program has, on whichever link.
   [[nodiscard]] static std::uint64_t next_connection();
 
@@ -87,13 +88,14 @@ std::uint64_t ServerLink::next_connection() {
 }
 
 void ServerLink::carry_out(std::span<const std::uint8_t> frame, RegisterHandler& handler, std::uint64_t connection,
-                           ReplyChannel& channel, Clock::time_point request_end, const WirePace& pace) {
+                           const std::string& origin, ReplyChannel& channel, Clock::time_point request_end,
+                           const WirePace& pace) {
   if (framing_ == Framing::rtu && !codec_.is_for_unit(frame)) return;
   const auto drawn = faults.draw();
   const bool spoils = drawn.has_value() && (framing_ == Framing::rtu || acts_without_crc(*drawn));
   if (spoils && *drawn == LinkFault::lost_request) return;
   if (codec_.is_for_unit(frame)) last_request = Clock::now();
-  handler.arrives_on(connection);
+  handler.arrives_on(connection, origin);
   auto reply = codec_.answer(frame, handler);
   if (reply.empty() || handler.silent()) return;
   const auto start = std::max(Clock::now(), request_end + pace.gap);
@@ -106,6 +108,8 @@ void ServerLink::carry_out(std::span<const std::uint8_t> frame, RegisterHandler&
 namespace {
 
 using namespace std::chrono_literals;
+
+const std::string kSerialLine = "serial line";
 
 /// Silence that ends a broken request; below the time a client waits before it tries again.
 constexpr auto kFrameSilence = 25ms;
@@ -196,7 +200,7 @@ class PtyLink : public ServerLink {
     listen();
     std::size_t answered = 0;
     while (cut_request() && Clock::now() >= request_due_) {
-      carry_out(request_, handler, connection_, channel_, request_due_, pace_);
+      carry_out(request_, handler, connection_, kSerialLine, channel_, request_due_, pace_);
       request_.clear();
       ++answered;
     }
@@ -264,14 +268,19 @@ tl::unexpected<Problem> pty_problem() {
   return problem(ProblemKind::output, fmt::format("cannot make a pseudo-terminal: {}", std::strerror(errno)));
 }
 
-constexpr std::chrono::milliseconds kIdle{100};  ///< a host at work asks more often
+/// Connections that have no place yet, and those taken in at one time: a flood of 1,000 a second leaves each the time
+/// for a few requests.
+constexpr std::size_t kMostNewcomers = 256;
+constexpr int kWaiting = 128;
 
 struct Connection {
   Descriptor socket;
+  std::string origin;  ///< the peer's address
   std::vector<std::uint8_t> heard;
   ReplyChannel channel;
   std::chrono::steady_clock::time_point asked;  ///< when it was made, or asked last
   bool admitted = false;                        ///< has shown the token, or needs none
+  bool placed = false;                          ///< has one of the places
   bool ended = false;
   std::uint64_t number = 0;
 };
@@ -305,7 +314,9 @@ class TcpLink : public ServerLink {
     std::size_t answered = 0;
     for (auto& connection : connections_) {
       listen(connection);
-      answered += answer(connection, handler);
+      const std::size_t its = answer(connection, handler);
+      if (its > 0 && connection.admitted && !connection.placed) place(connection, handler);
+      answered += its;
       speak(connection);
     }
     std::erase_if(connections_, [](const Connection& connection) { return connection.ended; });
@@ -313,23 +324,50 @@ class TcpLink : public ServerLink {
   }
 
  private:
-  /// Beyond the most connections the one that has asked nothing for longest gives way; where all have asked within
-  /// kIdle, the newcomer is closed.
+  /// A newcomer is answered at once; the oldest one gives way to the next where there are too many.
   void take_newcomers() {
-    while (true) {
-      Descriptor socket(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+    for (std::size_t taken = 0; taken < kMostNewcomers; ++taken) {
+      sockaddr_in peer{};
+      socklen_t size = sizeof peer;
+      Descriptor socket(
+          ::accept4(listener_.get(), reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
       if (!socket) return;
+      std::array<char, INET_ADDRSTRLEN> name{};
+      (void)::inet_ntop(AF_INET, &peer.sin_addr, name.data(), name.size());
       const int on = 1;
       (void)::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-      if (connections_.size() >= options_.most_connections) drop_idle();
-      if (connections_.size() < options_.most_connections)
-        connections_.push_back({std::move(socket), {}, {}, Clock::now(), token_.empty(), false, next_connection()});
+      const auto is_new = [](const Connection& connection) { return !connection.placed; };
+      if (std::count_if(connections_.begin(), connections_.end(), is_new) >= static_cast<long>(kMostNewcomers))
+        connections_.erase(std::find_if(connections_.begin(), connections_.end(), is_new));
+      connections_.push_back(
+          {std::move(socket), name.data(), {}, {}, Clock::now(), token_.empty(), false, false, next_connection()});
     }
   }
-  void drop_idle() {
-    const auto idle = std::min_element(connections_.begin(), connections_.end(),
-                                       [](const Connection& a, const Connection& b) { return a.asked < b.asked; });
-    if (idle != connections_.end() && Clock::now() - idle->asked > kIdle) connections_.erase(idle);
+
+  /// Who has asked gets a place, as soon as one is free or somebody gives way: of the origin that has most places the
+  /// one that has asked nothing for longest. Without a place it stays among the newcomers, and is answered all the
+  /// same.
+  void place(Connection& connection, RegisterHandler& handler) {
+    const auto places = [this](const std::string* origin) {
+      return std::count_if(connections_.begin(), connections_.end(), [origin](const Connection& other) {
+        return other.placed && !other.ended && (origin == nullptr || other.origin == *origin);
+      });
+    };
+    if (places(nullptr) < static_cast<long>(options_.most_connections)) {
+      connection.placed = true;
+      return;
+    }
+    const auto own = handler.speaks_on(connection.number);
+    Connection* yields = nullptr;
+    for (Connection& other : connections_) {
+      const auto its = handler.speaks_on(other.number);
+      if (!other.placed || other.ended || (its != RegisterHandler::Speaks::reader && its >= own)) continue;
+      const auto rank = std::pair(-places(&other.origin), other.asked);
+      if (yields == nullptr || rank < std::pair(-places(&yields->origin), yields->asked)) yields = &other;
+    }
+    if (yields == nullptr) return;
+    yields->ended = true;
+    connection.placed = true;
   }
 
   static void listen(Connection& connection) {
@@ -347,7 +385,7 @@ class TcpLink : public ServerLink {
       if (cut.broken || cut.length == 0 || connection.heard.size() < cut.length) break;
       const auto frame = std::span<const std::uint8_t>(connection.heard).first(cut.length);
       if (connection.admitted)
-        carry_out(frame, handler, connection.number, connection.channel, Clock::now(), {});
+        carry_out(frame, handler, connection.number, connection.origin, connection.channel, Clock::now(), {});
       else
         admit(connection, frame);
       connection.asked = Clock::now();
@@ -430,7 +468,6 @@ Result<ModbusServer> ModbusServer::on_tcp(const TcpOptions& options) {
   place.sin_port = htons(options.port);
   socklen_t size = sizeof place;
   auto* const general = reinterpret_cast<sockaddr*>(&place);
-  constexpr int kWaiting = 8;
   if (::bind(listener.get(), general, size) != 0 || ::listen(listener.get(), kWaiting) != 0 ||
       ::getsockname(listener.get(), general, &size) != 0)
     return listen_problem(options);

@@ -70,8 +70,9 @@ class Line:
 
     def note_command(self, frame):
         pdu = frame[7:] if self.tcp else frame[1:]
-        if len(pdu) > 20 and pdu[0] == 23 and struct.unpack(">H", pdu[5:7])[0] == modbus.COMMAND:
-            self.commands[struct.unpack(">H", pdu[18:20])[0]] += 1
+        if len(pdu) > 10 + 2 * modbus.AT_CODE + 1 and pdu[0] == 23 and struct.unpack(">H", pdu[5:7])[0] == modbus.COMMAND:
+            at = 10 + 2 * modbus.AT_CODE
+            self.commands[struct.unpack(">H", pdu[at:at + 2])[0]] += 1
 
     def take(self, sender, frame):
         self.frames += 1
@@ -228,23 +229,26 @@ class SecondMaster:
 
     def __call__(self, rng):
         host = self.host
-        axis_memory = modbus.long(rng.choice((0x100000, 0x200000)) + 240 * rng.randrange(4))
-        window = modbus.sealed([rng.getrandbits(16), rng.randrange(1, 65536)] + axis_memory + modbus.long(240) +
-                               modbus.long(rng.getrandbits(32)) + [rng.randrange(2)] + modbus.long(host.session))
-        commit = modbus.long(936) + modbus.long(rng.getrandbits(32)) + modbus.long(rng.getrandbits(32))
+        axis_memory = modbus.long(rng.choice((0x100000, 0x200000)) + 234 * rng.randrange(4))
+        window = modbus.sealed([rng.getrandbits(16)] + host.asker() + modbus.long(rng.randrange(1, 65536)) + axis_memory +
+                               modbus.long(234) + modbus.long(rng.getrandbits(32)) + [rng.randrange(2)],
+                               modbus.OF_WINDOW, host.secret_key)
+        host.open_window = (rng.randrange(1, 65536), modbus.number(axis_memory), 234, rng.getrandbits(32))
+        commit = modbus.commit(rng.randbytes(936), rng.getrandbits(32))
         commands = ((modbus.CHECK, [0x10, 0, 0, 240]), (modbus.ABANDON, modbus.long(rng.getrandbits(32))),
                     (modbus.BEGIN, [rng.randrange(3)]), (modbus.STOP, []), (modbus.OFF, []), (modbus.COMMIT, commit),
                     (modbus.CLEAR, []), (modbus.INTEGRATE, []))
         reads = (modbus.fc3(modbus.STATUS, 58), modbus.fc3(modbus.IDENTITY, 54), modbus.fc3(modbus.POINTERS, 77),
-                 modbus.fc3(modbus.RESULT, 51), modbus.fc3(modbus.ACK, 13), modbus.fc3(modbus.MEMORY, 125),
+                 modbus.fc3(modbus.RESULT, modbus.RESULT_COUNT), modbus.fc3(modbus.ACK, modbus.ACK_COUNT),
+                 modbus.fc3(modbus.MEMORY, 125),
                  modbus.fc16(modbus.ECHO, [rng.getrandbits(16)]), modbus.fc6(modbus.ECHO, rng.getrandbits(16)),
                  modbus.fc23(modbus.MEMORY, 125, modbus.SELECT, [rng.getrandbits(16), 0x10, 0, 240]),
                  modbus.fc23(modbus.STATUS, 58, modbus.ECHO, [rng.getrandbits(16)]))
-        writes = (modbus.fc23(modbus.ACK, 13, modbus.WINDOW, window), modbus.fc16(modbus.WINDOW, window),
-                  modbus.fc6(modbus.WINDOW + 1, rng.getrandbits(16)), modbus.fc6(modbus.COMMAND + 3, rng.getrandbits(16)),
-                  host.window_block(rng.randrange(1, 65536), rng.randrange(4), rng.getrandbits(32), bytes(240)))
+        writes = (modbus.fc23(modbus.ACK, modbus.ACK_COUNT, modbus.WINDOW, window), modbus.fc16(modbus.WINDOW, window),
+                  modbus.fc6(modbus.WINDOW + 1, rng.getrandbits(16)), modbus.fc6(modbus.COMMAND + 6, rng.getrandbits(16)),
+                  host.window_block(rng.randrange(4), bytes(234)))
         code, arguments = rng.choice(commands)
-        given = modbus.fc23(modbus.RESULT, 51, modbus.COMMAND, host.block(code, arguments))
+        given = modbus.fc23(modbus.RESULT, modbus.RESULT_COUNT, modbus.COMMAND, host.block(code, arguments))
         return host.framed(rng.choice((rng.choice(reads), rng.choice(writes), given)))
 
 

@@ -82,7 +82,7 @@ def relay_with_the_code_opens(bench):
         reader.status()
         bench.place.workshop("wait", "10")
         reader.memory(0x400, 16)
-    listed = reader.read(modbus.EVENTS, 96, 0x68, [0] + modbus.long(max(1, reader_newest(reader) - 2)))
+    listed = reader.read(modbus.EVENTS, 96, modbus.EVENT_SELECT, [0] + modbus.long(max(1, reader_newest(reader) - 2)))
     events = [tuple(listed[3 + 31 * k + 8:][:2]) for k in range(3)]  # command, error
     told = (modbus.OUTPUT, 0) in events and (modbus.OUTPUT, modbus.TIME_OUT) in events
     return answer[0] == modbus.DONE and closed == [1, 0, 0] and reader.relays() == [0, 0, 0] and told, \
@@ -99,7 +99,7 @@ def register_repeats_command(bench):
     host = bench.stranger(True)
     host.command(modbus.OUTPUT, modbus.output(0, 5.0, True))
     bench.stranger(False).command(modbus.OFF)
-    for at in range(18):
+    for at in range(23):
         host.ask(modbus.fc6(modbus.COMMAND + at, 4711))
     return host.relays() == [0, 0, 0], str(host.relays())
 
@@ -108,8 +108,8 @@ def writes_into_active_bank(bench, armed):
     host = bench.stranger(armed)
     bank = host.active()[0]
     token = host.command(modbus.BEGIN, [0])[3] if armed else 0
-    errors = [host.look().window(9, modbus.BANK[bank] + at, 2, token) for at in (0, 0x200)]
-    taken = host.put(9, 0, token, b"\xAA\x55")
+    errors = [host.look().window(modbus.BANK[bank] + at, 2, token) for at in (0, 0x200)]
+    taken = host.put(0, b"\xAA\x55")
     return all(errors) and not taken and bench.unchanged(), "errors %s" % errors
 
 
@@ -130,7 +130,7 @@ def window_over_both_banks(bench):
     """An armed host opens a window that begins in one region and ends in another."""
     host = bench.stranger(True)
     _, _, address, token = host.command(modbus.BEGIN, [0])
-    errors = [host.look().window(5, start, 15360, token) for start in (
+    errors = [host.look().window(start, modbus.WINDOW_BYTES, token) for start in (
         address - 240, address + 0x12000 - 240, modbus.BANK[1] - 240, 0x0F0000, 0x0EFFF0, 0xFFFFFF00)]
     return all(errors) and bench.unchanged(), "errors %s" % errors
 
@@ -167,12 +167,11 @@ def code_without_end(bench):
     wrote = host.write(0x041000, bytes.fromhex("60FE"))
     host.look()
     block = host.block(modbus.RUN, modbus.long(0x041000) + [0, 0])
-    host.read(modbus.RESULT, 51, modbus.COMMAND, block)
+    host.read(modbus.RESULT, modbus.RESULT_COUNT, modbus.COMMAND, block)
     served = other.status()[13] != 0
     other.command(modbus.STOP)
     end = time.monotonic() + 15
-    while host.read(modbus.RESULT, 51, modbus.RESULT_SELECT, [0] + modbus.long(host.session) + [block[3]])[4] == modbus.BUSY \
-            and time.monotonic() < end:
+    while host.result(block)[5] == modbus.BUSY and time.monotonic() < end:
         time.sleep(0.05)
     return wrote and served and time.monotonic() < end and bench.unchanged(), "served %s" % served
 
@@ -248,10 +247,10 @@ class OtherBank(Faults):
 
     def deliveries(self, line, sender, frame):
         if sender == UNIT and line.commands[modbus.BEGIN] and not self.bent and frame[7] == 23 and len(frame) > 30:
-            address = struct.unpack(">I", frame[23:27])[0]
+            address = struct.unpack(">I", frame[25:29])[0]
             if address in modbus.BANK.values():
                 self.bent = True
-                frame = frame[:23] + struct.pack(">I", sum(modbus.BANK.values()) - address) + frame[27:]
+                frame = frame[:25] + struct.pack(">I", sum(modbus.BANK.values()) - address) + frame[29:]
         return [Delivery(frame, OTHER[sender], 0.0)]
 
 

@@ -12,16 +12,22 @@ import socket
 import struct
 import time
 
-ECHO, SELECT, WINDOW, COMMAND, RESULT_SELECT, SESSION_OPEN, BLOCK = 0x00, 0x10, 0x20, 0x30, 0x48, 0x50, 0x80
-IDENTITY, STATUS, POINTERS, RESULT, ACK, MEMORY, CHECKS, EVENTS, SESSION = (
-    0x0100, 0x0180, 0x0280, 0x0300, 0x0380, 0x0400, 0x0480, 0x0500, 0x0580)
+import cpace
+
+ECHO, SELECT, WINDOW, COMMAND, SESSION_OPEN, EVENT_SELECT, BLOCK = 0x00, 0x10, 0x20, 0x38, 0x50, 0x68, 0x80
+CHECK_SELECT, RESULT_SELECT, ARM_SHARE, ARM_CONFIRM = 0x600, 0x610, 0x618, 0x630
+IDENTITY, STATUS, POINTERS, RESULT, ACK, MEMORY, CHECKS, EVENTS, SESSION, ACTIVE_MAP, ARM_ANSWER = (
+    0x0100, 0x0180, 0x0280, 0x0300, 0x0380, 0x0400, 0x0480, 0x0500, 0x0580, 0x05A0, 0x05D0)
+OF_WINDOW, OF_BLOCK, OF_COMMAND, OF_ANSWER, OF_PIECE = range(1, 6)  # kinds of keyed checks
+AT_CODE, RESULT_COUNT, ACK_COUNT, SESSION_COUNT = 7, 56, 18, 24
 BANK = {1: 0x100000, 2: 0x200000}
 RAM = 0x048000
-WINDOW_BYTES, BLOCK_BYTES = 15360, 240
+WINDOW_BYTES, BLOCK_BYTES, READ_BYTES = 14976, 234, 240
 INTEGRATE, COMPENSATE, POSITION, OUTPUT, OFF, BEGIN, COMMIT, ABANDON = range(1, 9)
 DATUM, RECORD, RUN, RAM_TEST, CLEAR, RESET, CHECK, STOP, ARM = range(9, 18)
 BUSY, DONE, REFUSED = 1, 2, 3
-TIME_OUT, TOKEN_EXPIRED, SESSION_UNKNOWN, LATE, OVERTAKEN, NOT_ARMED, WRONG_CODE, TOO_MANY = 14, 15, 17, 18, 19, 21, 22, 23
+TIME_OUT, TOKEN_EXPIRED, SESSION_UNKNOWN, LATE, OVERTAKEN, NOT_ARMED, WRONG_CODE, TOO_MANY, WRONG_KEY, TOO_OFTEN = (
+    14, 15, 17, 18, 19, 21, 22, 23, 24, 9)
 ZEROS, COPY, KEPT = 0, 1, 2  # what begin staging leaves in the bank
 
 
@@ -64,9 +70,19 @@ def number(words):
     return words[0] << 16 | words[1]
 
 
-def sealed(words):
-    """A request block, echo first, with the check at its end."""
+def checked(words):
+    """A request block, echo first, with the CRC-32 at its end."""
     return words + long(binascii.crc32(bytes_of(words[1:])))
+
+
+def sealed(words, kind, key):
+    """A request block, echo first, with the keyed check at its end."""
+    return words + words_of(cpace.keyed_check(key, kind, bytes_of(words[1:])))
+
+
+def short_digest(image):
+    """The registers of the first 8 bytes of its SHA-256."""
+    return words_of(hashlib.sha256(image).digest()[:8])
 
 
 def fc3(first, count):
@@ -103,8 +119,13 @@ def output(axis, micrometres, relay):
     return [axis] + double(micrometres) + [1 if relay else 0]
 
 
-def connected_to(port):
-    connection = socket.create_connection(("127.0.0.1", port), timeout=10)
+def commit(image, token):
+    """Arguments of the command `commit staged image`."""
+    return long(len(image)) + short_digest(image) + long(token)
+
+
+def connected_to(port, origin="127.0.0.1"):
+    connection = socket.create_connection(("127.0.0.1", port), timeout=10, source_address=(origin, 0))
     connection.settimeout(None)
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     return connection
@@ -117,15 +138,16 @@ class NoAnswer(RuntimeError):
 class Host:
     """A host on a TCP connection or a serial descriptor; its key is by chance unless given."""
 
-    def __init__(self, port=None, fd=None, key=None, version=2, tries=1):
+    def __init__(self, port=None, fd=None, key=None, version=3, tries=1, origin="127.0.0.1", secret=None):
         self.tcp, self.tries = fd is None, tries
         if self.tcp:
-            self.socket = connected_to(port)
+            self.socket = connected_to(port, origin)
             fd = self.socket.fileno()
         self.fd = fd
         self.key = key if key is not None else random.getrandbits(64)
         self.number, self.version = random.getrandbits(32), version
-        self.session = self.sequence = self.stops = self.armed = self.wait = 0
+        self.session = self.sequence = self.stops = self.armed = self.wait = self.nonce = self.windows = self.asked = 0
+        self.secret, self.open_window = secret, None
         self.clock = [0, 0]
         self.echo = random.getrandbits(16)
 
@@ -188,62 +210,109 @@ class Host:
             self.drain()  # a late one: what was asked is still to come
         raise RuntimeError("an answer to something else")
 
+    @property
+    def secret_key(self):
+        """Of the session; nothing: this host was never armed."""
+        return cpace.session_key(self.secret, self.session, self.nonce) if self.secret else None
+
+    def asker(self):
+        self.asked += 1
+        return long(self.session) + long(self.asked)
+
+    def is_sealed(self, first, answer):
+        """An answer to the last question carries the check of this host's key."""
+        content = struct.pack(">HL", first, self.asked) + bytes_of(answer[:-4])
+        return bytes_of(answer[-4:]) == cpace.keyed_check(self.secret_key, OF_ANSWER, content)
+
     def look(self):
         """Opens the session, or reads it as it is now."""
         name = words_of(b"attacker".ljust(16, b"\0"))
-        block = sealed([0, self.version] + words_of(struct.pack(">Q", self.key)) + long(self.number) +
-                       long(int(time.time())) + name)
-        w = self.read(SESSION, 12, SESSION_OPEN, block)
-        self.session, self.sequence = number(w[3:5]), w[5]
-        self.clock, self.stops, self.armed, self.wait = w[6:8], w[8], number(w[9:11]), w[11]
+        self.asked += 1
+        block = checked([0] + long(self.asked) + [self.version] + words_of(struct.pack(">Q", self.key)) +
+                        long(self.number) + long(int(time.time())) + name)
+        w = self.read(SESSION, SESSION_COUNT, SESSION_OPEN, block)
+        self.session, self.sequence, self.windows = number(w[3:5]), number(w[5:7]), max(self.windows, number(w[7:9]))
+        self.clock, self.stops, self.armed, self.wait = w[9:11], w[11], number(w[12:14]), w[14]
+        self.nonce = struct.unpack(">Q", bytes_of(w[16:20]))[0]
+        if not self.armed:
+            self.secret = None
         return self
 
-    def block(self, code, arguments=(), sequence=None):
+    def block(self, code, arguments=(), sequence=None, key=None):
         if sequence is None:
-            self.sequence = self.sequence % 65535 + 1
+            self.sequence += 1
             sequence = self.sequence
         arguments = list(arguments) + [0] * (8 - len(arguments))
-        return sealed([0] + long(self.session) + [sequence, code] + list(self.clock) + [self.stops] + arguments)
+        return sealed([0] + self.asker() + long(sequence) + [code] + list(self.clock) + [self.stops] + arguments,
+                      OF_COMMAND, key or self.secret_key)
 
     def give(self, block):
         """(state, error, value, token) of a command block."""
-        w = self.read(RESULT, 51, COMMAND, block)
+        w = self.read(RESULT, RESULT_COUNT, COMMAND, block)
         end = time.monotonic() + 60
-        while w[4] == BUSY and time.monotonic() < end:
+        while w[5] == BUSY and time.monotonic() < end:
             time.sleep(0.005)
-            w = self.read(RESULT, 51, RESULT_SELECT, [0] + long(self.session) + [block[3]])
-        return w[4], w[5], number(w[7:9]), number(w[9:11])
+            w = self.result(block)
+        return w[5], w[6], number(w[8:10]), number(w[10:12])
+
+    def result(self, block):
+        """The registers of the result of a command block that was given before."""
+        return self.read(RESULT, RESULT_COUNT, RESULT_SELECT, [0] + self.asker() + block[5:7])
 
     def command(self, code, arguments=()):
         self.look()
         return self.give(self.block(code, arguments))
 
+    def serial_number(self):
+        return bytes_of(self.read(IDENTITY, 54)[4:12]).rstrip(b"\0").decode()
+
     def arm(self, code, minutes=30):
+        """(state, error, s armed, 0), as of a command."""
         self.look()
-        digest = hashlib.sha256(("%08x:%s" % (self.session, code)).encode()).digest()
-        return self.give(self.block(ARM, [minutes] + words_of(digest[:8])))
+        exchange = cpace.Exchange(code, self.serial_number(), self.session, minutes)
+        for _ in range(20):
+            w = self.read(ARM_ANSWER, 29, ARM_SHARE,
+                          checked([0] + long(self.session) + [minutes] + words_of(exchange.share)))
+            if w[1] != TOO_OFTEN:
+                break
+            time.sleep(0.1)
+        if w[1] != 0:
+            return REFUSED, w[1], 0, 0
+        host, unit = exchange.confirms(bytes_of(w[3:19]))
+        w = self.read(ARM_ANSWER, 29, ARM_CONFIRM, checked([0] + long(self.session) + words_of(host)))
+        if w[1] != 0:
+            return REFUSED, w[1], 0, 0
+        if bytes_of(w[19:27]) != unit:
+            raise RuntimeError("the unit does not know the code")
+        self.secret = exchange.secret
+        return DONE, 0, number(w[27:29]), 0
 
-    def window(self, tag, address, length, token):
-        """The error with which a window is opened."""
-        words = sealed([0, tag] + long(address) + long(length) + long(token) + [0] + long(self.session))
-        return self.read(ACK, 13, WINDOW, words)[2]
+    def window(self, address, length, token, again=False):
+        """The error with which a window is opened, the next one unless the same again."""
+        if not again:
+            self.windows += 1
+        self.open_window = (self.windows, address, length, token)
+        words = [0] + self.asker() + long(self.windows) + long(address) + long(length) + long(token) + [0]
+        return self.read(ACK, ACK_COUNT, WINDOW, sealed(words, OF_WINDOW, self.secret_key))[3]
 
-    def window_block(self, tag, at, token, data):
-        check = crc16(struct.pack(">LLHH", self.session, token, tag, at) + data)
-        return fc16(BLOCK, [tag, at, check] + words_of(data + b"\0" * (len(data) % 2)))
+    def window_block(self, at, data, token=None, key=None):
+        opened, address, length, of_window = self.open_window
+        head = struct.pack(">LLLLLHH", self.session, opened, address, length, of_window if token is None else token, 0, at)
+        check = cpace.keyed_check(key or self.secret_key, OF_BLOCK, head + data)
+        return fc16(BLOCK, [opened & 0xFFFF, at] + words_of(check + data + b"\0" * (len(data) % 2)))
 
-    def put(self, tag, at, token, data):
+    def put(self, at, data, token=None, key=None):
         """Whether a block was taken."""
-        return self.ask(self.window_block(tag, at, token, data))[0] == 16
+        return self.ask(self.window_block(at, data, token, key))[0] == 16
 
     def write(self, address, data, token=0):
         """Through windows; whether everything was taken."""
         for at in range(0, len(data), WINDOW_BYTES):
-            part, tag = data[at:at + WINDOW_BYTES], 1 + at // WINDOW_BYTES
-            if self.look().window(tag, address + at, len(part), token) != 0:
+            part = data[at:at + WINDOW_BYTES]
+            if self.look().window(address + at, len(part), token) != 0:
                 return False
             for k in range(0, len(part), BLOCK_BYTES):
-                if not self.put(tag, k // BLOCK_BYTES, token, part[k:k + BLOCK_BYTES]):
+                if not self.put(k // BLOCK_BYTES, part[k:k + BLOCK_BYTES]):
                     return False
         return True
 
@@ -257,14 +326,14 @@ class Host:
     def upload(self, image):
         """Makes an image active, as plainly as the protocol allows."""
         token = self.stage(image)
-        state, error, _, _ = self.command(COMMIT, long(len(image)) + long(binascii.crc32(image)) + long(token))
+        state, error, _, _ = self.command(COMMIT, commit(image, token))
         if state != DONE:
             raise RuntimeError("commit: state %d, error %d" % (state, error))
 
     def memory(self, address, length):
         out = b""
         while len(out) < length:
-            n = min(BLOCK_BYTES, length - len(out))
+            n = min(READ_BYTES, length - len(out))
             at = address + len(out)
             w = self.read(MEMORY, 125, SELECT, [0] + long(at) + [n])
             data = bytes_of(w[5:])[:n]

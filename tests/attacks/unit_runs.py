@@ -113,22 +113,29 @@ class Fuzz(UploadRun):
             return words
 
         where = rng.choice((0x100000, 0x200000, 0x048000, 0x0F0000, 0x111F00))
-        window = [0, rng.randrange(1, 4)] + modbus.long(where + 240 * rng.randrange(4)) + modbus.long(
-            rng.choice((2, 240, 480, 7680))) + modbus.long(self.token) + [rng.randrange(2)] + modbus.long(host.session)
+        length, coded, key = rng.choice((2, 234, 468, 7680)), rng.randrange(2), host.secret_key
+        host.windows += rng.randrange(2)
+        host.open_window = (host.windows, where + 234 * rng.randrange(4), length, self.token)
+        window = [0] + host.asker() + modbus.long(host.windows) + modbus.long(host.open_window[1]) + modbus.long(
+            length) + modbus.long(self.token) + [coded]
         code = rng.choice([c for c in range(0, 19) if c != modbus.RESET] + [modbus.BEGIN] * 4)
         arguments = [rng.choice((0, 1, 2, 0x10, 0x20, 240, rng.getrandbits(16))) for _ in range(8)]
-        command = host.block(code, arguments)[:-2]
-        tag, number = rng.randrange(1, 4), rng.choice((0, 1, 0x0F00, rng.getrandbits(16)))
-        payload = rng.randbytes(2 * rng.choice((1, 8, 60, 120)))
+        command = host.block(code, arguments)[:-4]
+        number = rng.choice((0, 1, 0x0F00, rng.getrandbits(16)))
+        payload = rng.randbytes(2 * rng.choice((1, 8, 60, 117)))
         return rng.choice((
-            modbus.fc23(modbus.ACK, 13, modbus.WINDOW, modbus.sealed(changed(window))),
-            modbus.fc23(modbus.RESULT, 51, modbus.COMMAND, modbus.sealed(changed(command))),
-            host.window_block(tag, number, self.token, payload),
-            modbus.fc16(modbus.BLOCK, changed([tag, number, 0] + modbus.words_of(payload))),
-            modbus.fc23(modbus.CHECKS, 121, 0x18, changed([0, 0x10, 0, 0, 936, 480])),
+            modbus.fc23(modbus.ACK, modbus.ACK_COUNT, modbus.WINDOW, modbus.sealed(changed(window), modbus.OF_WINDOW, key)),
+            modbus.fc23(modbus.RESULT, modbus.RESULT_COUNT, modbus.COMMAND,
+                        modbus.sealed(changed(command), modbus.OF_COMMAND, key)),
+            host.window_block(number, payload),
+            modbus.fc16(modbus.BLOCK, changed([host.windows & 0xFFFF, number, 0, 0, 0, 0] + modbus.words_of(payload))),
+            modbus.fc23(modbus.CHECKS, 125, modbus.CHECK_SELECT, changed([0] + host.asker() + [0x10, 0, 0, 936, 480])),
             modbus.fc23(modbus.MEMORY, 125, modbus.SELECT, changed([0, 0x10, 0, 240])),
-            modbus.fc23(modbus.EVENTS, 96, 0x68, changed([0, 0, 1])),
-            modbus.fc23(modbus.SESSION, 12, modbus.SESSION_OPEN, [rng.getrandbits(16) for _ in range(20)]),
+            modbus.fc23(modbus.MEMORY, 125, modbus.SELECT, changed([0, 0x10, 0, 232] + host.asker())),
+            modbus.fc23(modbus.ARM_ANSWER, 29, modbus.ARM_SHARE, modbus.checked(
+                changed([0] + modbus.long(host.session) + [1] + modbus.words_of(rng.randbytes(32))))),
+            modbus.fc23(modbus.EVENTS, 96, modbus.EVENT_SELECT, changed([0, 0, 1])),
+            modbus.fc23(modbus.SESSION, modbus.SESSION_COUNT, modbus.SESSION_OPEN, [rng.getrandbits(16) for _ in range(22)]),
             modbus.fc3(modbus.STATUS, 58), modbus.fc6(rng.randrange(0x100), rng.getrandbits(16)),
             modbus.fc22(rng.randrange(0x100), rng.getrandbits(16), rng.getrandbits(16)),
             bytes([43, 14, 1, 0]), bytes([17]), bytes([8, 0, 0, 1, 2]), bytes([1, 0, 0, 0, 8]), bytes([5, 0, 0, 0xFF, 0])))
@@ -162,7 +169,7 @@ class Fuzz(UploadRun):
         for k in range(self.frames):
             try:
                 if host.fd is None:
-                    host = self.place.host(key=host.key, tries=6)
+                    host = self.place.host(key=host.key, secret=host.secret, tries=6)
                 if k % 100 == 99:
                     host.drain(0.05)
                     host.look()

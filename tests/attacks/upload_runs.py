@@ -54,11 +54,12 @@ class UploadRun:
 
     def master(self, armed):
         """A second host on the line, with a session of its own, before the trial begins."""
-        host = self.place.host(key=self.masters.get(armed), tries=6)
-        self.masters[armed] = host.key
+        key, secret = self.masters.get(armed, (None, None))
+        host = self.place.host(key=key, secret=secret, tries=6)
         if host.look().armed < 60 and armed:
             host.arm(CODE)
             host.look()
+        self.masters[armed] = host.key, host.secret
         host.close()
         return SecondMaster(host)
 

@@ -22,7 +22,7 @@ class Place:
 
     def __init__(self, options, folder, serial="MCM-0107", tcp=True, battery=False, modules=5, mode="integrate"):
         self.options, self.dir, self.tcp, self.serial, self.modules = options, folder, tcp, serial, modules
-        self.battery, self.mode, self.process, self.judge_key = battery, mode, None, None
+        self.battery, self.mode, self.process, self.judged_as = battery, mode, None, (None, None)
         folder.mkdir(parents=True, exist_ok=True)
         self.start()
 
@@ -100,14 +100,15 @@ class Place:
         """A host of the test's own, armed, on the clean line, in integration mode; it asks again where a fault is still
         under way."""
         for attempt in range(TRIES):
-            host = self.host(key=self.judge_key, tries=TRIES)
-            self.judge_key = host.key
+            key, secret = self.judged_as
+            host = self.host(key=key, secret=secret, tries=TRIES)
             try:
                 host.drain(0.02)
                 if host.look().armed < 60:
                     time.sleep(host.wait)  # after a wrong code of another host
                     if host.arm(CODE)[0] != DONE:
                         raise RuntimeError("the judge is not armed")
+                self.judged_as = host.key, host.secret
                 if host.status()[1] != 1:
                     host.command(INTEGRATE)
                 return host

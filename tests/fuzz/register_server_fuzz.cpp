@@ -25,7 +25,7 @@ struct Bench {
   RegisterHost host;
   std::uint32_t token = 0;
   WindowOpen window;
-  explicit Bench(bool needs_code) : server(model, needs_code ? kCode : std::string()), host(server) {}
+  explicit Bench(bool needs_code) : server(model, {needs_code ? kCode : std::string(), true}), host(server) {}
 };
 
 FrameCodec& codec(Framing framing) {
@@ -62,39 +62,36 @@ Command command_in(FuzzedBytes& input) {
   command.staging_from = static_cast<StagingFrom>(input.byte() % 3);
   command.address = input.number();
   command.length = input.number();
-  command.minutes = input.word();
   return command;
 }
 
 void give(Bench& bench, FuzzedBytes& input) {
   Command command = command_in(input);
   command.token = (input.byte() & 1) != 0 ? bench.token : input.number();
-  if ((input.byte() & 1) != 0) command.proof = arm_proof("wrong", bench.host.session());
+  if ((input.byte() & 0x0F) == 0) (void)bench.host.arm("wrong");
   if (command.code == CommandCode::commit_staged && (input.byte() & 1) != 0) {
     command.length %= UnitModel::kSize;
     const auto& spare = bench.model.active == Bank::A ? bench.model.bank_b : bench.model.bank_a;
-    command.crc = crc32_of(std::span(spare).first(command.length));
+    command.digest = short_digest(digest_of(std::span(spare).first(command.length)));
   }
   const CommandResult result = bench.host.give(command);
   if (command.code == CommandCode::begin_staging && result.state == CommandState::done) bench.token = result.token;
 }
 
 void open_window(Bench& bench, FuzzedBytes& input) {
-  const std::uint16_t tag = input.byte() % 4;
+  const std::uint32_t number = bench.window.number + input.byte() % 3;
   const Address address = (input.byte() & 1) != 0 ? kBankA.first + input.word() : input.number();
-  bench.window = {tag, address, input.word() % 16'000u, bench.token, (input.byte() & 1) != 0, bench.host.session()};
+  bench.window = {
+      number, address, input.word() % 16'000u, bench.token, (input.byte() & 1) != 0, {bench.host.session(), 1}};
   if ((input.byte() & 7) == 0) bench.window.token = input.number();
-  (void)bench.server.write(kWindowOpen.first, registers_of(bench.window, input.word()));
-  check(bench.server.read(kWindowAck.first, kWindowAck.count).has_value());
+  (void)bench.host.open(bench.window);
 }
 
 void send_block(Bench& bench, FuzzedBytes& input) {
   const std::uint16_t number = input.word();
-  const auto payload = input.bytes(input.byte() % 241);
-  const Registers words = packed(payload);
-  const auto checked = bench.window.coded ? unpacked(words, 2 * words.size()) : payload;
-  Registers block{bench.window.tag, number, block_check(bench.window, number, checked)};
-  block.insert(block.end(), words.begin(), words.end());
+  const auto payload = input.bytes(input.byte() % (kBlockBytes + 1));
+  const auto key = (input.byte() & 3) == 0 ? std::nullopt : bench.host.key();
+  const Registers block = block_registers(key, bench.window, number, payload);
   (void)bench.server.write(kBlockWrite.first, block);
 }
 
@@ -148,8 +145,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   bench.model.image_length = 1000;
   const auto a = bench.model.bank_a, b = bench.model.bank_b;
   while (input.any()) step(bench, input);
-  for (const Block& block :
-       {kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck, kSession, kEvents, kActiveMap}) {
+  for (const Block& block : {kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck, kSession, kEvents,
+                             kActiveMap, kArmAnswer}) {
     const auto read = bench.server.read(block.first, block.count);
     check(read && read->size() == block.count);
   }

@@ -121,7 +121,7 @@ void comes_back(const Registers& words, Read read) {
 
 void decode(FuzzedBytes input) {
   const auto words_of = [&](const Block& block) { return input.words(block.count); };
-  switch (input.byte() % 12) {
+  switch (input.byte() % 13) {
     case 0:
       return comes_back(words_of(kIdentity), value_in<Identity>);
     case 1:
@@ -142,6 +142,8 @@ void decode(FuzzedBytes input) {
       return comes_back(words_of(kWindowOpen), value_in<WindowOpen>);
     case 9:
       return comes_back(words_of(kSessionOpen), value_in<SessionOpen>);
+    case 11:
+      return comes_back(words_of(kArmAnswer), value_in<ArmAnswer>);
     case 10: {
       UnitStatus status;
       return judge(take_pointers(words_of(kPointers), status));

@@ -48,8 +48,9 @@ class UnitModel : public UnitPort {
   int starts_on_arming = 0;     ///< so often it starts as soon as it has answered that a host is armed
   bool starts_on_look = false;  ///< it starts as soon as it has answered to an armed host how long it is armed
   std::optional<std::uint64_t> outputs_ended_ms;
-  int wrong_blocks_to_come = 0;  ///< this many blocks of another program come before the next one of the host
-  int foreign_replies = 0;       ///< this many of the next identity and monitor blocks are as if another host had asked
+  int windows_to_spoil =
+      0;                    ///< into this many windows a block of another program comes before the next one of the host
+  int foreign_replies = 0;  ///< this many of the next identity and monitor blocks are as if another host had asked
 
   Identity identity() override {
     return {protocol_version, 2, 7, serial_number, "small mill", 1, {true, true, false}, 32'000};
@@ -80,6 +81,9 @@ class UnitModel : public UnitPort {
     return sample;
   }
   UnitClock clock() override { return unit_clock; }
+  ImageDigest active_digest() override { return active == Bank::none ? ImageDigest{} : digest_of(active_image()); }
+  void show_code(const std::string& code) override { shown_code = code; }
+  std::string shown_code;  ///< since the first one
   void host_armed() override { just_armed = true; }
   /// Its last answer is on the line.
   void answered() {
@@ -191,7 +195,7 @@ class UnitModel : public UnitPort {
     if (!takes_commits)
       return {0, CommandState::failed, UnitError::unit_fault, 0, 0, "the commit record could not be stored"};
     auto& spare = active == Bank::A ? bank_b : bank_a;
-    if (command.length > kSize || crc32_of(std::span(spare).first(command.length)) != command.crc)
+    if (command.length > kSize || short_digest(digest_of(std::span(spare).first(command.length))) != command.digest)
       return refused(UnitError::check_mismatch);
     switch_banks(command.length);
     if (spoils_commits) spare.front() ^= 0xFF;
@@ -200,35 +204,65 @@ class UnitModel : public UnitPort {
   }
 };
 
-/// A host that writes the registers of a server itself.
+/// A host that writes the registers of a server itself, and seals what it writes where it is armed.
 class RegisterHost {
  public:
   explicit RegisterHost(RegisterServer& server, std::uint32_t key = 1, std::uint32_t number = 0) : server_(&server) {
     self_.key = key;
     self_.number = number;
     self_.host = "host " + std::to_string(key);
-    (void)look();
+    if (!look().needs_code) (void)arm("");
   }
   SessionState look() {
+    ++self_.challenge;
     (void)server_->write(kSessionOpen.first, registers_of(self_, 0));
     state_ = value_in<SessionState>(server_->read(kSession.first, kSession.count).value()).value();
+    if (state_.armed_s == 0) secret_.reset();
     return state_;
+  }
+  /// The answer to the exchange, or to the half of it that is refused.
+  ArmAnswer arm(std::string_view code, std::uint16_t minutes = 30) {
+    const auto identity = value_in<Identity>(server_->read(kIdentity.first, kIdentity.count).value()).value();
+    const ExchangeTerms terms = exchange_terms(code, identity.serial_number, session(), minutes);
+    const HalfExchange own = half_exchange(terms);
+    const ArmAnswer shared = ask(kArmShare, ArmShare{session(), minutes, own.share});
+    if (shared.error != UnitError::none) return shared;
+    const SharedKey key = shared_key(terms, End::host, own, shared.share).value();
+    const ArmAnswer answer = ask(kArmConfirm, ArmConfirm{session(), confirmation_of(terms, End::host, key, own.share)});
+    if (answer.error == UnitError::none) secret_ = secret_from(key);
+    return answer;
+  }
+  /// Uses what another program of this host has agreed on.
+  void share_with(const RegisterHost& other) { secret_ = other.secret_; }
+  /// Of the session as it is now; nothing: this host was never armed.
+  [[nodiscard]] std::optional<Secret> key() const {
+    return secret_ ? std::optional(session_key(*secret_, state_.session, state_.nonce)) : std::nullopt;
   }
   /// The next command of this session, as given at the last look.
   [[nodiscard]] Command next(Command command) {
-    command.session = state_.session;
+    command.asker = {state_.session, 1};
     command.sequence = ++state_.sequence;
     command.clock_ms = state_.clock_ms;
     command.stops = state_.stops;
     return command;
   }
+  [[nodiscard]] Registers sealed_registers(const Command& command) const {
+    return sealed(registers_of(command, 0), Keyed::command, key());
+  }
+  [[nodiscard]] Registers sealed_registers(const WindowOpen& window) const {
+    return sealed(registers_of(window, 0), Keyed::window, key());
+  }
   CommandResult send(const Command& command) {
-    (void)server_->write(kCommand.first, registers_of(command, 0));
+    (void)server_->write(kCommand.first, sealed_registers(command));
     return result();
   }
   CommandResult give(const Command& command) {
     (void)look();
     return send(next(command));
+  }
+  WindowAck open(const WindowOpen& window) {
+    (void)server_->write(kWindowOpen.first, sealed_registers(window));
+    return value_in<WindowAck>(server_->read(kWindowAck.first, kWindowAck.count).value()).value();
   }
   [[nodiscard]] CommandResult result() const {
     return value_in<CommandResult>(server_->read(kCommandResult.first, kCommandResult.count).value()).value();
@@ -236,15 +270,35 @@ class RegisterHost {
   [[nodiscard]] std::uint32_t session() const { return state_.session; }
 
  private:
+  template <class T>
+  ArmAnswer ask(const Block& block, const T& value) {
+    (void)server_->write(block.first, registers_of(value, 0));
+    return value_in<ArmAnswer>(server_->read(kArmAnswer.first, kArmAnswer.count).value()).value();
+  }
   RegisterServer* server_;
   SessionOpen self_;
   SessionState state_;
+  std::optional<Secret> secret_;
 };
+
+/// A block of a window as its host sends it.
+inline Registers block_registers(const std::optional<Secret>& key, const WindowOpen& window, std::uint16_t number,
+                                 std::span<const std::uint8_t> content) {
+  Registers registers(kBlockHeaderRegisters, 0);
+  registers[0] = window.tag();
+  registers[1] = number;
+  const Registers payload = packed(content);
+  put_check(registers, block_check(key, window, number,
+                                   window.coded ? unpacked(payload, 2 * payload.size())
+                                                : std::vector<std::uint8_t>(content.begin(), content.end())));
+  registers.insert(registers.end(), payload.begin(), payload.end());
+  return registers;
+}
 
 /// Serves the registers of a model that may lose its replies from a certain command on.
 class LosingServer : public RegisterServer {
  public:
-  LosingServer(UnitModel& model, const std::string& code) : RegisterServer(model, code), model_(&model) {}
+  LosingServer(UnitModel& model, const std::string& code) : RegisterServer(model, {code, true}), model_(&model) {}
   [[nodiscard]] tl::expected<Registers, ModbusException> read(std::uint16_t first, std::uint16_t count) override {
     auto block = RegisterServer::read(first, count);
     const bool asked_often = first == kMonitor.first || first == kIdentity.first;
@@ -257,7 +311,9 @@ class LosingServer : public RegisterServer {
   }
   [[nodiscard]] tl::expected<void, ModbusException> write(std::uint16_t first,
                                                           std::span<const std::uint16_t> values) override {
-    for (; first == kBlockWrite.first && model_->wrong_blocks_to_come > 0; --model_->wrong_blocks_to_come) {
+    if (first == kBlockWrite.first && model_->windows_to_spoil > 0 && values.front() != spoilt_) {
+      --model_->windows_to_spoil;
+      spoilt_ = values.front();
       Registers guessed(values.begin(), values.end());
       ++guessed[2];
       (void)RegisterServer::write(first, guessed);
@@ -273,14 +329,18 @@ class LosingServer : public RegisterServer {
 
  private:
   UnitModel* model_;
+  std::uint32_t spoilt_ = 0x10000;  ///< tag of the window into which a wrong block has come
 };
 
 /// Serves a model from a thread of its own. What tests change goes through `in_server`.
 class Workshop {
  public:
-  /// @param arm_code  that the unit shows; empty: no host needs one
-  explicit Workshop(ModbusServer made, std::string arm_code = {})
-      : server_(std::move(made)), address_(server_.address()), arm_code_(std::move(arm_code)) {
+  /// @param arm_code  that the unit shows; empty: one that every client knows
+  explicit Workshop(ModbusServer made, const std::string& arm_code = {})
+      : server_(std::move(made)),
+        address_(server_.address()),
+        arm_code_(arm_code.empty() ? "161803" : arm_code),
+        known_code_(arm_code.empty() ? arm_code_ : std::string()) {
     thread_ = std::thread([this] { run(); });
   }
   static Workshop on_pty(bool paced = false, int baud = 115'200) {
@@ -331,12 +391,12 @@ class Workshop {
     return {cancelled, timing};
   }
   [[nodiscard]] UnitClient client(const std::atomic<bool>* cancelled = nullptr) const {
-    return UnitClient(Link::open(address_, options(cancelled)).value());
+    return UnitClient(Link::open(address_, options(cancelled)).value(), {0, {}, known_code_});
   }
   [[nodiscard]] UnitClient client_of_tries(int tries) const {
     auto patience = options();
     patience.timing->tries = tries;
-    return UnitClient(Link::open(address_, patience).value());
+    return UnitClient(Link::open(address_, patience).value(), {0, {}, known_code_});
   }
 
  private:
@@ -355,6 +415,7 @@ class Workshop {
   ModbusServer server_;
   LinkAddress address_;
   std::string arm_code_;
+  std::string known_code_;  ///< of its clients
   UnitModel model_;
   std::mutex mutex_;
   std::function<void()> job_;

@@ -52,7 +52,7 @@ struct Bench {
     CHECK(unit.write_memory(staged.value, image) == UnitError::none);
     return tell(Command{.code = CommandCode::commit_staged,
                         .length = static_cast<std::uint32_t>(image.size()),
-                        .crc = crc32_of(image)});
+                        .digest = protocol::short_digest(protocol::digest_of(image))});
   }
 
   std::vector<std::uint8_t> image(const CurveFunction& compensation) {

@@ -128,7 +128,7 @@ TEST_CASE_FIXTURE(Bench, "an image that is not what was announced, or no image, 
   REQUIRE(unit.write_memory(kBankB.first, image) == UnitError::none);
   CHECK(tell(Command{.code = CommandCode::commit_staged,
                      .length = static_cast<std::uint32_t>(image.size()),
-                     .crc = crc32_of(image) + 1})
+                     .digest = protocol::short_digest(protocol::digest_of(image)) + 1})
             .error == UnitError::check_mismatch);
   CHECK(unit.status().commit_sequence == 1);
   CHECK(tell(CommandCode::abandon_staged).state == CommandState::done);
@@ -173,7 +173,7 @@ TEST_CASE_FIXTURE(Bench, "power lost at any byte of a transfer leaves the comple
     (void)other.unit.write_memory(other.tell(CommandCode::begin_staging).value, new_image);
     (void)other.tell(Command{.code = CommandCode::commit_staged,
                              .length = static_cast<std::uint32_t>(new_image.size()),
-                             .crc = crc32_of(new_image)});
+                             .digest = protocol::short_digest(protocol::digest_of(new_image))});
     other.unit.power(false);
     other.unit.memory().power_back();
     other.unit.power(true);

@@ -30,7 +30,7 @@ std::string hex_of(const FrameBytes& bytes) {
 
 // The frames of docs/protocol.md; CRCs from pymodbus.utilities.computeCRC.
 const FrameBytes kAskIdentity{0x01, 0x17, 0x01, 0x00, 0x00, 0x04, 0x00, 0x00, 0x00, 0x01, 0x02, 0x12, 0x34, 0x9D, 0x1A};
-const FrameBytes kIdentityReply{0x01, 0x17, 0x08, 0x12, 0x34, 0x00, 0x02, 0x00, 0x02, 0x00, 0x07, 0xB9, 0x43};
+const FrameBytes kIdentityReply{0x01, 0x17, 0x08, 0x12, 0x34, 0x00, 0x03, 0x00, 0x02, 0x00, 0x07, 0x84, 0x83};
 
 }  // namespace
 
@@ -51,9 +51,9 @@ TEST_CASE("the documentation shows the worked frame and every block at its addre
   CHECK(contains(document, hex_of(kAskIdentity)));
   CHECK(contains(document, hex_of(kIdentityReply)));
   for (const Block& block :
-       {kEcho,          kReadSelect, kCheckSelect, kWindowOpen, kCommand, kResultSelect, kSessionOpen,
-        kEventSelect,   kToken,      kBlockWrite,  kIdentity,   kStatus,  kMonitor,      kPointers,
-        kCommandResult, kWindowAck,  kMemory,      kChecks,     kSession, kEvents,       kActiveMap}) {
+       {kEcho,   kReadSelect, kCheckSelect, kWindowOpen, kCommand,   kResultSelect, kSessionOpen,   kEventSelect,
+        kToken,  kBlockWrite, kIdentity,    kStatus,     kMonitor,   kPointers,     kCommandResult, kWindowAck,
+        kMemory, kChecks,     kSession,     kEvents,     kActiveMap, kArmShare,     kArmConfirm,    kArmAnswer}) {
     const std::string row = fmt::format("| 0x{:04X} | {} |", block.first, block.count);
     CHECK_MESSAGE(contains(document, row), row);
   }
@@ -97,7 +97,7 @@ TEST_CASE_FIXTURE(FrameUnit, "no frame, however wrong, disturbs the next good on
   auto rtu = FrameCodec::make(Framing::rtu, 1).value();
   auto tcp = FrameCodec::make(Framing::tcp, 1).value();
   const FrameBytes good_tcp{0, 7, 0, 0, 0, 6, 1, 3, 1, 1, 0, 1};
-  const FrameBytes good_tcp_reply{0, 7, 0, 0, 0, 5, 1, 3, 2, 0, 2};
+  const FrameBytes good_tcp_reply{0, 7, 0, 0, 0, 5, 1, 3, 2, 0, 3};
   CHECK(rc::check([&] {
     auto pdu = *rc::gen::resize(240, rc::gen::arbitrary<FrameBytes>());
     const auto function = *rc::gen::element<std::uint8_t>(1, 3, 4, 6, 8, 15, 16, 17, 22, 23, 43, 65);
@@ -145,11 +145,11 @@ TEST_CASE("the length of a request is known as soon as its header is") {
 TEST_CASE_FIXTURE(FrameUnit, "a broadcast acts on nothing and gets no reply") {
   auto codec = FrameCodec::make(Framing::rtu, 1).value();
   RegisterHost host(server);
-  const Registers words = registers_of(host.next({.code = CommandCode::begin_staging}), 0);
+  const Registers words = host.sealed_registers(host.next({.code = CommandCode::begin_staging}));
   FrameBytes frame{0x00,
                    0x10,
                    0x00,
-                   0x30,
+                   static_cast<std::uint8_t>(kCommand.first),
                    0x00,
                    static_cast<std::uint8_t>(words.size()),
                    static_cast<std::uint8_t>(2 * words.size())};

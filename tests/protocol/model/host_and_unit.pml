@@ -10,8 +10,10 @@
  *   Link        loss, repetition and delay of requests, loss of replies; restart of a unit; time; a cable that is moved
  *
  * What is abstracted, and why nothing is hidden by it
- *   - A CRC agrees only with what it was computed over; numbers by chance (session, token) are all different. The odds
- *     against this, 2^-16 for a block and 2^-32 for the others, are arithmetic, not protocol.
+ *   - A keyed check agrees only with what its host computed it over, and numbers by chance (session, token) are all
+ *     different. The odds against this, 2^-64 for a check and 2^-32 for the numbers, are arithmetic, not protocol.
+ *   - Arming is one step, which only who knows the code gets through, in the session that he names: the exchange of keys
+ *     itself is not modelled (tests/protocol/registers/keys_test.cpp holds it to its document). No host forges.
  *   - The tags of all windows on axis memory are the same: chance may make two alike, and nothing may depend on it.
  *     Windows on system RAM have no token; there the tags of two hosts differ, as they do by chance.
  *   - A map is BLOCKS blocks, a block is the name of its map. Two blocks are enough for a mixture.
@@ -109,7 +111,7 @@ typedef Request {
   byte token;    /* of the staging; in a block: that its check was computed with */
   bit bank;      /* of the addresses */
   bit kept;      /* begin staging: 2, what is there; else 1, a copy of the active bank */
-  byte map;      /* commit: CRC-32 of the image; block: payload; checks: what is compared */
+  byte map;      /* commit: SHA-256 of the image; block: payload; checks: what is compared */
   byte tag;
   bit ram;       /* the window is system RAM */
   bit number;    /* of the block */
@@ -319,7 +321,7 @@ inline begin_staging_in_unit() {
   i = 0
 }
 
-/* "A map": the unit checks length, CRC and identity itself before it switches banks. */
+/* "A map": the unit checks length, SHA-256 and identity itself before it switches banks. */
 inline commit_in_unit() {
   i = 1 - unit[u].active_bank;
   if

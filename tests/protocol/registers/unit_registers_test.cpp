@@ -28,6 +28,13 @@ template <class T>
 T any() {
   return *rc::gen::arbitrary<T>();
 }
+template <class T>
+T any_octets() {
+  T octets{};
+  for (auto& octet : octets) octet = any<std::uint8_t>();
+  return octets;
+}
+Asker any_asker() { return {any<std::uint32_t>(), any<std::uint32_t>()}; }
 Approach any_approach() { return static_cast<Approach>(*rc::gen::inRange(-1, 2)); }
 
 Identity any_identity() {
@@ -98,20 +105,31 @@ TEST_CASE("every block has the length that the register map gives it") {
   CHECK(registers_of(ResultSelect{}, 0).size() == kResultSelect.count);
   CHECK(registers_of(SessionOpen{}, 0).size() == kSessionOpen.count);
   CHECK(registers_of(SessionState{}, 0).size() == kSession.count);
+  CHECK(registers_of(EchoAsk{}, 0).size() == kEcho.count);
+  CHECK(registers_of(ArmShare{}, 0).size() == kArmShare.count);
+  CHECK(registers_of(ArmConfirm{}, 0).size() == kArmConfirm.count);
+  CHECK(registers_of(ArmAnswer{}, 0).size() == kArmAnswer.count);
 }
 
 TEST_CASE("answer blocks do not overlap and fit one read") {
   const std::array blocks{kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck,
-                          kMemory,   kChecks, kEvents,  kSession,  kActiveMap};
+                          kMemory,   kChecks, kEvents,  kSession,  kActiveMap,     kArmAnswer};
   for (std::size_t i = 0; i + 1 < blocks.size(); ++i) {
     CHECK(blocks[i].end() <= blocks[i + 1].first);
     CHECK(blocks[i].count <= kMostRead);
   }
-  CHECK(kActiveMap.end() <= kRegisterSpace);
+  CHECK(kArmAnswer.end() <= kCheckSelect.first);
+  CHECK(kCheckSelect.end() <= kResultSelect.first);
+  CHECK(kResultSelect.end() <= kArmShare.first);
+  CHECK(kArmShare.end() <= kArmConfirm.first);
+  CHECK(kArmConfirm.end() <= kRegisterSpace);
+  CHECK(kEcho.end() <= kReadSelect.first);
+  CHECK(kReadSelect.end() <= kWindowOpen.first);
   CHECK(kWindowOpen.end() <= kCommand.first);
-  CHECK(kCommand.end() <= kResultSelect.first);
-  CHECK(kResultSelect.end() <= kSessionOpen.first);
-  CHECK(kSessionOpen.end() <= kBlockWrite.first);
+  CHECK(kCommand.end() <= kSessionOpen.first);
+  CHECK(kSessionOpen.end() <= kEventSelect.first);
+  CHECK(kEventSelect.end() <= kToken.first);
+  CHECK(kToken.end() <= kBlockWrite.first);
   CHECK(kBlockWrite.count <= kMostWrite);
   CHECK(kBlockWrite.end() <= kIdentity.first);
 }
@@ -123,7 +141,8 @@ TEST_CASE("typed values survive the way through registers") {
   }));
   CHECK(rc::check("active map", [] {
     const ActiveMap value{any_identity().serial_number, any<std::uint32_t>(), any<std::uint32_t>(),
-                          *one_of_first<Bank>(3),       any<std::uint32_t>(), any<std::uint32_t>()};
+                          *one_of_first<Bank>(3),       any<std::uint32_t>(), any<std::uint32_t>(),
+                          any_octets<ImageDigest>()};
     RC_ASSERT(value_in<ActiveMap>(registers_of(value, any<std::uint16_t>())).value() == value);
   }));
   CHECK(rc::check("status with its pointers", [] {
@@ -137,7 +156,7 @@ TEST_CASE("typed values survive the way through registers") {
     RC_ASSERT(value_in<MonitorSample>(registers_of(value, 1)).value() == value);
   }));
   CHECK(rc::check("command result", [] {
-    const CommandResult value{any<std::uint16_t>(),
+    const CommandResult value{any<std::uint32_t>(),
                               *one_of_first<CommandState>(5),
                               *one_of_first<UnitError>(kUnitErrorCount),
                               any<std::uint16_t>(),
@@ -148,26 +167,36 @@ TEST_CASE("typed values survive the way through registers") {
     RC_ASSERT(value_in<CommandResult>(registers_of(value, 1)).value() == value);
   }));
   CHECK(rc::check("window and acknowledgement", [] {
-    const WindowAck ack{any<std::uint16_t>(), *one_of_first<UnitError>(kUnitErrorCount),
+    const WindowAck ack{any<std::uint32_t>(), *one_of_first<UnitError>(kUnitErrorCount),
                         any<std::uint32_t>(), any<std::uint32_t>(),
                         any<std::uint64_t>(), any<std::uint32_t>()};
     RC_ASSERT(value_in<WindowAck>(registers_of(ack, 1)).value() == ack);
-    const WindowOpen open{any<std::uint16_t>(), any<std::uint32_t>(), any<std::uint32_t>(),
-                          any<std::uint32_t>(), any<bool>(),          any<std::uint32_t>()};
+    const WindowOpen open{any<std::uint32_t>(), any<std::uint32_t>(), any<std::uint32_t>(),
+                          any<std::uint32_t>(), any<bool>(),          any_asker()};
     RC_ASSERT(value_in<WindowOpen>(registers_of(open, 1)).value() == open);
-    const CheckSelect select{any<std::uint32_t>(), any<std::uint32_t>(), any<std::uint16_t>()};
+    const CheckSelect select{any_asker(), any<std::uint32_t>(), any<std::uint32_t>(), any<std::uint16_t>()};
     RC_ASSERT(value_in<CheckSelect>(registers_of(select, 1)).value() == select);
   }));
   CHECK(rc::check("sessions", [] {
-    const SessionOpen open{any<std::uint16_t>(), any<std::uint64_t>(), any<std::uint32_t>(), any<std::uint32_t>(),
-                           printable(16)};
+    const SessionOpen open{any<std::uint32_t>(), any<std::uint16_t>(), any<std::uint64_t>(),
+                           any<std::uint32_t>(), any<std::uint32_t>(), printable(16)};
     RC_ASSERT(value_in<SessionOpen>(registers_of(open, 1)).value() == open);
     const SessionState state{any<std::uint16_t>(), *one_of_first<UnitError>(kUnitErrorCount),
-                             any<std::uint32_t>(), any<std::uint16_t>(),
-                             any<std::uint32_t>(), any<std::uint16_t>()};
+                             any<std::uint32_t>(), any<std::uint32_t>(),
+                             any<std::uint32_t>(), any<std::uint32_t>(),
+                             any<std::uint16_t>(), any<std::uint32_t>(),
+                             any<std::uint16_t>(), any<bool>(),
+                             any<std::uint64_t>()};
     RC_ASSERT(value_in<SessionState>(registers_of(state, 1)).value() == state);
-    const ResultSelect select{any<std::uint32_t>(), any<std::uint16_t>()};
+    const ResultSelect select{any_asker(), any<std::uint32_t>()};
     RC_ASSERT(value_in<ResultSelect>(registers_of(select, 1)).value() == select);
+    const ArmAnswer answer{*one_of_first<UnitError>(kUnitErrorCount), any<std::uint16_t>(), any_octets<Share>(),
+                           any_octets<Confirmation>(), any<std::uint32_t>()};
+    RC_ASSERT(value_in<ArmAnswer>(registers_of(answer, 1)).value() == answer);
+    const ArmShare share{any<std::uint32_t>(), any<std::uint16_t>(), any_octets<Share>()};
+    RC_ASSERT(value_in<ArmShare>(registers_of(share, 1)).value() == share);
+    const ArmConfirm confirm{any<std::uint32_t>(), any_octets<Confirmation>()};
+    RC_ASSERT(value_in<ArmConfirm>(registers_of(confirm, 1)).value() == confirm);
   }));
   CHECK(rc::check("bytes", [] {
     const auto bytes = any<std::vector<std::uint8_t>>();
@@ -181,11 +210,12 @@ TEST_CASE("each command carries the arguments that its code names") {
             .axis = Axis::Z,
             .output_um = -12.25,
             .relay_on = true,
-            .session = 0x12345678,
+            .asker = {0x12345678, 0x9ABCDEF0},
             .clock_ms = 70'000,
             .stops = 3};
   CHECK(value_in<Command>(registers_of(c, 1)).value() == c);
-  Command commit{.code = CommandCode::commit_staged, .length = 70'000, .crc = 0xDEADBEEF, .token = 0x12345678};
+  Command commit{
+      .code = CommandCode::commit_staged, .length = 70'000, .digest = 0xDEADBEEFDEADBEEF, .token = 0x12345678};
   CHECK(value_in<Command>(registers_of(commit, 1)).value() == commit);
   Command user{.code = CommandCode::run_user_software, .address = 0x040100, .argument = 0x12345678};
   CHECK(value_in<Command>(registers_of(user, 1)).value() == user);
@@ -227,26 +257,20 @@ TEST_CASE("text longer than its field is cut, never inside a character") {
   CHECK(value_in<CommandResult>(registers_of(result, 0)).value().text == std::string(79, 'x'));
 }
 
-TEST_CASE("a window has as many blocks of 240 bytes as its bytes need, the last one shorter") {
+TEST_CASE("a window has as many blocks of 234 bytes as its bytes need, the last one shorter") {
   CHECK(blocks_in(0) == 0);
   CHECK(blocks_in(1) == 1);
-  CHECK(blocks_in(240) == 1);
-  CHECK(blocks_in(241) == 2);
-  CHECK(bytes_in_block(241, 0) == 240);
-  CHECK(bytes_in_block(241, 1) == 1);
-  CHECK(bytes_in_block(241, 2) == 0);
+  CHECK(blocks_in(234) == 1);
+  CHECK(blocks_in(235) == 2);
+  CHECK(bytes_in_block(235, 0) == 234);
+  CHECK(bytes_in_block(235, 1) == 1);
+  CHECK(bytes_in_block(235, 2) == 0);
 }
 
 TEST_CASE("the bytes of all blocks are the bytes of the window") {
-  for (const std::uint32_t length : {1U, 239U, 240U, 1000U, static_cast<std::uint32_t>(kWindowBytes)}) {
+  for (const std::uint32_t length : {1U, 233U, 234U, 1000U, static_cast<std::uint32_t>(kWindowBytes)}) {
     std::size_t sum = 0;
     for (std::size_t number = 0; number < blocks_in(length); ++number) sum += bytes_in_block(length, number);
     CHECK(sum == length);
   }
-}
-
-TEST_CASE("the check of a block is the Modbus CRC-16 over session, token, tag, number and payload, high byte first") {
-  // of "0123456789AB9", by a program of its own that gives 0x4B37 for "123456789" as the catalogue of CRCs does
-  const std::vector<std::uint8_t> payload{'9'};
-  CHECK(block_check({0x3839, 0, 0, 0x34353637, false, 0x30313233}, 0x4142, payload) == 0x8101);
 }

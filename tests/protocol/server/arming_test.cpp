@@ -13,18 +13,11 @@ const std::string kShownCode = "271828";
 
 struct GuardedUnit {
   UnitModel model;
-  RegisterServer server{model, kShownCode};
+  RegisterServer server{model, {kShownCode, true}};
 };
 struct GuardedHost : GuardedUnit {
   RegisterHost host{server};
 };
-
-Command arming(const RegisterHost& host, std::string_view code, std::uint16_t minutes = 30) {
-  Command command{.code = CommandCode::arm};
-  command.minutes = minutes;
-  command.proof = arm_proof(code, host.session());
-  return command;
-}
 
 std::vector<HostEvent> events_of(RegisterServer& server, std::uint32_t first = 1) {
   (void)server.write(kEventSelect.first, registers_of(EventSelect{first}, 0));
@@ -35,11 +28,7 @@ std::vector<HostEvent> events_of(RegisterServer& server, std::uint32_t first = 1
   return events;
 }
 
-/// The error with which a window is opened.
-UnitError opened(RegisterServer& server, const WindowOpen& window) {
-  REQUIRE(server.write(kWindowOpen.first, registers_of(window, 0)).has_value());
-  return value_in<WindowAck>(server.read(kWindowAck.first, kWindowAck.count).value()).value().error;
-}
+const std::vector<std::uint8_t> kFourBytes{1, 2, 3, 4};
 
 }  // namespace
 
@@ -52,32 +41,30 @@ TEST_CASE_FIXTURE(GuardedHost,
     const bool is_free = switches_off(code) || code == CommandCode::abandon_staged || code == CommandCode::check_memory;
     CHECK((host.give({.code = code, .address = kBankA.first, .length = 10}).error == UnitError::not_armed) != is_free);
   }
-  CHECK(host.give(arming(host, kShownCode)).value == 1800);
+  CHECK(host.arm(kShownCode).armed_s == 1800);
   CHECK(host.look().armed_s == 1800);
   CHECK(host.give({.code = CommandCode::begin_staging}).state == CommandState::done);
 }
 
 TEST_CASE_FIXTURE(GuardedHost, "memory takes no window, and no block of an open one, from a host that is not armed") {
-  (void)host.give(arming(host, kShownCode, 1));
+  (void)host.arm(kShownCode, 1);
   const auto token = host.give({.code = CommandCode::begin_staging}).token;
-  WindowOpen window{5, kBankA.first, 4, token, false, host.session()};
-  CHECK(opened(server, window) == UnitError::none);
+  WindowOpen window{5, kBankA.first, 4, token, false, {host.session(), 1}};
+  CHECK(host.open(window).error == UnitError::none);
   model.unit_clock.ms += 60'000;
-  const std::vector<std::uint8_t> bytes{1, 2, 3, 4};
-  const Registers block{window.tag, 0, block_check(window, 0, bytes), 0x0102, 0x0304};
+  const Registers block = block_registers(host.key(), window, 0, kFourBytes);
   CHECK(server.write(kBlockWrite.first, block).error() == ModbusException::illegal_value);
-  CHECK(opened(server, window) == UnitError::not_armed);
+  CHECK(host.open(window).error == UnitError::not_armed);
   CHECK(model.bank_a[0] == 0);
 }
 
 TEST_CASE_FIXTURE(GuardedHost, "a block that comes first after a start of the unit is of no armed host") {
-  (void)host.give(arming(host, kShownCode, 1));
+  (void)host.arm(kShownCode, 1);
   const auto token = host.give({.code = CommandCode::begin_staging}).token;
-  const WindowOpen window{5, kBankA.first, 4, token, false, host.session()};
-  CHECK(opened(server, window) == UnitError::none);
+  const WindowOpen window{5, kBankA.first, 4, token, false, {host.session(), 1}};
+  CHECK(host.open(window).error == UnitError::none);
   ++model.unit_clock.starts;
-  const std::vector<std::uint8_t> bytes{1, 2, 3, 4};
-  const Registers block{window.tag, 0, block_check(window, 0, bytes), 0x0102, 0x0304};
+  const Registers block = block_registers(host.key(), window, 0, kFourBytes);
   CHECK(server.write(kBlockWrite.first, block).error() == ModbusException::illegal_value);
   CHECK(model.bank_a[0] == 0);
 }
@@ -87,7 +74,8 @@ TEST_CASE_FIXTURE(GuardedHost, "what names a session is read once, by the host t
   (void)host.give({.code = CommandCode::output_off});
   CHECK(value_in<SessionState>(server.read(kSession.first, kSession.count).value()).value().session == 0);
   CHECK(value_in<CommandResult>(server.read(kCommandResult.first, kCommandResult.count).value()).value().session == 0);
-  for (const Block& block : {kWindowOpen, kCommand, kResultSelect, kSessionOpen}) {
+  CHECK_FALSE(server.read(kResultSelect.first, kResultSelect.count).has_value());
+  for (const Block& block : {kWindowOpen, kCommand, kSessionOpen}) {
     const Registers read_back = server.read(block.first, block.count).value();
     CHECK(std::all_of(read_back.begin() + 1, read_back.end(), [](std::uint16_t word) { return word == 0; }));
   }
@@ -95,44 +83,95 @@ TEST_CASE_FIXTURE(GuardedHost, "what names a session is read once, by the host t
 
 TEST_CASE_FIXTURE(GuardedUnit, "a window of a host that is not armed leaves that of an armed one open") {
   RegisterHost armed(server, 1), stranger(server, 2);
-  (void)armed.give(arming(armed, kShownCode));
-  const WindowOpen window{5,     kBankA.first,   4, armed.give({.code = CommandCode::begin_staging}).token,
-                          false, armed.session()};
-  CHECK(opened(server, window) == UnitError::none);
+  (void)armed.arm(kShownCode);
+  const WindowOpen window{5,     kBankA.first,        4, armed.give({.code = CommandCode::begin_staging}).token,
+                          false, {armed.session(), 1}};
+  CHECK(armed.open(window).error == UnitError::none);
   WindowOpen other = window;
-  other.tag = 6;
-  other.session = stranger.session();
-  CHECK(opened(server, other) == UnitError::not_armed);
-  other.session = 12345;
-  CHECK(opened(server, other) == UnitError::session_unknown);
-  const std::vector<std::uint8_t> bytes{1, 2, 3, 4};
-  other.session = stranger.session();
-  other.tag = window.tag;
-  const Registers forged{window.tag, 0, block_check(other, 0, bytes), 0x0102, 0x0304};
-  CHECK(server.write(kBlockWrite.first, forged).error() == ModbusException::illegal_value);
-  const Registers block{window.tag, 0, block_check(window, 0, bytes), 0x0102, 0x0304};
-  CHECK(server.write(kBlockWrite.first, block).has_value());
-  CHECK(opened(server, window) == UnitError::none);
+  other.number = 6;
+  CHECK(stranger.open(other).error == UnitError::wrong_key);  // in the armed host's session, without its key
+  other.asker.session = stranger.session();
+  CHECK(stranger.open(other).error == UnitError::not_armed);
+  other.asker.session = 12345;
+  CHECK(stranger.open(other).error == UnitError::session_unknown);
+  CHECK(server.write(kBlockWrite.first, block_registers(armed.key(), window, 0, kFourBytes)).has_value());
+  CHECK(armed.open(window).error == UnitError::none);
   CHECK(model.bank_a[3] == 4);
+}
+
+TEST_CASE_FIXTURE(GuardedUnit, "a block without the key of its host closes the window and writes nothing") {
+  RegisterHost armed(server, 1);
+  (void)armed.arm(kShownCode);
+  const WindowOpen window{5,     kBankA.first,        4, armed.give({.code = CommandCode::begin_staging}).token,
+                          false, {armed.session(), 1}};
+  CHECK(armed.open(window).error == UnitError::none);
+  CHECK(server.write(kBlockWrite.first, block_registers(std::nullopt, window, 0, kFourBytes)).error() ==
+        ModbusException::illegal_value);
+  CHECK(armed.open(window).error == UnitError::check_mismatch);
+  CHECK(model.bank_a[0] == 0);
+}
+
+TEST_CASE_FIXTURE(GuardedUnit,
+                  "in the session of an armed host only its key gives commands, but everybody may switch off") {
+  RegisterHost armed(server, 1);
+  (void)armed.arm(kShownCode);
+  (void)armed.look();
+  const Command begin = armed.next({.code = CommandCode::begin_staging});
+  const auto given = [&](const Command& command, const std::optional<Secret>& key) {
+    (void)server.write(kCommand.first, sealed(registers_of(command, 0), Keyed::command, key));
+    return armed.result();
+  };
+  CHECK(given(begin, std::nullopt).error == UnitError::wrong_key);
+  CHECK(given(begin, Secret{1}).error == UnitError::wrong_key);
+  CHECK(model.log.empty());
+  CHECK(given(begin, armed.key()).state == CommandState::done);
+  Command off = armed.next({.code = CommandCode::output_off});
+  off.sequence += 1'000'000;
+  CHECK(given(off, std::nullopt).state == CommandState::done);
+  CHECK(armed.give({.code = CommandCode::clear_fault}).state == CommandState::done);  // its count goes on
+  off.asker.session = 0;
+  CHECK(given(off, std::nullopt).state == CommandState::done);  // nobody needs a session for it
+  off.code = CommandCode::clear_fault;
+  CHECK(given(off, std::nullopt).state != CommandState::done);
+}
+
+TEST_CASE_FIXTURE(GuardedUnit,
+                  "answers to an armed host carry its check, bound to what it asked, those to others none") {
+  RegisterHost armed(server, 1);
+  (void)armed.arm(kShownCode);
+  (void)armed.look();
+  const auto asked = [&](std::uint32_t session, std::uint32_t challenge, std::uint16_t echo) {
+    (void)server.write(kEcho.first, registers_of(EchoAsk{{session, challenge}}, echo));
+    return server.read(kActiveMap.first, kActiveMap.count).value();
+  };
+  const Secret key = armed.key().value();
+  const Registers answer = asked(armed.session(), 7, 9);
+  CHECK(check_at_end(answer) == answer_check(key, kActiveMap, 7, answer));
+  CHECK(check_at_end(answer) != answer_check(key, kActiveMap, 8, answer));
+  CHECK(check_at_end(answer) != answer_check(key, kSession, 7, answer));
+  CHECK(check_at_end(asked(armed.session(), 7, 10)) != check_at_end(answer));
+  CHECK(check_at_end(asked(armed.session() + 1, 7, 9)) == 0);
+  CHECK(check_at_end(server.read(kActiveMap.first, kActiveMap.count).value()) == 0);  // nobody asked
 }
 
 TEST_CASE_FIXTURE(GuardedUnit,
                   "a host is armed with all its programs, for its minutes; another host and another start are not") {
   RegisterHost host(server, 1);
   RegisterHost other(server, 2);
-  (void)host.give(arming(host, kShownCode, 2));
+  (void)host.arm(kShownCode, 2);
   CHECK(other.look().armed_s == 0);
   RegisterHost same(server, 1, 77);
+  same.share_with(host);
   CHECK(same.session() != host.session());
   CHECK(same.look().armed_s == 120);
   model.unit_clock.ms += 119'999;
   CHECK(host.look().armed_s == 1);
   model.unit_clock.ms += 1;
   CHECK(host.look().armed_s == 0);
-  (void)host.give(arming(host, kShownCode, 2));
-  CHECK(host.give(arming(host, "", 0)).state == CommandState::done);
+  (void)host.arm(kShownCode, 2);
+  CHECK(host.give({.code = CommandCode::arm}).state == CommandState::done);
   CHECK(host.look().armed_s == 0);
-  (void)host.give(arming(host, kShownCode, 2));
+  (void)host.arm(kShownCode, 2);
   ++model.unit_clock.starts;
   CHECK(host.look().armed_s == 0);
 }
@@ -140,31 +179,119 @@ TEST_CASE_FIXTURE(GuardedUnit,
 TEST_CASE_FIXTURE(
     GuardedHost, "after a wrong code no code is looked at for a while, twice as long with each one, at most a minute") {
   for (const unsigned wait : {1U, 2U, 4U, 8U, 16U, 32U, 60U, 60U}) {
-    CHECK(host.give(arming(host, "314159")).error == UnitError::wrong_code);
+    CHECK(host.arm("314159").error == UnitError::wrong_code);
     CHECK(host.look().wait_s == wait);
-    CHECK(host.give(arming(host, kShownCode)).error == UnitError::too_many_codes);
+    CHECK(host.arm(kShownCode).error == UnitError::too_many_codes);
     CHECK(host.look().armed_s == 0);
     model.unit_clock.ms += std::uint64_t{1000} * wait;
   }
-  CHECK(host.give(arming(host, kShownCode)).state == CommandState::done);
+  CHECK(host.arm(kShownCode).error == UnitError::none);
 }
 
-TEST_CASE_FIXTURE(GuardedUnit, "the proof of one session arms no other") {
+TEST_CASE_FIXTURE(GuardedHost,
+                  "a guess costs an exchange: the second confirmation of one gets the answer of the first") {
+  const ExchangeTerms terms = exchange_terms("314159", model.serial_number, host.session(), 30);
+  const HalfExchange own = half_exchange(terms);
+  const auto ask = [&](const Block& block, const auto& value) {
+    (void)server.write(block.first, registers_of(value, 0));
+    return value_in<ArmAnswer>(server.read(kArmAnswer.first, kArmAnswer.count).value()).value();
+  };
+  const ArmAnswer shared = ask(kArmShare, ArmShare{host.session(), 30, own.share});
+  CHECK(shared.confirmation == Confirmation{});  // the unit shows nothing that a guess could be held against
+  const auto confirmed = [&](std::string_view code) {
+    const ExchangeTerms guess = exchange_terms(code, model.serial_number, host.session(), 30);
+    const SharedKey key = shared_key(guess, End::host, own, shared.share).value();
+    return ask(kArmConfirm, ArmConfirm{host.session(), confirmation_of(guess, End::host, key, own.share)});
+  };
+  CHECK(confirmed("314159").error == UnitError::wrong_code);
+  CHECK(confirmed(kShownCode).error == UnitError::wrong_code);
+  CHECK(host.look().armed_s == 0);
+  CHECK(host.look().wait_s == 1);
+}
+
+TEST_CASE_FIXTURE(GuardedHost, "a share that is no point, or the neutral element, ends the exchange") {
+  Share neutral{}, no_point{};
+  no_point.fill(0xFF);
+  for (const Share& share : {neutral, no_point}) {
+    (void)server.write(kArmShare.first, registers_of(ArmShare{host.session(), 30, share}, 0));
+    const auto answer = value_in<ArmAnswer>(server.read(kArmAnswer.first, kArmAnswer.count).value()).value();
+    CHECK(answer.error == UnitError::wrong_key);
+    CHECK(answer.share == Share{});
+  }
+  CHECK(host.look().wait_s == 0);
+}
+
+TEST_CASE_FIXTURE(GuardedHost,
+                  "of exchanges one place gets eight at once and ten a second: they take time of the loop") {
+  int answered = 0;
+  for (int k = 0; k < 50; ++k) {
+    const HalfExchange own = half_exchange(exchange_terms("", model.serial_number, host.session(), 30));
+    (void)server.write(kArmShare.first, registers_of(ArmShare{host.session(), 30, own.share}, 0));
+    const auto answer = value_in<ArmAnswer>(server.read(kArmAnswer.first, kArmAnswer.count).value()).value();
+    answered += answer.error == UnitError::none;
+    model.unit_clock.ms += 20;
+  }
+  CHECK(answered >= 8 + 9);
+  CHECK(answered <= 8 + 10);
+}
+
+TEST_CASE_FIXTURE(GuardedUnit, "wrong codes from one place delay no other place") {
+  server.arrives_on(1, "10.0.0.66");
+  RegisterHost stranger(server, 2);
+  for (int k = 0; k < 5; ++k) (void)stranger.arm("314159");
+  CHECK(stranger.look().wait_s > 0);
+  server.arrives_on(2, "10.0.0.5");
   RegisterHost host(server, 1);
-  RegisterHost thief(server, 2);
-  CHECK(thief.give(arming(host, kShownCode)).error == UnitError::wrong_code);
+  CHECK(host.look().wait_s == 0);
+  CHECK(host.arm(kShownCode).error == UnitError::none);
+}
+
+TEST_CASE("after a hundred wrong codes a unit shows another one, and with a fixed one it looks at one a minute") {
+  for (const bool fixed : {false, true}) {
+    CAPTURE(fixed);
+    UnitModel model;
+    RegisterServer server(model, {kShownCode, fixed});
+    for (unsigned k = 0; k < kMostWrongCodes; ++k) {
+      server.arrives_on(k, "10.0.0." + std::to_string(k));
+      CHECK(RegisterHost(server, 2).arm("wrong").error == UnitError::wrong_code);
+    }
+    server.arrives_on(1000, "10.0.1.1");
+    RegisterHost host(server, 1);
+    CHECK(model.shown_code.empty() == fixed);
+    if (!fixed) {
+      CHECK(model.shown_code != kShownCode);
+      CHECK(host.arm(model.shown_code).error == UnitError::none);
+      continue;
+    }
+    CHECK(host.look().wait_s == 60);
+    model.unit_clock.ms += 60'000;
+    CHECK(host.arm(kShownCode).error == UnitError::none);
+  }
+}
+
+TEST_CASE_FIXTURE(GuardedUnit, "what strangers do washes away no event of an armed host") {
+  RegisterHost armed(server, 7);
+  (void)armed.arm(kShownCode);
+  (void)armed.give({.code = CommandCode::begin_staging});
+  for (std::uint32_t k = 0; k < 200; ++k) {
+    RegisterHost stranger(server, 100 + k);
+    (void)stranger.give({.code = CommandCode::output_off});
+  }
+  CHECK(events_of(server)[0].code == CommandCode::arm);
+  CHECK(events_of(server)[1].code == CommandCode::begin_staging);
+  CHECK(armed.give({.code = CommandCode::clear_fault}).state == CommandState::done);  // its session is there yet
 }
 
 TEST_CASE("the unit keeps what hosts did and tried, with host, time and result") {
   UnitModel model;
   model.unit_clock.ms = 61'500;
-  RegisterServer server(model, kShownCode);
+  RegisterServer server(model, {kShownCode, true});
   RegisterHost host(server, 7);
   Command output{.code = CommandCode::output_compensation};
   output.output_um = 5.0;
   output.relay_on = true;
   (void)host.give(output);
-  (void)host.give(arming(host, kShownCode));
+  (void)host.arm(kShownCode);
   (void)host.give(output);
   (void)host.give(output);
   (void)host.give({.code = CommandCode::check_memory, .address = kBankA.first, .length = 10});
@@ -188,20 +315,20 @@ TEST_CASE("a command that takes time ends in the list of events as it ended, and
   RegisterHost host(server);
   (void)host.give({.code = CommandCode::test_datum});
   (void)host.give({.code = CommandCode::stop});
-  CHECK(events_of(server)[0].state == CommandState::failed);
-  CHECK(events_of(server)[0].error == UnitError::stopped);
+  CHECK(events_of(server)[1].state == CommandState::failed);  // behind that of arming
+  CHECK(events_of(server)[1].error == UnitError::stopped);
   for (int k = 0; k < 100; ++k) {
     Command position{.code = CommandCode::set_axis_position};
     position.position_mm = k;
     (void)host.give(position);
   }
-  CHECK(events_of(server)[0].number == 102 - 64 + 1);
+  CHECK(events_of(server)[0].number == 103 - 64 + 1);
 }
 
 TEST_CASE_FIXTURE(GuardedUnit, "an arming that ends on its own and an output that ends without its host are events") {
   RegisterHost silent(server, 7), other(server, 8);
-  (void)silent.give(arming(silent, kShownCode, 2));
-  (void)other.give(arming(other, kShownCode, 30));
+  (void)silent.arm(kShownCode, 2);
+  (void)other.arm(kShownCode, 30);
   Command output{.code = CommandCode::output_compensation};
   output.relay_on = true;
   (void)silent.give(output);
@@ -222,30 +349,27 @@ TEST_CASE_FIXTURE(GuardedUnit, "an arming that ends on its own and an output tha
   CHECK(events[1].host == "host 7");
   CHECK(events[1].unit_time_s == 125);
   CHECK(events_of(server, 6).empty());  // each is reported once
-  (void)other.give(arming(other, "", 0));
+  (void)other.give({.code = CommandCode::arm});
   model.unit_clock.ms += 10'000'000;
   CHECK(events_of(server, 7).empty());  // who ends it itself
 }
 
-TEST_CASE("a window that is closed for wrong checks is an event of the host that had opened it") {
+TEST_CASE("a window that is closed for a wrong check is an event of the host that had opened it") {
   UnitModel model;
   RegisterServer server(model);
   RegisterHost host(server, 7);
   const auto token = host.give({.code = CommandCode::begin_staging}).token;
-  CHECK(opened(server, {5, kBankA.first, 480, token, false, host.session()}) == UnitError::none);
-  const Registers wrong(kBlockHeaderRegisters + kBlockBytes / 2, 5);
-  for (int k = 0; k < 3; ++k) {
-    Registers block = wrong;
-    block[1] = 0;
-    CHECK_FALSE(server.write(kBlockWrite.first, block).has_value());
-  }
-  const auto events = events_of(server, 2);
+  const WindowOpen window{5, kBankA.first, 480, token, false, {host.session(), 1}};
+  CHECK(host.open(window).error == UnitError::none);
+  const std::vector<std::uint8_t> bytes(kBlockBytes);
+  CHECK_FALSE(server.write(kBlockWrite.first, block_registers(std::nullopt, window, 0, bytes)).has_value());
+  const auto events = events_of(server, 3);
   CHECK(only(events).host == "host 7");
   CHECK(events[0].error == UnitError::check_mismatch);
   CHECK(events[0].state == CommandState::refused);
 }
 
 TEST_CASE_FIXTURE(GuardedHost, "nobody is armed for more than a day") {
-  CHECK(host.give(arming(host, kShownCode, kMostArmed_min + 1)).error == UnitError::bad_argument);
-  CHECK(host.give(arming(host, kShownCode, kMostArmed_min)).value == 86'400);
+  CHECK(host.arm(kShownCode, kMostArmed_min + 1).error == UnitError::bad_argument);
+  CHECK(host.arm(kShownCode, kMostArmed_min).armed_s == 86'400);
 }

@@ -15,6 +15,7 @@ using namespace ecs::protocol;
 namespace {
 
 constexpr std::uint32_t kStagingToken = 0xA1B2C3D4;
+const std::optional<Secret> kKey = Secret{1, 2, 3};
 
 struct StagedWindow {
   StagedWindow() { window.stage_under(kStagingToken); }
@@ -22,12 +23,10 @@ struct StagedWindow {
   MemoryWindow window{model};
 };
 
-Registers block_of(const WindowOpen& window, std::uint16_t number, const std::vector<std::uint8_t>& image) {
+Registers block_of(const WindowOpen& window, std::uint16_t number, const std::vector<std::uint8_t>& image,
+                   const std::optional<Secret>& key = kKey) {
   const auto part = std::span(image).subspan(number * kBlockBytes, bytes_in_block(window.length, number));
-  Registers registers{window.tag, number, block_check(window, number, part)};
-  const auto payload = packed(part);
-  registers.insert(registers.end(), payload.begin(), payload.end());
-  return registers;
+  return block_registers(key, window, number, part);
 }
 
 }  // namespace
@@ -48,7 +47,7 @@ TEST_CASE("blocks in any order, some twice, give the memory that was sent") {
     shuffle(order, random);
     for (const auto n : order) {
       RC_ASSERT(window.ack().crc == 0 || window.ack().crc == crc32_of(image));
-      RC_ASSERT(window.take(block_of(open, n, image)));
+      RC_ASSERT(window.take(block_of(open, n, image), kKey));
     }
     RC_ASSERT(window.ack().crc == crc32_of(image));
     RC_ASSERT(std::equal(image.begin(), image.end(), model.bank_a.begin() + 100));
@@ -59,29 +58,40 @@ TEST_CASE("blocks in any order, some twice, give the memory that was sent") {
 
 TEST_CASE_FIXTURE(StagedWindow, "a block that is not intact, of another window or beyond its end is not taken") {
   const auto image = noise_image(1000);
-  const WindowOpen open{5, kBankA.first, 1000, kStagingToken};
+  WindowOpen open{5, kBankA.first, 1000, kStagingToken};
   window.open(open);
-  auto flipped = block_of(open, 0, image);
-  flipped[50] ^= 0x0100;
-  CHECK_FALSE(window.take(flipped));
-  auto moved = block_of(open, 0, image);
-  moved[1] = 1;
-  CHECK_FALSE(window.take(moved));
-  CHECK_FALSE(window.take(block_of({6, kBankA.first, 1000, kStagingToken}, 0, image)));
+  CHECK_FALSE(window.take(block_of({6, kBankA.first, 1000, kStagingToken}, 0, image), kKey));
   auto cut = block_of(open, 0, image);
   cut.pop_back();
-  CHECK_FALSE(window.take(cut));
-  Registers beyond{5, 5, block_check(open, 5, {})};
-  CHECK_FALSE(window.take(beyond));
+  CHECK_FALSE(window.take(cut, kKey));
+  CHECK_FALSE(window.take(block_registers(kKey, open, 5, {}), kKey));
+  CHECK(window.ack().error == UnitError::none);
+  const auto closes = [&](const Registers& block) {
+    ++open.number;
+    window.open(open);
+    CHECK_FALSE(window.take(block, kKey));
+  };
+  const auto next = [&](WindowOpen of) {
+    ++of.number;
+    return of;
+  };
+  auto flipped = block_of(next(open), 0, image);
+  flipped[50] ^= 0x0100;
+  closes(flipped);
+  auto moved = block_of(next(open), 0, image);
+  moved[1] = 1;
+  closes(moved);
+  closes(block_of(next(open), 0, image, Secret{}));
+  CHECK(window.ack().error == UnitError::check_mismatch);
   CHECK(window.ack().received == 0);
   CHECK(std::all_of(model.bank_a.begin(), model.bank_a.end(), [](auto b) { return b == 0; }));
 }
 
-TEST_CASE_FIXTURE(StagedWindow, "the same tag again keeps what has arrived, a new tag starts afresh") {
+TEST_CASE_FIXTURE(StagedWindow, "the same number again keeps what has arrived, a new one starts afresh") {
   const auto image = noise_image(1000);
   const WindowOpen open{5, kBankA.first, 1000, kStagingToken};
   window.open(open);
-  CHECK(window.take(block_of(open, 2, image)));
+  CHECK(window.take(block_of(open, 2, image), kKey));
   window.open(open);
   CHECK(window.ack().received == 0b100);
   window.open({6, kBankA.first, 1000, kStagingToken});
@@ -92,7 +102,7 @@ TEST_CASE_FIXTURE(StagedWindow, "a window onto memory that may not be written st
   const auto image = noise_image(1000);
   window.open({5, 0x900000, 1000});
   CHECK(window.ack().error == UnitError::address_unknown);
-  CHECK_FALSE(window.take(block_of({5, 0x900000, 1000}, 0, image)));
+  CHECK_FALSE(window.take(block_of({5, 0x900000, 1000}, 0, image), kKey));
   model.mode = UnitMode::compensating;
   window.open({6, kBankA.first, 1000, kStagingToken});
   CHECK(window.ack().error == UnitError::not_in_integration_mode);
@@ -101,52 +111,47 @@ TEST_CASE_FIXTURE(StagedWindow, "a window onto memory that may not be written st
   CHECK(window.ack().error == UnitError::bad_argument);
 }
 
-TEST_CASE_FIXTURE(StagedWindow,
-                  "the third wrong check of a block closes the window, and what came before stays in memory") {
+TEST_CASE_FIXTURE(StagedWindow, "a wrong check of a block closes the window, and what came before stays in memory") {
   const auto image = noise_image(1000);
   const WindowOpen open{5, kBankA.first, 1000, kStagingToken};
   window.open(open);
+  CHECK(window.take(block_of(open, 0, image), kKey));
   auto wrong = block_of(open, 1, image);
   wrong[2] ^= 1;
-  CHECK_FALSE(window.take(wrong));
-  CHECK(window.take(block_of(open, 0, image)));
-  CHECK_FALSE(window.take(wrong));
-  CHECK(window.ack().error == UnitError::none);
-  CHECK_FALSE(window.take(wrong));
+  CHECK_FALSE(window.take(wrong, kKey));
   CHECK(window.ack().error == UnitError::check_mismatch);
   CHECK(window.ack().received == 0);
-  CHECK_FALSE(window.take(block_of(open, 1, image)));
+  CHECK_FALSE(window.take(block_of(open, 1, image), kKey));
   window.open(open);  // the same window again changes nothing
   CHECK(window.ack().error == UnitError::check_mismatch);
   const WindowOpen next{6, kBankA.first, 1000, kStagingToken};
   window.open(next);
-  CHECK(window.take(block_of(next, 1, image)));
+  CHECK(window.take(block_of(next, 1, image), kKey));
   CHECK(std::equal(image.begin(), image.begin() + 2 * kBlockBytes, model.bank_a.begin()));
 }
 
 TEST_CASE("only the connection that opened a window fills it, and a host that connects again goes on where it was") {
   UnitModel model;
   RegisterServer server(model);
-  server.arrives_on(1);
+  server.arrives_on(1, "");
   RegisterHost host(server);
   const auto token = host.give({.code = CommandCode::begin_staging}).token;
   const auto image = noise_image(1000);
-  const WindowOpen open{5, kBankA.first, 1000, token, false, host.session()};
+  const WindowOpen open{5, kBankA.first, 1000, token, false, {host.session(), 1}};
   const auto opened = [&](std::uint64_t connection) {
-    server.arrives_on(connection);
-    REQUIRE(server.write(kWindowOpen.first, registers_of(open, 1)).has_value());
-    return value_in<WindowAck>(server.read(kWindowAck.first, kWindowAck.count).value()).value();
+    server.arrives_on(connection, "");
+    return host.open(open);
   };
   const auto taken = [&](std::uint64_t connection, std::uint16_t number) {
-    server.arrives_on(connection);
-    return server.write(kBlockWrite.first, block_of(open, number, image)).has_value();
+    server.arrives_on(connection, "");
+    return server.write(kBlockWrite.first, block_of(open, number, image, host.key())).has_value();
   };
   CHECK(opened(1).error == UnitError::none);
   CHECK(taken(1, 0));
-  CHECK_FALSE(taken(2, 1));  // its check is right: somebody has found it
-  server.arrives_on(2);
+  CHECK_FALSE(taken(2, 1));
+  server.arrives_on(2, "");
   for (std::uint16_t check = 0; check < 100; ++check) {
-    auto guessed = block_of(open, 1, image);
+    auto guessed = block_of(open, 1, image, host.key());
     guessed[2] = check;
     CHECK_FALSE(server.write(kBlockWrite.first, guessed).has_value());
   }
@@ -167,10 +172,9 @@ TEST_CASE("axis memory takes a block only under the token of the staging that go
   window.stage_under(kStagingToken);
   const WindowOpen open{6, kBankA.first, 1000, kStagingToken};
   window.open(open);
-  CHECK(window.take(block_of(open, 0, image)));
-  CHECK_FALSE(window.take(block_of({6, kBankA.first, 1000, kStagingToken + 1}, 1, image)));
+  CHECK(window.take(block_of(open, 0, image), kKey));
   window.stage_under(kStagingToken + 1);
-  CHECK_FALSE(window.take(block_of(open, 1, image)));
+  CHECK_FALSE(window.take(block_of(open, 1, image), kKey));
   CHECK(window.ack().error == UnitError::token_expired);
   CHECK(window.ack().received == 0);
   window.open({7, kBankA.first, 1000, 0});
@@ -197,29 +201,26 @@ TEST_CASE("a staging ends with the next one, with its commit and when it is aban
   CHECK(host.give({.code = CommandCode::commit_staged, .token = second}).error == UnitError::no_staging);
 }
 
-TEST_CASE("a window belongs to a session that the unit knows") {
+TEST_CASE("a window belongs to a session that the unit knows, and its numbers rise") {
   UnitModel model;
   RegisterServer server(model);
   RegisterHost host(server);
   const auto token = host.give({.code = CommandCode::begin_staging}).token;
-  const auto error_of = [&](std::uint32_t session) {
-    const WindowOpen open{5, kBankA.first, 1000, token, false, session};
-    REQUIRE(server.write(kWindowOpen.first, registers_of(open, 1)).has_value());
-    return value_in<WindowAck>(server.read(kWindowAck.first, kWindowAck.count).value()).value().error;
+  const auto error_of = [&](std::uint32_t session, std::uint32_t number) {
+    return host.open({number, kBankA.first, 1000, token, false, {session, 1}}).error;
   };
-  CHECK(error_of(host.session()) == UnitError::none);
-  CHECK(error_of(host.session() + 1) == UnitError::session_unknown);
-  CHECK(error_of(0) == UnitError::session_unknown);
+  CHECK(error_of(host.session(), 5) == UnitError::none);
+  CHECK(error_of(host.session() + 1, 6) == UnitError::session_unknown);
+  CHECK(error_of(0, 6) == UnitError::session_unknown);
+  CHECK(error_of(host.session(), 5) == UnitError::none);  // the one that is open
+  CHECK(error_of(host.session(), 6) == UnitError::none);
+  CHECK(error_of(host.session(), 5) == UnitError::token_expired);
 }
 
 namespace {
 
-/// A frame of a coded window as the host makes it.
 Registers coded_frame(const WindowOpen& window, std::uint16_t number, const std::vector<std::uint8_t>& code) {
-  const auto payload = packed(code);
-  Registers registers{window.tag, number, block_check(window, number, unpacked(payload, 2 * payload.size()))};
-  registers.insert(registers.end(), payload.begin(), payload.end());
-  return registers;
+  return block_registers(kKey, window, number, code);
 }
 
 std::vector<std::uint8_t> smooth_image() {
@@ -243,12 +244,12 @@ TEST_CASE("coded frames give the memory that was sent, in their order only") {
   for (std::size_t at = 240; at < 1000; at += 120)
     rest.append(coded_block(image, at, std::min<std::size_t>(at + 120, 1000)));
   const Registers second = coded_frame(open, 2 | 6 << 8, rest.bytes());
-  CHECK_FALSE(window.take(second));  // what it is decoded after is not there
+  CHECK_FALSE(window.take(second, kKey));  // what it is decoded after is not there
   CHECK(window.ack().received == 0);
-  CHECK(window.take(coded_frame(open, 0 | 1 << 8, first.bytes())));
+  CHECK(window.take(coded_frame(open, 0 | 1 << 8, first.bytes()), kKey));
   CHECK(window.ack().received == 0b11);
-  CHECK(window.take(second));
-  CHECK(window.take(second));
+  CHECK(window.take(second, kKey));
+  CHECK(window.take(second, kKey));
   CHECK(window.ack().crc == crc32_of(image));
   CHECK(std::equal(image.begin(), image.end(), model.bank_a.begin()));
 }
@@ -261,16 +262,13 @@ TEST_CASE("a coded frame that makes no sense is refused without a write") {
   const WindowOpen open{5, kBankA.first, 240, kStagingToken, true};
   window.open(open);
   const auto code = coded_block(image, 0, 120).bytes();
-  CHECK_FALSE(window.take(coded_frame(open, 0 | 1 << 8, code)));   // two blocks announced, one there
-  CHECK_FALSE(window.take(coded_frame(open, 2, code)));            // beyond the window
-  CHECK_FALSE(window.take(coded_frame(open, 0 | 16 << 8, code)));  // more blocks than a frame may bring
-  CHECK_FALSE(window.take(coded_frame(open, 0, {0xFF, 0xFF, 0xFF, 0xFF})));
-  CHECK_FALSE(window.take(coded_frame(open, 0, {})));
-  auto flipped = coded_frame(open, 0, code);
-  flipped[4] ^= 1;
-  CHECK_FALSE(window.take(flipped));
+  CHECK_FALSE(window.take(coded_frame(open, 0 | 1 << 8, code), kKey));   // two blocks announced, one there
+  CHECK_FALSE(window.take(coded_frame(open, 2, code), kKey));            // beyond the window
+  CHECK_FALSE(window.take(coded_frame(open, 0 | 16 << 8, code), kKey));  // more blocks than a frame may bring
+  CHECK_FALSE(window.take(coded_frame(open, 0, {0xFF, 0xFF, 0xFF, 0xFF}), kKey));
+  CHECK_FALSE(window.take(coded_frame(open, 0, {}), kKey));
   CHECK(std::all_of(model.bank_a.begin(), model.bank_a.end(), [](auto byte) { return byte == 0; }));
-  CHECK(window.take(coded_frame(open, 0, code)));
+  CHECK(window.take(coded_frame(open, 0, code), kKey));
 }
 
 TEST_CASE_FIXTURE(StagedWindow, "a coded window lies in axis memory and holds at most 64 short blocks") {

@@ -49,5 +49,5 @@ c.close()
                                          port);
   const auto output = output_of("/usr/bin/python3 -c '" + script + "'");
   CAPTURE(output.text);
-  check_holds(output.text, {"serial ECS-0042", "write False", "memory 125", "input [7]", "both [99, 2]", "outside 2"});
+  check_holds(output.text, {"serial ECS-0042", "write False", "memory 125", "input [7]", "both [99, 3]", "outside 2"});
 }

@@ -27,7 +27,7 @@ Command output_closed() {
 }  // namespace
 
 TEST_CASE_FIXTURE(ServedHost, "a command acts only when its whole block, with its check, comes in one request") {
-  const auto block = registers_of(host.next(output_closed()), 0);
+  const auto block = host.sealed_registers(host.next(output_closed()));
   for (std::size_t i = 0; i < block.size(); ++i)
     CHECK(server.write(static_cast<std::uint16_t>(kCommand.first + i), std::span(block).subspan(i, 1)).has_value());
   CHECK(server.write(kCommand.first, std::span(block).first(block.size() - 1)).has_value());
@@ -35,7 +35,8 @@ TEST_CASE_FIXTURE(ServedHost, "a command acts only when its whole block, with it
   for (std::size_t i = 1; i < block.size(); ++i) {
     auto flipped = block;
     flipped[i] ^= 0x0010;
-    CHECK(server.write(kCommand.first, flipped).error() == ModbusException::illegal_value);
+    (void)server.write(kCommand.first, flipped);
+    CHECK(host.result().state != CommandState::done);
   }
   CHECK(model.commands_begun == 0);
   CHECK(server.write(kCommand.first, block).has_value());
@@ -60,7 +61,7 @@ TEST_CASE_FIXTURE(ServedUnit, "each of two hosts reads the result of its own com
   const Command begin = one.next({.code = CommandCode::begin_staging});
   const CommandResult first = one.send(begin);
   (void)other.give({.code = CommandCode::clear_fault});
-  REQUIRE(server.write(kResultSelect.first, registers_of(ResultSelect{begin.session, begin.sequence}, 0)).has_value());
+  REQUIRE(server.write(kResultSelect.first, registers_of(ResultSelect{begin.asker, begin.sequence}, 0)).has_value());
   CHECK(one.result() == first);
 }
 
@@ -127,6 +128,7 @@ TEST_CASE("what moves or closes a relay lives for two seconds of the unit's cloc
 }
 
 TEST_CASE_FIXTURE(ServedHost, "switching off has no age") {
+  (void)host.arm("", kMostArmed_min);
   model.unit_clock.ms += 3'600'000;
   for (const CommandCode code : {CommandCode::output_off, CommandCode::stop, CommandCode::enter_integration})
     CHECK(host.send(host.next({.code = code})).state == CommandState::done);
@@ -142,18 +144,24 @@ TEST_CASE_FIXTURE(ServedHost, "a unit that has started again knows no session, n
   CHECK(host.give({.code = CommandCode::abandon_staged, .token = token}).error == UnitError::no_staging);
 }
 
-TEST_CASE_FIXTURE(ServedUnit, "the session used least lately gives way to the seventeenth") {
-  RegisterHost first(server, 100);
+TEST_CASE("the session used least lately gives way to the seventeenth, that of an armed host last") {
+  UnitModel model;
+  RegisterServer server(model, {"271828", true});
+  RegisterHost first(server, 100), armed(server, 101);
+  (void)armed.arm("271828");
+  for (std::uint32_t k = 2; k < kSessions; ++k) RegisterHost(server, k);
   const auto session = first.session();
-  for (std::uint32_t k = 1; k < kSessions; ++k) RegisterHost(server, k);
-  CHECK(first.look().session == session);
+  for (std::uint32_t k = 1; k < 20; ++k) RegisterHost(server, 101, k);  // that name the armed host, without its key
+  CHECK(first.look().session != session);
+  CHECK(armed.give({.code = CommandCode::clear_fault}).state == CommandState::done);
   for (std::uint32_t k = 1; k <= kSessions; ++k) RegisterHost(server, 200 + k);
   CHECK(first.send(first.next({.code = CommandCode::clear_fault})).error == UnitError::session_unknown);
+  CHECK(armed.give({.code = CommandCode::clear_fault}).state == CommandState::done);
 }
 
 TEST_CASE_FIXTURE(ServedUnit,
                   "a host of another protocol version gets no session, and the unit names its own version") {
-  const SessionOpen newer{kProtocolVersion + 1, 7, 7, 0, "from tomorrow"};
+  const SessionOpen newer{0, kProtocolVersion + 1, 7, 7, 0, "from tomorrow"};
   REQUIRE(server.write(kSessionOpen.first, registers_of(newer, 0)).has_value());
   const auto state = value_in<SessionState>(server.read(kSession.first, kSession.count).value()).value();
   CHECK(state.error == UnitError::other_version);
@@ -176,15 +184,17 @@ TEST_CASE_FIXTURE(ServedHost, "a command whose number or fields make no sense is
   CHECK(model.commands_begun == 0);
 }
 
-TEST_CASE_FIXTURE(ServedUnit, "checks of no bytes, of too many pieces and of no memory are exceptions") {
-  const auto refusal = [&](const CheckSelect& select) {
+TEST_CASE_FIXTURE(ServedHost, "checks of no bytes, of too many pieces, of no memory and for strangers are exceptions") {
+  const auto refusal = [&](CheckSelect select, bool armed = true) {
+    select.asker = {armed ? host.session() : 0, 1};
     REQUIRE(server.write(kCheckSelect.first, registers_of(select, 0)).has_value());
     const auto answer = server.read(kChecks.first, kChecks.count);
     return answer ? std::optional<ModbusException>() : answer.error();
   };
-  CHECK(refusal({kBankA.first, 0, 480}) == ModbusException::illegal_value);
-  CHECK(refusal({kBankA.first, 480, 0}) == ModbusException::illegal_value);
-  CHECK(refusal({kBankA.first, 61 * 480, 480}) == ModbusException::illegal_value);
-  CHECK(refusal({0x900000, 480, 480}) == ModbusException::illegal_address);
-  CHECK_FALSE(refusal({kBankA.first, 60 * 480, 480}));
+  CHECK(refusal({{}, kBankA.first, 0, 480}) == ModbusException::illegal_value);
+  CHECK(refusal({{}, kBankA.first, 480, 0}) == ModbusException::illegal_value);
+  CHECK(refusal({{}, kBankA.first, 31 * 480, 480}) == ModbusException::illegal_value);
+  CHECK(refusal({{}, 0x900000, 480, 480}) == ModbusException::illegal_address);
+  CHECK_FALSE(refusal({{}, kBankA.first, 30 * 480, 480}));
+  CHECK(refusal({{}, kBankA.first, 480, 480}, false) == ModbusException::illegal_value);
 }
