@@ -197,7 +197,7 @@ protocol::CommandResult Unit::commit_refused(std::uint32_t length, std::uint64_t
 }
 
 protocol::CommandResult Unit::commit(std::uint32_t length, std::uint64_t digest) {
-  if (const CommandResult verdict = commit_refused(length, digest); verdict.state != CommandState::done) return verdict;
+  if (CommandResult verdict = commit_refused(length, digest); verdict.state != CommandState::done) return verdict;
   const Address bank = inactive_bank(memory_);
   const auto active = active_image(memory_);
   const ByteView records = memory_.view(kCommitRecords.first, kCommitRecords.size);
@@ -267,7 +267,7 @@ protocol::CommandResult Unit::user_software_step() {
   user_software_->step(inputs, period_s());
   if (user_software_->end() == UserEnd::running) return busy();
   user_software_->keep_registers();
-  const CommandResult result =
+  CommandResult result =
       user_software_->end() == UserEnd::returned
           ? done(user_software_->registers().d[0], fmt::format("{} instructions", user_software_->instructions()))
           : failed(user_software_->end() == UserEnd::too_long ? UnitError::time_out : UnitError::unit_fault,

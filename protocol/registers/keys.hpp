@@ -1,7 +1,8 @@
 // What makes a host armed and keeps others from speaking in its name: a password-authenticated key exchange, CPace on
 // ristretto255 with SHA-512 (CPACE-RISTR255-SHA512, draft-irtf-cfrg-cpace), whose password is the code that the unit
 // shows, and keyed checks under the secret that both ends derive from it. Groups and hashes are those of libsodium.
-// Does not live here: which registers carry them (unit_registers.hpp), who is armed (protocol/server/host_sessions.hpp).
+// Does not live here: which registers carry them (unit_registers.hpp), who is armed
+// (protocol/server/host_sessions.hpp).
 #pragma once
 
 #include <array>

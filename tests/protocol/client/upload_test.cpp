@@ -57,7 +57,7 @@ Result<UploadReport> sent_while(Workshop& shop, const std::function<void(UnitMod
   return sent_while(unit, noise_image(20'000), 5'000, [&] { shop.in_model(then); });
 }
 
-#define CHECK_SENT(sent) CHECK_MESSAGE(sent.has_value(), (sent ? "" : sent.error().message))
+#define CHECK_SENT(sent) CHECK_MESSAGE((sent).has_value(), ((sent) ? "" : (sent).error().message))
 
 /// An upload whose line has three faults after this many bytes; it arrives whole. @return bytes that the host has sent
 std::size_t bytes_sent_under(LinkFault fault, const std::vector<std::uint8_t>& image, std::size_t after) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -48,7 +49,7 @@ const auto kHost = array_of<Scalar>("da3d23700a9e5699258aef94dc060dfda5ebb61f02a
 const auto kUnit = array_of<Scalar>("d2316b454718c35362d83d69df6320f38578ed5984651435e2949762d900b80d");
 const Secret kCounting = [] {
   Secret key{};
-  for (std::uint8_t i = 0; i < key.size(); ++i) key[i] = i;
+  std::iota(key.begin(), key.end(), std::uint8_t{0});
   return key;
 }();
 
@@ -110,7 +111,7 @@ TEST_CASE("ends that differ in code, unit, session or minutes end with different
 TEST_CASE(
     "secrets and keyed checks are those of another implementation") {  // tests/attacks/cpace.py, by Python's hashlib
   SharedKey counting{};
-  for (std::uint8_t i = 0; i < counting.size(); ++i) counting[i] = i;
+  std::iota(counting.begin(), counting.end(), std::uint8_t{0});
   CHECK(digits_of(secret_from(counting)) == "c6117d782bd189eff59fc631eb768ed3ca10d4a370018abf7f08d3f6873efa5e");
   CHECK(digits_of(session_key(kCounting, 0x12345678, 0x0123456789ABCDEF)) ==
         "99688464a1077e3f258b9c78fdbf61cb76655a3774876323b9078ec897a121e9");
