@@ -588,67 +588,6 @@ std::size_t bytes_in_block(std::uint32_t length, std::size_t number, std::size_t
   return before >= length ? 0 : std::min(block_bytes, length - before);
 }
 
-namespace {
-
-std::span<const std::uint16_t> sealed_part(std::span<const std::uint16_t> block) {
-  return block.subspan(1, block.size() - 1 - kKeyedCheckRegisters);
-}
-
-Registers registers_of_number(std::uint64_t number) {
-  FieldWriter pass;
-  pass.number(number, "");
-  return std::move(pass.out_);
-}
-
-}  // namespace
-
-void put_check(Registers& block, std::uint64_t check) {
-  const Registers registers = registers_of_number(check);
-  std::copy(registers.begin(), registers.end(), block.end() - static_cast<std::ptrdiff_t>(kKeyedCheckRegisters));
-}
-
-std::uint64_t check_at_end(std::span<const std::uint16_t> block) {
-  std::uint64_t check = 0;
-  for (const std::uint16_t word : block.last(kKeyedCheckRegisters)) check = check << 16 | word;
-  return check;
-}
-
-Registers sealed(Registers block, Keyed kind, const std::optional<Secret>& key) {
-  put_check(block, keyed_check(key, kind, sealed_part(block)));
-  return block;
-}
-
-bool seal_agrees(std::span<const std::uint16_t> block, Keyed kind, const std::optional<Secret>& key) {
-  return check_at_end(block) == keyed_check(key, kind, sealed_part(block));
-}
-
-std::uint64_t answer_check(const Secret& key, const Block& block, std::uint32_t challenge,
-                           std::span<const std::uint16_t> answer) {
-  Registers registers{block.first, static_cast<std::uint16_t>(challenge >> 16), static_cast<std::uint16_t>(challenge)};
-  const auto content = answer.first(answer.size() - kKeyedCheckRegisters);
-  registers.insert(registers.end(), content.begin(), content.end());
-  return keyed_check(key, Keyed::answer, registers);
-}
-
-std::uint64_t block_check(const std::optional<Secret>& key, const WindowOpen& window, std::uint16_t number,
-                          std::span<const std::uint8_t> payload) {
-  FieldWriter pass;
-  pass.number(window.asker.session, "");
-  pass.number(window.number, "");
-  pass.number(window.address, "");
-  pass.number(window.length, "");
-  pass.number(window.token, "");
-  pass.flag(window.coded, "");
-  pass.number(number, "");
-  return keyed_check(key, Keyed::block, pass.out_, payload);
-}
-
-std::uint64_t piece_check(const Secret& key, Address address, std::span<const std::uint8_t> bytes) {
-  FieldWriter pass;
-  pass.number(address, "");
-  return keyed_check(key, Keyed::piece, pass.out_, bytes);
-}
-
 std::uint16_t crc16_of(std::span<const std::uint8_t> bytes) {
   unsigned crc = 0xFFFF;
   for (const std::uint8_t byte : bytes) {
