@@ -233,7 +233,7 @@ function showMissing(said, library) {
       click: () => addEffect(one.name, wordsOf(one)) }, "Add")]);
   fill("missing", card("What is missing",
     inAnswer.length ? inAnswer.map((one) => candidateBox(one, library))
-      : element("p", {}, "No effect is named."),
+      : element("p", {}, said.answer.verdict === "adequate" ? "Nothing is missing." : "No effect is named."),
     formula ? element("article", { class: "candidate" },
       element("h3", {}, "A formula", element("code", {}, Object.values(formula.formula).join(", "))),
       element("p", {}, typeset(formula.why)),
@@ -404,6 +404,7 @@ async function compare() {
 /** Adds an effect; afterwards everything is shown again. */
 function addEffect(name, more) {
   return during(`Adding ${name}.`, async () => {
+    clearGame();
     const before = await readBytes(bench.model);
     const said = await verb("model", "add", bench.model, name, "--data", ...bench.data, ...machineWords(), ...more,
       ...bench.importWords.map((word) => (word === "--sense" ? "--reading-sense" : word)), "-o", bench.model);
@@ -411,13 +412,19 @@ function addEffect(name, more) {
     if (bench.game) showGuessed(said);
     await showAll();
     focusOn(byId(bench.game ? "guess" : "ladder").querySelector("h2"));
+    if (!bench.game) byId("verdict").scrollIntoView({ block: "start" });
   });
+}
+
+/** What was said of the model before it changed. */
+function clearGame() {
+  for (const part of bench.game ? ["guessed", "revealed"] : []) byId(part).replaceChildren();
 }
 
 function takeBack() {
   return during("Taking the last effect out.", async () => {
     await write(bench.model, bench.added.pop());
-    if (bench.game) byId("guessed").replaceChildren();
+    clearGame();
     await showAll();
     focusOn(byId("about").querySelector("h2"));
   });
@@ -479,9 +486,11 @@ function showTruth() {
     const { history } = (await run("ecs", "model", "history", bench.model)).answer;
     const hidden = said.answer.truth.effects.map((one) => one.name);
     const found = hidden.filter((name) => history.some((step) => step.effect === name));
+    const wrong = history.map((step) => step.effect).filter((name) => name && !hidden.includes(name));
     byId("revealed").replaceChildren(
       element("p", {}, element("strong", { id: "hidden-text" }, typeset(said.answer.truth.text))),
-      element("p", {}, found.length === hidden.length ? "Your model has it." : "Your model does not have it."),
+      element("p", {}, found.length === hidden.length ? "Your model has it." : "Your model does not have it.",
+        wrong.length ? ` It also has what this machine does not have: ${wrong.join(", ")}.` : ""),
       wholeAnswer("ecs model reveal", said.text));
   });
 }
