@@ -31,7 +31,7 @@ class Workbench {
     need(unit_.write_memory(staged.value, image) == protocol::UnitError::none);
     need(tell(protocol::Command{.code = protocol::CommandCode::commit_staged,
                                 .length = static_cast<std::uint32_t>(image.size()),
-                                .crc = crc32_of(image)})
+                                .digest = protocol::short_digest(protocol::digest_of(image))})
              .state == protocol::CommandState::done);
     need(tell(protocol::Command{.code = protocol::CommandCode::enter_compensation}).state ==
          protocol::CommandState::done);
