@@ -24,10 +24,21 @@ using namespace ecs::protocol;
 using Image = std::vector<std::uint8_t>;
 
 constexpr const char* kSerialNumber = "MCM-0107";
+constexpr const char* kCode = "271828";
 constexpr std::uint8_t kModules = 2;  ///< a module holds 32,000 values, 64 KiB of them a few more
 constexpr const char* kMillMap = "tests/data/memory/mill_format_1.image";
 
-/// A unit in integration mode on a paced line, served by a thread of its own.
+/// What the programs of a host share.
+class SharedSecret : public SecretStore {
+ public:
+  std::optional<Secret> secret_of(const std::string&) override { return secret_; }
+  void keep(const std::string&, const Secret& secret) override { secret_ = secret; }
+
+ private:
+  std::optional<Secret> secret_;
+};
+
+/// A unit in integration mode on a paced line, served by a thread of its own; the host was armed before.
 class Bench {
  public:
   Bench(int baud, bool by_clock)
@@ -40,9 +51,11 @@ class Bench {
       emulator::Unit unit(settings);
       unit.power(true);
       while (unit.mode() != UnitMode::integration) static_cast<void>(unit.tick({}));
-      RegisterServer registers(unit);
+      RegisterServer registers(unit, {kCode, true});
       while (!ended_) server_.serve_ready(registers, std::chrono::milliseconds(20));
     });
+    auto client = UnitClient::connect(address_, {}, {1, "bench", {}, secret_});
+    if (!client || !client->arm(kCode)) fmt::print(stderr, "the unit was not armed\n");
   }
   Bench(const Bench&) = delete;
   ~Bench() {
@@ -62,7 +75,7 @@ class Bench {
     LinkOptions options;
     options.cancelled = &cancelled;
     const auto begun = std::chrono::steady_clock::now();
-    auto client = UnitClient::connect(address_, options);
+    auto client = UnitClient::connect(address_, options, {1, "bench", kCode, secret_});
     const auto done = client.and_then([&](UnitClient& unit) {
       return unit.upload_image(image, [&](const Progress& progress) {
         if (static_cast<double>(progress.bytes_done) >= cut_at * static_cast<double>(progress.bytes_total))
@@ -88,6 +101,7 @@ class Bench {
   bool by_clock_;
   ModbusServer server_;
   LinkAddress address_;
+  std::shared_ptr<SecretStore> secret_ = std::make_shared<SharedSecret>();
   std::atomic<bool> ended_{false};
   std::thread thread_;
 };

@@ -125,7 +125,7 @@ bool UnitClient::is_sealed(const Registers& answer, const Block& block, std::uin
   return key_ && check_at_end(answer) == answer_check(*key_, block, challenge, answer);
 }
 
-/// Asks once more where the key is not the unit's any more and this host has another one.
+/// Asks once more where the key is not the unit's any more: with that of another program of this host, or armed again.
 Result<UnitClient::Answer> UnitClient::ask_sealed(const Block& request,
                                                   const std::function<Registers(const Asker&)>& values,
                                                   const Block& answer) {
@@ -135,7 +135,10 @@ Result<UnitClient::Answer> UnitClient::ask_sealed(const Block& request,
     if (who.session == 0 || is_sealed(registers, answer, who.challenge)) return Answer{std::move(registers), true};
     if (again) return Answer{std::move(registers), false};
     ECS_DO(session_now());
-    if (!key_) return Answer{std::move(registers), false};
+    if (!key_ && knows_code()) ECS_DO(armed_session());
+    // Who only reads goes on as a host that is not armed; who has sent a map must know whose answers it reads.
+    const bool only_reads = token_ == 0 && (request == kReadSelect || request == kEcho);
+    if (!key_ && !only_reads) return Answer{std::move(registers), false};
   }
 }
 

@@ -462,6 +462,20 @@ TEST_CASE("a host arms a unit that was restarted since the host opened its sessi
   CHECK(unit.armed_s().value() == 1800);
 }
 
+TEST_CASE("a host whose time has ended goes on reading, armed again where it knows the code") {
+  for (const bool knows_code : {false, true}) {
+    CAPTURE(knows_code);
+    Workshop shop(ModbusServer::on_tcp({}).value(), "271828");
+    auto unit = shop.client();
+    REQUIRE(unit.arm("271828", 1));
+    if (knows_code) unit.know_code("271828");
+    shop.in_model([](UnitModel& model) { model.unit_clock.ms += 60'000; });
+    CHECK(must(unit.read_memory(kBankA.first, 500)).size() == 500);
+    CHECK(unit.active_map().has_value());
+    CHECK((unit.armed_s().value() > 0) == knows_code);
+  }
+}
+
 TEST_CASE("the newest events are read, the oldest of them first") {
   auto shop = Workshop::on_tcp();
   auto unit = shop.client();
