@@ -335,11 +335,12 @@ class LosingServer : public RegisterServer {
 /// Serves a model from a thread of its own. What tests change goes through `in_server`.
 class Workshop {
  public:
+  static constexpr const char* kKnownCode = "161803";
   /// @param arm_code  that the unit shows; empty: one that every client knows
   explicit Workshop(ModbusServer made, const std::string& arm_code = {})
       : server_(std::move(made)),
         address_(server_.address()),
-        arm_code_(arm_code.empty() ? "161803" : arm_code),
+        arm_code_(arm_code.empty() ? kKnownCode : arm_code),
         known_code_(arm_code.empty() ? arm_code_ : std::string()) {
     thread_ = std::thread([this] { run(); });
   }

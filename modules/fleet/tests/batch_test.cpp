@@ -21,7 +21,9 @@ struct Files {
     REQUIRE(ran({"map", "build", folder.with("exx.csv", lathe_readings()), "--params", params, "-o", map}).code == 0);
   }
   [[nodiscard]] PlannedUnit unit(const protocol::LinkAddress& address, const std::string& serial_number) const {
-    return {"", {address, "plan"}, serial_number, params, map};
+    PlannedUnit planned{"", {address, "plan"}, serial_number, params, map};
+    planned.link.arm_code = protocol::Workshop::kKnownCode;
+    return planned;
   }
 };
 

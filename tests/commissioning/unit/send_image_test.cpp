@@ -52,7 +52,7 @@ TEST_CASE("an image is held already only if its values are the same") {
   REQUIRE(check_image(forged).fault == ImageFault::none);
   const auto sent = must(send_image(unit, image));
   CHECK_FALSE(sent.already_held);
-  CHECK(sent.bytes_sent == image.size());
+  CHECK(sent.bytes_sent < image.size());  // the pieces that differ
   CHECK(active_in(shop) == image);
 }
 
@@ -65,7 +65,7 @@ TEST_CASE("an image whose values change although its checks agree is not called 
   other.axes[0].position_loop_gain_per_s += 1.0;
   auto unit = shop.client();
   const auto sent = must_fail(send_image(unit, laser::image_of(other), Addressee::this_unit));
-  check_holds(sent.message, {"the active map in the unit differs", "Do not compensate with it"});
+  check_holds(sent.message, {"the active map has changed", "compare before compensating"});
 }
 
 TEST_CASE("a map that another host sends before the values are compared is left as it is") {
