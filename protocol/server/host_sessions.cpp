@@ -81,8 +81,7 @@ ArmAnswer Arming::begin(const ArmShare& arm, HostSession& session, std::string_v
   ArmAnswer if_right = answer;
   if_right.confirmation = confirmation_of(terms, End::unit, *key, own.share);
   if_right.armed_s = arm.minutes * kSecondsPerMinute;
-  session.exchange =
-      ArmExchange{confirmation_of(terms, End::host, *key, arm.share), secret_from(*key), arm.minutes, if_right};
+  session.exchange = ArmExchange{confirmation_of(terms, End::host, *key, arm.share), secret_from(*key), if_right};
   return session.arming = answer;
 }
 

@@ -19,7 +19,6 @@ namespace ecs::protocol {
 struct ArmExchange {
   Confirmation expected{};
   Secret secret{};
-  std::uint16_t minutes = 0;
   ArmAnswer if_right;
 };
 

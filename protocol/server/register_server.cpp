@@ -344,7 +344,8 @@ void RegisterServer::take_command(const Command& command, std::span<const std::u
   HostSession* session = sessions_.find(command.asker.session);
   if (session == nullptr && !(command.asker.session == 0 && switches_off(command.code))) return;
   if (session == nullptr) session = &nobody;
-  const auto key = arming_.key_of(*session, unit_->clock().ms);
+  // Outside of a session the host key is 0, which an armed host may have as well.
+  const auto key = session == &nobody ? std::nullopt : arming_.key_of(*session, unit_->clock().ms);
   const bool sealed = seal_agrees(whole, Keyed::command, key);
   const bool free = switches_off(command.code) &&
                     (session == &nobody ? sealed : !sealed && key && seal_agrees(whole, Keyed::command, std::nullopt));
