@@ -10,7 +10,7 @@ namespace {
 /// Share of the positions that smooth functions may take.
 constexpr double kMostOfPositions = 0.6;
 /// On so few positions a curve is free at every one: nothing faster can be told from it there.
-constexpr double kFewPositions = 5.0;
+constexpr double kFewPositions = 12.0;
 
 /// Positions closer than this share of the travel are one target.
 constexpr double kSameTarget = 1e-3;

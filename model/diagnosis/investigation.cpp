@@ -293,10 +293,22 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
     }
   };
   if (!found.bad_run && !found.objection.empty()) deny_waves_and_jumps([](std::size_t) { return true; });
+  if (found.objection.empty()) {
+    found.objection = objection_by_wave_in_time(data, whitener, search.alone().space, found.solution.score());
+    if (!found.objection.empty())
+      for (Group& group : found.groups) group.denied = true;
+  }
   for (std::size_t i = 0; i < chosen.size() && found.objection.empty(); ++i) {
-    found.objection = objection_to_steadiness(regressors, whitener, found.solution.space,
+    found.objection = objection_to_smoothness(regressors, whitener, found.solution.space,
                                               found.families[chosen[i].family], chosen[i], noise_freedom);
-    if (found.objection.empty()) continue;
+    found.groups[i].denied = found.groups[i].denied || !found.objection.empty();
+  }
+  for (std::size_t i = 0; i < chosen.size() && found.objection.empty(); ++i) {
+    const auto change = change_of_wave(regressors, whitener, found.solution.space, found.families[chosen[i].family],
+                                       chosen[i], noise_freedom);
+    if (!change) continue;
+    found.objection = change->reason;
+    found.groups[i].change = change->gain;
     const EffectInstance& wave = effect_of_member(i);
     deny_waves_and_jumps([&](std::size_t j) {  // a pitch of the machine needs no other wave
       const EffectInstance& one = effect_of_member(j);
@@ -386,7 +398,7 @@ bool noise_changed(const Observations& data, const LinearProblem& all, const Whi
   if (!noise.pure.from_repeats && spare < kFewestSpare) return false;
   const VectorXd residual = residual_of(all, whitener);
   std::vector<bool> outliers = plain ? left_out : rows_left_out(data, residual);
-  NoiseModel again = noise_of(data, residual, outliers);
+  NoiseModel again = noise_of(data, residual, outliers, all.columns);
   if (outliers == left_out && !changed(noise, again)) return false;
   left_out = std::move(outliers);
   noise = std::move(again);
@@ -410,7 +422,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
   const std::vector<EffectInstance> others_than_own = others_than(base.at_limit, others_than(own, candidates));
   Found found;
   found.left_out = base.core.left_out;
-  found.noise = noise_of(data, base.residual, found.left_out);
+  found.noise = noise_of(data, base.residual, found.left_out, base.columns);
   std::size_t looks = 0;
   for (int round = 0;; ++round) {
     const Whitener whitener(data, found.noise, found.left_out);

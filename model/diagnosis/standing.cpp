@@ -171,7 +171,8 @@ bool may_be_part(const Found& found, const std::vector<std::size_t>& chosen) {
 }
 
 /// The wave that explains nearly all on its own, although a weak one beside it beats with it or it changes a little: of
-/// a wave whose size grows from nothing the best steady one explains three quarters. Nothing where there is none.
+/// a wave whose size grows from nothing the best steady one explains three quarters (between repeats it grows too: what
+/// they show of noise is part of the change). Nothing where there is none.
 std::optional<std::size_t> nearly_steady_wave(const ReportInput& in) {
   const Found& found = in.found;
   if (found.bad_run) return std::nullopt;
@@ -179,7 +180,7 @@ std::optional<std::size_t> nearly_steady_wave(const ReportInput& in) {
     const Group& group = found.groups[g];
     if (found.families[group.member.family].effect.traits().periodic && group.denied &&
         group.e_value.value_or(0.0) >= kProved && share_of_found(in, {g}) >= kNearlyAll &&
-        predicts_at_targets(in, {g}, g))
+        group.member.gain >= kNearlyAll * (group.member.gain + group.change) && predicts_at_targets(in, {g}, g))
       return g;
   }
   return std::nullopt;

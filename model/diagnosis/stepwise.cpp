@@ -95,8 +95,8 @@ bool follow_one_reversal(const EffectInstance& one, const EffectInstance& other)
 }
 
 /// Whether effects may be missing together: one cause occurs once in one place; three free shapes that bend alike
-/// explain anything, and so do four drifts of the same sense, or as many parameters as readings; a size outside its
-/// physical range is another cause.
+/// explain anything (what the directions share and what they do not are apart), and so do four drifts of the same
+/// sense, or as many parameters as readings; a size outside its physical range is another cause.
 bool plausible(const Search& search, const std::vector<Choice>& chosen) {
   constexpr std::size_t kMostShapes = 2, kMostDrifts = 3;
   constexpr std::size_t kSmooth = 11;  // functions of a curve that leaves faster shapes to others
@@ -107,17 +107,15 @@ bool plausible(const Search& search, const std::vector<Choice>& chosen) {
   }
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const EffectInstance& one = search.families()[chosen[i].family].effect;
-    std::size_t shapes = 0, alike = 0, functions = 0, most = 0, drifts = 0;
+    std::size_t shapes = 0, functions = 0, most = 0, drifts = 0;
     for (std::size_t j = 0; j < chosen.size(); ++j) {
       const EffectInstance& other = search.families()[chosen[j].family].effect;
       if (one.traits().is_drift && other.traits().is_drift && one.sense == other.sense) ++drifts;
       if (one.traits().shape_of_position && other.traits().shape_of_position &&
+          one.traits().of_approach == other.traits().of_approach &&
           bend_alike(search.families()[chosen[i].family], search.families()[chosen[j].family])) {
         ++shapes;
-        if (one.traits().of_approach == other.traits().of_approach) {
-          ++alike;
-          functions += chosen[j].parameters;
-        }
+        functions += chosen[j].parameters;
         if (other.traits().is_curve) most = std::max(most, chosen[j].columns.size());
       }
       if (j < i && follow_one_reversal(one, other)) return false;
@@ -127,7 +125,7 @@ bool plausible(const Search& search, const std::vector<Choice>& chosen) {
     }
     if (drifts > kMostDrifts || shapes > kMostShapes || (shapes > 1 && most > kSmooth)) return false;
     const auto targets = one.axis ? static_cast<double>(search.targets(*one.axis)) : 0.0;
-    if (alike > 1 && static_cast<double>(functions) > kFreeFunctions + kFunctionsATarget * targets) return false;
+    if (shapes > 1 && static_cast<double>(functions) > kFreeFunctions + kFunctionsATarget * targets) return false;
   }
   for (std::size_t i = 0; i < chosen.size(); ++i)
     if (!search.beats_free_values(search.solution(without_member(chosen, i)).space, chosen[i])) return false;

@@ -29,6 +29,7 @@ struct Group {
   /// less), the facts of the machine first; of one without a derivative (a place) at the least and the greatest.
   std::vector<Choice> values;
   bool denied = false;  ///< something speaks against it although it explains: a run, waves that can be anything
+  double change = 0.0;  ///< gain of a change of this wave along the travel or in time
   bool wander = false;  ///< a slow wander of the readings explains it as well
   std::optional<double> e_value;  ///< on readings it was not fitted to, for having been chosen among all candidates
   double p_value = 1.0;           ///< e_value.hpp, beside the other effects of the solution

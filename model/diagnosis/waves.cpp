@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "base/linear/decompositions.hpp"
 #include "model/diagnosis/structure.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
@@ -34,6 +35,8 @@ constexpr double kThird = 1.0 / 3.0;
 /// A change of a wave counts from this share of its gain and this many digits of its chance: one in a million, since it
 /// denies a cause; no wave of a machine is steady to a hundredth. Choices.
 constexpr double kLeastChange = 0.01, kFarDigits = 6.0;
+/// The same of a curve, from this share of its gain on: a curve explains nineteen twentieths of the shape that it is.
+constexpr double kLeastBesideCurve = 0.05;
 
 bool is_whole_fraction(double a, double b) {
   const double ratio = std::max(a, b) / std::min(a, b);
@@ -86,9 +89,9 @@ bool are_pitches_or_fractions(const std::vector<Family>& families, const std::ve
          });
 }
 
-std::string objection_to_steadiness(const Regressors& regressors, const Whitener& whitener, const Space& space,
-                                    const Family& family, const Choice& choice, double noise_freedom) {
-  if (!family.effect.traits().periodic) return "";
+std::optional<ChangeOfWave> change_of_wave(const Regressors& regressors, const Whitener& whitener, const Space& space,
+                                           const Family& family, const Choice& choice, double noise_freedom) {
+  if (!family.effect.traits().periodic) return std::nullopt;
   const Observations& data = regressors.data();
   // every harmonic in use: of a wave told as the second one of its double the first is nothing
   const Eigen::MatrixXd wave =
@@ -97,7 +100,7 @@ std::string objection_to_steadiness(const Regressors& regressors, const Whitener
   double last_s = 0.0;
   for (const double t : data.time_s)
     if (!std::isnan(t)) last_s = std::max(last_s, t);
-  const auto changes = [&](const auto& factor) {
+  const auto change = [&](const auto& factor, const char* how) -> std::optional<ChangeOfWave> {
     Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(wave.rows(), 2 * wave.cols());
     for (const std::size_t k : family.acting.readings) {
       const auto row = static_cast<Eigen::Index>(k);
@@ -108,18 +111,47 @@ std::string objection_to_steadiness(const Regressors& regressors, const Whitener
     absorb(more, whitener(columns));
     const double gain = space.chi2() - more.chi2();
     const auto freedom = static_cast<double>(more.q.cols() - space.q.cols());
-    return gain > kLeastChange * choice.gain && minus_log_p(gain, freedom, noise_freedom) > kFarDigits;
+    if (gain <= kLeastChange * choice.gain || minus_log_p(gain, freedom, noise_freedom) <= kFarDigits) return {};
+    return ChangeOfWave{
+        fmt::format("the wave of {:.4g} {} changes its size or its {}", choice.nonlinear, data.position_unit(), how),
+        gain};
   };
-  if (changes([&](std::size_t k) {
+  const auto along = change(
+      [&](std::size_t k) {
         return 2.0 * (data.p_mm(k, *family.effect.axis) - range.first) / (range.second - range.first) - 1.0;
-      }))
-    return fmt::format("the wave of {:.4g} {} changes its size or its period along the travel", choice.nonlinear,
-                       data.position_unit());
-  if (last_s > 0.0 &&
-      changes([&](std::size_t k) { return std::isnan(data.time_s[k]) ? 0.0 : 2.0 * data.time_s[k] / last_s - 1.0; }))
-    return fmt::format("the wave of {:.4g} {} changes its size or its phase in time", choice.nonlinear,
-                       data.position_unit());
-  return "";
+      },
+      "period along the travel");
+  if (along || last_s <= 0.0) return along;
+  return change([&](std::size_t k) { return std::isnan(data.time_s[k]) ? 0.0 : 2.0 * data.time_s[k] / last_s - 1.0; },
+                "phase in time");
+}
+
+std::string objection_to_smoothness(const Regressors& regressors, const Whitener& whitener, const Space& space,
+                                    const Family& family, const Choice& choice, double noise_freedom) {
+  constexpr std::size_t kMostTargets = 200;  // more take long, and a curve follows them less and less
+  const EffectDefinition& definition = family.effect.definition();
+  const Observations& data = regressors.data();
+  if (!definition.traits.is_curve || !data.paths.empty()) return "";
+  const std::vector<double> places = acting_positions(data, family.acting, *family.effect.axis);
+  if (places.size() > kMostTargets) return "";
+  Eigen::MatrixXd straight = Eigen::MatrixXd::Zero(space.y.size(), 2);  // a backlash, a slope: these are smooth
+  Eigen::MatrixXd values = Eigen::MatrixXd::Zero(space.y.size(), static_cast<Eigen::Index>(places.size()));
+  for (const std::size_t k : family.acting.rows) {
+    const auto row = static_cast<Eigen::Index>(k);
+    const double p_mm = data.p_mm(k, *family.effect.axis), factor = definition.curve_factor({data, k, family.effect});
+    const auto at = std::ranges::lower_bound(places, p_mm - kSamePlace_mm) - places.begin();
+    straight.row(row) << factor, factor * p_mm;
+    values(row, std::min<Eigen::Index>(at, values.cols() - 1)) = factor;
+  }
+  Space smooth = space;
+  absorb(smooth, whitener(straight));
+  Space more = smooth;
+  absorb(more, whitener(values));
+  const double gain = smooth.chi2() - more.chi2();
+  const auto freedom = static_cast<double>(more.q.cols() - smooth.q.cols());
+  if (gain - freedom <= kLeastBesideCurve * choice.gain || minus_log_p(gain, freedom, noise_freedom) <= kFarDigits)
+    return "";
+  return fmt::format("{} has jumps from target to target that no smooth curve has", to_text(family.effect));
 }
 
 std::string objection_to_waves(const Observations& data, const std::vector<Family>& families,
@@ -127,7 +159,7 @@ std::string objection_to_waves(const Observations& data, const std::vector<Famil
   const auto shapes_on_line_of = [&](const EffectInstance& wave) {
     return std::ranges::count_if(chosen, [&](const Choice& choice) {
       const EffectInstance& effect = families[choice.family].effect;
-      return effect.traits().shape_of_position && same_line(effect, wave);
+      return effect.traits().shape_of_position && !effect.traits().of_approach && same_line(effect, wave);
     });
   };
   for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -217,6 +249,41 @@ std::optional<FreeWave> free_wave(const Observations& data, const Eigen::VectorX
     }
   }
   return strongest;
+}
+
+std::string objection_by_wave_in_time(const Observations& data, const Whitener& whitener, const Space& alone,
+                                      double score) {
+  constexpr double kTurbulence_s = 60.0;  // what is faster is noise
+  constexpr double kFarMore = 100.0;
+  double session_s = 0.0, readings = 0.0;
+  for (const double t : data.time_s) {
+    if (std::isnan(t)) continue;
+    session_s = std::max(session_s, t);
+    readings += 1.0;
+  }
+  const double highest = std::min(readings / kTargetsATurn, session_s / kTurbulence_s);
+  if (highest < kFewestTurnsOfWave) return "";
+  double most = 0.0, period_s = 0.0;
+  Eigen::MatrixXd wave = Eigen::MatrixXd::Zero(alone.y.size(), 2);
+  for (int step = 0; kFewestTurnsOfWave + step / kStepsATurn <= highest; ++step) {
+    const double period = session_s / (kFewestTurnsOfWave + step / kStepsATurn);
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      if (std::isnan(data.time_s[k])) continue;
+      const double angle = 2.0 * std::numbers::pi * data.time_s[k] / period;
+      wave.row(static_cast<Eigen::Index>(k)) << std::sin(angle), std::cos(angle);
+    }
+    const Eigen::MatrixXd beyond = without(alone.q, whitener(wave));
+    const Eigen::VectorXd products = beyond.transpose() * alone.y;
+    const double gain = (products.transpose() * solved_symmetric(beyond.transpose() * beyond, products)).value();
+    if (gain <= most) continue;
+    most = gain;
+    period_s = period;
+  }
+  const double price = 2.0 * std::log(readings) + 2.0 * std::log(std::max(1.0, highest - kFewestTurnsOfWave));
+  if (most - price < score + 2.0 * std::log(kFarMore)) return "";
+  return fmt::format(
+      "a wave in time with a period of {:.2g} min explains more: something beside the machine changes so",
+      period_s / 60.0);
 }
 
 }  // namespace ecs::model

@@ -1,5 +1,5 @@
-// Waves that stand for something else, and a wave whose phase is another in every pass: no effect of the library, and
-// no noise. Internal to model/ (Eigen).
+// Waves and curves that stand for something else, and a wave whose phase is another in every pass: no effect of the
+// library, and no noise. Internal to model/ (Eigen).
 #pragma once
 
 #include <optional>
@@ -21,10 +21,21 @@ namespace ecs::model {
 [[nodiscard]] std::string objection_to_waves(const Observations& data, const std::vector<Family>& families,
                                              const std::vector<Choice>& chosen, const std::vector<bool>& proved);
 
-/// Where a wave found changes its size or its phase along the travel or in time, beyond what noise does: the reason as
-/// the end of a sentence; else "".
+/// How a wave found changes its size or its phase along the travel or in time.
+struct ChangeOfWave {
+  std::string reason;  ///< as the end of a sentence
+  double gain = 0.0;   ///< what it explains beside the wave
+};
+/// Nothing where a wave changes by no more than noise does.
 /// @param space  with all effects absorbed
-[[nodiscard]] std::string objection_to_steadiness(const Regressors& regressors, const Whitener& whitener,
+[[nodiscard]] std::optional<ChangeOfWave> change_of_wave(const Regressors& regressors, const Whitener& whitener,
+                                                         const Space& space, const Family& family, const Choice& choice,
+                                                         double noise_freedom);
+
+/// Why a curve found is no smooth one, as the end of a sentence: a value of its own at every target explains clearly
+/// more; else "".
+/// @param space  with all effects absorbed
+[[nodiscard]] std::string objection_to_smoothness(const Regressors& regressors, const Whitener& whitener,
                                                   const Space& space, const Family& family, const Choice& choice,
                                                   double noise_freedom);
 
@@ -47,5 +58,11 @@ struct FreeWave {
 /// @param residual  whitened, with everything found absorbed  @param left_out  outliers, not counted
 [[nodiscard]] std::optional<FreeWave> free_wave(const Observations& data, const Eigen::VectorXd& residual,
                                                 const std::vector<bool>& left_out);
+
+/// Why a wave in time of more than a minute is likelier than all effects found together, by a hundredfold, as the end
+/// of a sentence; else "".
+/// @param alone  with the model absorbed and nothing found  @param score  of the effects together beyond it
+[[nodiscard]] std::string objection_by_wave_in_time(const Observations& data, const Whitener& whitener,
+                                                    const Space& alone, double score);
 
 }  // namespace ecs::model

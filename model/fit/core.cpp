@@ -488,13 +488,14 @@ CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptio
     return *made;
   };
   VectorXd residual = y - assembly.fixed(data.size());
+  MatrixXd columns;  // fitted in the round before
   Solved now;
   for (int round = 0; round < 4; ++round) {
     if (options.beside != nullptr) {
       core.noise = options.beside->noise;
       core.left_out = options.beside->left_out;
     } else {
-      core.noise = options.plain ? plain_noise(data, 1.0) : noise_of(data, residual, smooth, core.left_out);
+      core.noise = options.plain ? plain_noise(data, 1.0) : noise_of(data, residual, smooth, core.left_out, columns);
     }
     const Whitener whitener(data, core.noise, core.left_out);
     if (round == 0) start_nonlinear(assembly, regressors, whitener, options.from_values);
@@ -502,7 +503,7 @@ CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptio
       choose_curve_functions(assembly, regressors, whitener);
     now = refined_in_ranges(assembly, regressors, whitener);
     residual = y - assembly.fixed(data.size());
-    const MatrixXd columns = assembly.columns();
+    columns = assembly.columns();
     if (columns.cols() > 0) residual -= columns * now.sizes;
     if (options.plain || options.beside != nullptr) break;
     const std::vector<bool> outliers = rows_left_out(data, residual);
@@ -519,7 +520,7 @@ CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptio
       std::max(1.0, static_cast<double>(data.size()) - static_cast<double>(now.rank) - static_cast<double>(searched));
   if (options.plain) {
     core.noise = plain_noise(data, std::max(std::sqrt(now.chi2 / freedom), 1e-9));
-    core.noise.pure.noise_um = noise_of(data, residual, smooth, core.left_out).pure.noise_um;
+    core.noise.pure.noise_um = noise_of(data, residual, smooth, core.left_out, columns).pure.noise_um;
   }
   const Whitener whitener(data, core.noise, core.left_out);
   if (options.plain) now = refined_in_ranges(assembly, regressors, whitener);

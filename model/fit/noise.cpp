@@ -169,9 +169,15 @@ std::vector<SmoothBlock> blocks_of(const Observations& data, const Eigen::Matrix
   return list;
 }
 
+/// Deviations and how many of them are independent.
+struct Deviations {
+  std::vector<double> of;
+  double freedom = 0.0;
+};
+
 /// Deviations from what the smooth columns can produce.
-std::vector<double> deviations_from_smooth(const Observations& data, const Eigen::VectorXd& residual,
-                                           const Eigen::MatrixXd& smooth, const std::vector<bool>& left_out) {
+Deviations deviations_from_smooth(const Observations& data, const Eigen::VectorXd& residual,
+                                  const Eigen::MatrixXd& smooth, const std::vector<bool>& left_out) {
   std::vector<double> deviation(data.size(), kNotMeasured);
   double kept = 0.0, rank = 0.0;
   for (const SmoothBlock& block : blocks_of(data, smooth, left_out)) {
@@ -186,21 +192,17 @@ std::vector<double> deviations_from_smooth(const Observations& data, const Eigen
     for (std::size_t i = 0; i < block.rows.size(); ++i)
       deviation[static_cast<std::size_t>(block.rows[i])] = y(static_cast<Eigen::Index>(i));
   }
-  const double widen = std::sqrt(kept / std::max(1.0, kept - rank));
-  for (double& each : deviation) each *= widen;
-  return deviation;
+  const double freedom = std::max(1.0, kept - rank);
+  for (double& each : deviation) each *= std::sqrt(kept / freedom);
+  return {std::move(deviation), freedom};
 }
 
-/// Deviations and how many of them are independent.
-struct Deviations {
-  std::vector<double> of;
-  double freedom = 0.0;
-};
 /// What the directions do not share (or share) at the places of a pass there and back, less its mean and a straight
 /// line along it (lost motion, a drift), at the rows of the forward readings: an error of the place drops out of
 /// differences, one that turns its sign with the direction out of sums, whatever its shape.
+/// @param basis  orthonormal, of what was fitted: its part of the deviations is gone from the residual
 Deviations deviations_of_directions(const Observations& data, const Eigen::VectorXd& residual,
-                                    const std::vector<bool>& left_out, bool shared) {
+                                    const std::vector<bool>& left_out, bool shared, const Eigen::MatrixXd& basis) {
   using Place = std::pair<std::array<double, kAxes>, std::array<double, kAxes>>;
   struct Both {
     std::optional<std::size_t> forward, reverse;
@@ -213,26 +215,35 @@ Deviations deviations_of_directions(const Observations& data, const Eigen::Vecto
     (data.approach[k] > 0 ? both.forward : both.reverse) = k;
   }
   Deviations deviations{std::vector<double>(data.size(), kNotMeasured)};
+  Eigen::MatrixXd all(residual.size(), basis.cols() + 1);
+  all << residual, basis;
+  double places_seen = 0.0;
   for (const auto& [line, places] : lines) {
-    std::vector<std::size_t> rows;
-    std::vector<double> half;
+    std::vector<Eigen::Index> forward, reverse;
     for (const auto& [place, both] : places)
       if (both.forward && both.reverse) {
-        rows.push_back(*both.forward);
-        const double reverse = residual(static_cast<Eigen::Index>(*both.reverse));
-        half.push_back((residual(static_cast<Eigen::Index>(*both.forward)) + (shared ? reverse : -reverse)) /
-                       std::numbers::sqrt2);
+        forward.push_back(static_cast<Eigen::Index>(*both.forward));
+        reverse.push_back(static_cast<Eigen::Index>(*both.reverse));
       }
-    const auto n = static_cast<Eigen::Index>(rows.size());
+    const auto n = static_cast<Eigen::Index>(forward.size());
     if (n < 3) continue;
     Eigen::MatrixXd straight = Eigen::MatrixXd::Ones(n, 2);
-    for (Eigen::Index i = 0; i < n; ++i) straight(i, 1) = data.along_of(rows[static_cast<std::size_t>(i)]);
-    Eigen::VectorXd y = Eigen::Map<Eigen::VectorXd>(half.data(), n);
-    y -= straight * PivotedQr(straight).solve(y);
-    y *= std::sqrt(static_cast<double>(n) / static_cast<double>(n - 2));
-    for (Eigen::Index i = 0; i < n; ++i) deviations.of[rows[static_cast<std::size_t>(i)]] = y(i);
-    deviations.freedom += static_cast<double>(n - 2);
+    for (Eigen::Index i = 0; i < n; ++i)
+      straight(i, 1) = data.along_of(static_cast<std::size_t>(forward[static_cast<std::size_t>(i)]));
+    Eigen::MatrixXd half =
+        (all(forward, Eigen::all) + (shared ? 1.0 : -1.0) * all(reverse, Eigen::all)) / std::numbers::sqrt2;
+    const PivotedQr line_of(straight);
+    for (Eigen::Index j = 0; j < half.cols(); ++j) {
+      const Eigen::VectorXd y = half.col(j);
+      half.col(j) -= straight * line_of.solve(y);
+    }
+    for (Eigen::Index i = 0; i < n; ++i)
+      deviations.of[static_cast<std::size_t>(forward[static_cast<std::size_t>(i)])] = half(i, 0);
+    deviations.freedom += static_cast<double>(n - 2) - half.rightCols(basis.cols()).squaredNorm();
+    places_seen += static_cast<double>(n);
   }
+  if (deviations.freedom < 1.0) return {};
+  for (double& each : deviations.of) each *= std::sqrt(places_seen / deviations.freedom);
   return deviations;
 }
 
@@ -363,7 +374,8 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
       data, residual, [&]() -> const Eigen::MatrixXd& { return smooth; }, left_out);
 }
 
-NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, const std::vector<bool>& left_out) {
+NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, const std::vector<bool>& left_out,
+                    const Eigen::MatrixXd& absorbed) {
   std::optional<Eigen::MatrixXd> smooth;
   return noise_of(
       data, residual,
@@ -371,11 +383,11 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
         if (!smooth) smooth = smooth_columns(data);
         return *smooth;
       },
-      left_out);
+      left_out, absorbed);
 }
 
 NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, const SmoothColumns& smooth,
-                    const std::vector<bool>& left_out) {
+                    const std::vector<bool>& left_out, const Eigen::MatrixXd& absorbed) {
   NoiseModel noise;
   noise.groups = groups_of(data);
   noise.has_time = !data.time_s.empty();
@@ -398,12 +410,16 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
       if (!left_out[k]) nodes.insert(repeats.node_of[k]);
     noise.pure.dof = std::max(size - static_cast<double>(nodes.size()), 1.0);
   } else {
-    deviation = deviations_from_smooth(data, residual, smooth(), left_out);
-    noise.pure.dof = std::max(1.0, size - static_cast<double>(smooth().cols()));
+    Deviations rough =
+        deviations_from_smooth(data, residual, absorbed.cols() > 0 ? beside(smooth(), absorbed) : smooth(), left_out);
+    deviation = std::move(rough.of);
+    noise.pure.dof = rough.freedom;
   }
+  const Eigen::MatrixXd basis = absorbed.cols() > 0 && !noise.pure.from_repeats ? PivotedQr(absorbed).basis()
+                                                                                : Eigen::MatrixXd(residual.size(), 0);
   for (const bool shared : {false, true}) {
     if (noise.pure.from_repeats) break;
-    if (Deviations directions = deviations_of_directions(data, residual, left_out, shared);
+    if (Deviations directions = deviations_of_directions(data, residual, left_out, shared, basis);
         scatter_less(directions, {deviation, noise.pure.dof})) {
       deviation = std::move(directions.of);
       noise.pure.dof = directions.freedom;

@@ -74,13 +74,16 @@ using SmoothColumns = std::function<const Eigen::MatrixXd&()>;
 /// @param residual  readings less what the model says so far, um or um/m, canonical order
 /// @param smooth    used where there are no repeats
 /// @param left_out  outliers
+/// @param absorbed  columns fitted to the readings (readings × columns): without repeats the noise in these is gone from
+///                  the residual, and counts as not seen
 [[nodiscard]] NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual,
-                                  const SmoothColumns& smooth, const std::vector<bool>& left_out);
+                                  const SmoothColumns& smooth, const std::vector<bool>& left_out,
+                                  const Eigen::MatrixXd& absorbed = {});
 [[nodiscard]] NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual,
                                   const Eigen::MatrixXd& smooth, const std::vector<bool>& left_out);
 /// The same with smooth_columns() (core.hpp).
 [[nodiscard]] NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual,
-                                  const std::vector<bool>& left_out);
+                                  const std::vector<bool>& left_out, const Eigen::MatrixXd& absorbed = {});
 
 /// Whether what is taken for noise wanders: in some group it is more than three times what neighbouring readings of a
 /// pass scatter, and it is correlated over more than a minute, or nothing says over what time.

@@ -16,12 +16,12 @@ namespace {
 /// A metre of X, pitch of the screw 10 mm; waves of both approaches and of each, a step and a backlash may be chosen.
 struct MetreOfX {
   Searching of;
-  enum : std::size_t { wave, forward, reverse, step, backlash, curve, drift };
+  enum : std::size_t { wave, forward, reverse, step, backlash, curve, drift, reversal };
 
   MetreOfX() : of(measured_line(nothing), kSigma_um, candidates()) {}
   static std::vector<EffectInstance> candidates() {
     auto list = candidates_named({"cyclic:X:EX", "cyclic:X:EX", "cyclic:X:EX", "step:X:EX", "backlash:X:EX",
-                                  "progressive:X:EX", "time_drift:X:EX"});
+                                  "progressive:X:EX", "time_drift:X:EX", "reversal_curve:X:EX"});
     list[forward].approach = ApproachMode::forward;
     list[reverse].approach = ApproachMode::reverse;
     return list;
@@ -50,9 +50,24 @@ std::string objection_to_wave_in(const Truth& truth, unsigned seed = 1, double s
   REQUIRE_FALSE(found.empty());
   const Solution solution = of.search.refined({found.front()});
   const Choice& choice = solution.chosen.front();
-  return objection_to_steadiness(of.regressors, of.whitener, solution.space, of.search.families()[choice.family],
-                                 choice, 160.0);
+  const auto change =
+      change_of_wave(of.regressors, of.whitener, solution.space, of.search.families()[choice.family], choice, 160.0);
+  return change ? change->reason : "";
 }
+
+/// What is said of the best of these effects beside a wave in time, and of the smoothness of that effect.
+struct SaidOfBest {
+  std::string in_time, smooth;
+  SaidOfBest(const char* candidate, const Truth& truth, unsigned seed) {
+    const Searching of(measured({}, kSigma_um, truth, seed), kSigma_um, candidates_named({candidate}));
+    const std::vector<Choice> found = of.search.expand(of.search.base());
+    REQUIRE_FALSE(found.empty());
+    const Solution solution = of.search.refined({found.front()});
+    in_time = objection_by_wave_in_time(of.data, of.whitener, of.search.base(), solution.score());
+    smooth = objection_to_smoothness(of.regressors, of.whitener, solution.space, of.search.families()[0],
+                                     solution.chosen.front(), 160.0);
+  }
+};
 
 double turns_of_87_mm(const Reading& r) { return 2.0 * std::numbers::pi * p(r) / 87.3; }
 /// −1 … 1 along the metre.
@@ -137,6 +152,8 @@ TEST_CASE("one wave and one step, each proved, are two causes; with a third shap
   CHECK(x.objection({x.choice(x.wave, 87.3), x.choice(x.step, 512.0)}, true).empty());
   CHECK(contains(x.objection({x.choice(x.wave, 87.3), x.choice(x.step, 512.0), x.choice(x.curve)}, true), "step"));
   CHECK(x.objection({x.choice(x.wave, 87.3), x.choice(x.step, 512.0), x.choice(x.drift)}, true).empty());
+  const auto lost_motion = x.choice(x.reversal);  // what the directions do not share is no third shape
+  CHECK(x.objection({x.choice(x.wave, 87.3), x.choice(x.step, 512.0), lost_motion}, true).empty());
 }
 
 TEST_CASE("a wave that needs a step is no cause unless it is a pitch; one beside a backlash is") {
@@ -199,6 +216,68 @@ TEST_CASE("an amplitude that grows with time is reported as such") {
         objection_to_wave_in(
             [&](const Reading& r) { return (0.4 + 1.2 * *r.time_s / last_s) * std::sin(turns_of_87_mm(r)); }, seed),
         "in time"));
+}
+
+TEST_CASE("a wave that grows from nothing has a third of the gain of the best steady one in its change") {
+  const double last_s = *measured({}, 0.0, nothing).readings.back().time_s;
+  const auto growing = [&](const Reading& r) { return 10.0 * *r.time_s / last_s * std::sin(turns_of_87_mm(r)); };
+  const Searching of(measured({}, kSigma_um, growing), kSigma_um, candidates_named({"cyclic:X:EX"}));
+  const Solution solution = of.search.refined({of.search.expand(of.search.base()).front()});
+  const Choice& wave = solution.chosen.front();
+  const auto change = change_of_wave(of.regressors, of.whitener, solution.space, of.search.families()[0], wave, 160.0);
+  REQUIRE(change);
+  // means over t = 0 … 1 of t² = 1/3, of which the steady half takes (1/2)² = 1/4
+  CHECK(change->gain / wave.gain == Approx(1.0 / 3.0).epsilon(0.1));
+}
+
+TEST_CASE("a wave in time is likelier than the lost motion, the sag or the drift that it looks like") {
+  for (const char* candidate : {"backlash:X:EX", "reversal_curve:X:EX", "sag:X:EX", "time_drift:X:EX"})
+    for (unsigned seed = 1; seed <= 5; ++seed)
+      CHECK(contains(
+          SaidOfBest(
+              candidate, [](const Reading& r) { return 2.0 * std::sin(2.0 * std::numbers::pi * *r.time_s / 420.0); },
+              seed)
+              .in_time,
+          "a wave in time with a period of"));
+}
+
+TEST_CASE("no wave in time is likelier than an effect that is there") {
+  const auto value = [](const Reading& r) { return along(r) * along(r); };
+  for (unsigned seed = 1; seed <= 5; ++seed)
+    for (const double size_um : {0.3, 1.0, 20.0}) {
+      CHECK(SaidOfBest(
+                "backlash:X:EX", [&](const Reading& r) { return size_um * d(r); }, seed)
+                .in_time.empty());
+      CHECK(SaidOfBest(
+                "progressive:X:EX", [&](const Reading& r) { return size_um * value(r); }, seed)
+                .in_time.empty());
+      CHECK(SaidOfBest(
+                "cyclic:X:EX", [&](const Reading& r) { return size_um * std::sin(turns_of_87_mm(r)); }, seed)
+                .in_time.empty());
+      CHECK(SaidOfBest(
+                "time_drift:X:EX", [&](const Reading& r) { return size_um * *r.time_s * 1e-3; }, seed)
+                .in_time.empty());
+    }
+}
+
+TEST_CASE("a lost motion that jumps from zone to zone is no smooth curve; one that bends is") {
+  const double zones_um[] = {1.0, -2.0, 0.5, 2.5, -1.5, 0.0, 2.0, -2.5, 1.5, -0.5};
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const SaidOfBest jumping(
+        "reversal_curve:X:EX",
+        [&](const Reading& r) { return d(r) * zones_um[static_cast<std::size_t>(std::clamp(p(r) / 100.5, 0.0, 9.0))]; },
+        seed);
+    CHECK(contains(jumping.smooth, "jumps from target to target"));
+    for (const double size_um : {0.3, 2.0, 20.0}) {
+      const SaidOfBest bending(
+          "reversal_curve:X:EX",
+          [&](const Reading& r) {
+            return size_um * d(r) * (std::pow(along(r), 3) - 0.5 * along(r) + std::cos(5.0 * along(r)));
+          },
+          seed);
+      CHECK(bending.smooth.empty());
+    }
+  }
 }
 
 TEST_CASE("a change of a few percent denies no cause, however small the noise") {

@@ -4,6 +4,7 @@
 
 #include <rapidcheck.h>
 
+#include "base/linear/decompositions.hpp"
 #include "tests/model/support/measured_lines.hpp"
 #include "tests/support/test.hpp"
 
@@ -46,6 +47,25 @@ double share_of_white(const NoiseModel& noise) {
 }
 
 }  // namespace
+
+TEST_CASE("noise that values of their own at all targets have absorbed is not seen, whichever way it is estimated") {
+  double squares = 0.0;
+  constexpr int kSets = 200;
+  for (unsigned seed = 1; seed <= kSets; ++seed) {
+    Measured m = readings_of(measured({.step_mm = 125.0, .targets = 9, .runs = 1}, kWhite_um, nothing, seed));
+    MatrixXd targets = MatrixXd::Zero(m.residual.size(), 10);
+    for (Index k = 0; k < m.residual.size(); ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      targets(k, static_cast<Index>(std::lround(m.data.p_mm(at, Axis::X) / 125.0))) = 1.0;
+      targets(k, 9) = m.data.approach[at];
+    }
+    m.residual -= targets * PivotedQr(targets).solve(m.residual);
+    const NoiseModel noise = noise_of(m.data, m.residual, m.left_out, targets);
+    CHECK(noise.pure.dof == Approx(8.0).epsilon(0.2));  // 18 readings less 10 columns
+    squares += noise.pure.noise_um * noise.pure.noise_um / kSets;
+  }
+  CHECK(std::sqrt(squares) == Approx(kWhite_um).epsilon(0.08));
+}
 
 TEST_CASE("white noise of a known size is found from the repeats, whatever shape is under it") {
   for (const unsigned seed : {1U, 2U, 3U}) {
