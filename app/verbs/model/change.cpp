@@ -21,7 +21,7 @@ namespace {
 
 struct AddRequest {
   std::string model, effect, output, approach, sensor, sensor2, sense, code, machine;
-  std::vector<std::string> data, alternatives;
+  std::vector<std::string> data, alternatives, formulas;
   ImportArguments import;
   static Fields<AddRequest> fields() {
     using R = AddRequest;
@@ -29,7 +29,7 @@ struct AddRequest {
         {"MODEL", &R::model, "model file (.toml)", Need::required},
         {"EFFECT", &R::effect,
          "effect[:axis[:sense or code]], as in cyclic:X:EX; `ecs model effects` lists them; \"formula\": the formula "
-         "that `diagnose` proposes for the residual",
+         "that `diagnose` proposes for the residual; user:NAME: your own formula, given by --formula",
          Need::required},
         {"--data", &R::data, "measurement files to fit to", Need::required},
         {"-o,--output", &R::output, "model file to write, with the effect; may be MODEL itself", Is::output},
@@ -43,6 +43,8 @@ struct AddRequest {
         {"--machine", &R::machine, kMachineHelp},
         {"--or", &R::alternatives,
          "an alternative that `diagnose` cannot distinguish from it: kept in the model until a measurement decides"},
+        {"--formula", &R::formulas,
+         "formula of user:NAME for a sense, as in \"EY = h * (run >= 5)\"; names other than columns are fitted"},
         {&R::import, ImportArguments::fields("--reading-sense")}};
   }
 };
@@ -53,9 +55,30 @@ Result<std::string> tied_with(const std::vector<std::string>& alternatives) {
   return fmt::format("{}", fmt::join(alternatives, ", "));
 }
 
+/// An effect of the user's formulas, read as a model file is.
+Result<model::AddRequest> user_effect(const std::string& name, const std::vector<std::string>& formulas) {
+  std::string rows;
+  for (const std::string& one : formulas) {
+    const std::size_t at = one.find('=');
+    const std::string sense(trimmed(one.substr(0, at)));
+    if (at == std::string::npos || !sense_named(sense))
+      return problem(
+          ProblemKind::usage,
+          fmt::format("--formula: expected a sense and its formula, as in \"EY = h * (run >= 5)\", got \"{}\"", one));
+    rows += fmt::format("formula.{} = {}\n", sense, Json(std::string(trimmed(one.substr(at + 1)))).dump());
+  }
+  ECS_TRY(model, model::parse_model(fmt::format("[[effect]]\nid = \"user\"\nname = {}\n{}", Json(name).dump(), rows),
+                                    "--formula", {}));
+  return model::request_of(model.effects.front());
+}
+
 Result<model::AddRequest> request_of(const AddRequest& request) {
   auto wanted = model::parse_add_request(request.effect);
   if (!wanted) return wanted;
+  if (!request.formulas.empty()) {
+    if (wanted->name.empty()) return problem(ProblemKind::usage, "--formula: expected a name for it, as in user:jump");
+    return user_effect(wanted->name, request.formulas);
+  }
   if (!request.approach.empty()) wanted->approach = model::approach_mode_named(request.approach);
   if (!request.sensor.empty()) wanted->sensor = request.sensor;
   if (!request.sensor2.empty()) wanted->sensor2 = request.sensor2;
@@ -87,10 +110,11 @@ Cell added_cell(const model::Added& added, std::string_view unit, const std::str
   Json effect = effect_json(added.effect.effect);
   effect["parameters"] = parameters_cell(added.effect.parameters).json;
   const int outliers = added.step.outliers;
-  const std::string summary = paragraph(fmt::format(
-      "added {}: rms {:.3f} -> {:.3f} {}{}, noise of one reading {:.3f} {}",
-      name_with_alternatives(added.effect.effect), added.rms_before_um, added.rms_after_um, unit,
-      outliers > 0 ? fmt::format(" with {} outlier{}", outliers, outliers == 1 ? "" : "s") : "", added.noise_um, unit));
+  const std::string summary = paragraph(
+      fmt::format("added {}: rms {:.3f} -> {:.3f} {}{}, noise of one reading {:.3f} {}",
+                  name_with_alternatives(added.effect.effect), added.step.rms_before_um, added.step.rms_um, unit,
+                  outliers > 0 ? fmt::format(" without {} outlier{}", outliers, outliers == 1 ? "" : "s") : "",
+                  added.noise_um, unit));
   return record_cell("{summary}{effect}\n{history}{model}\n", "summary"_shown(summary),
                      "rms_before_um"_is(added.rms_before_um), "rms_after_um"_is(added.rms_after_um),
                      "noise_um"_is(added.noise_um), "peak_um"_is(added.step.peak_um),

@@ -158,7 +158,7 @@ struct CompareRequest {
   ModelArguments common;
   bool refit = false;
   int worst = 10;
-  std::string at, output, plot;
+  std::string at, output, plot, residual_plot;
   int volume = 0;
   static Fields<CompareRequest> fields() {
     using R = CompareRequest;
@@ -169,12 +169,16 @@ struct CompareRequest {
             {"--volume", &R::volume, "predict the error over the volume at this number of positions along each axis",
              Range{2, 60}},
             {"-o,--output", &R::output, "CSV file for the predictions of --volume", Is::output},
-            {"--plot", &R::plot, "plot of measured and modelled values, as .svg or .png", Is::output}};
+            {"--plot", &R::plot, "plot of measured and modelled values, as .svg or .png", Is::output},
+            {"--plot-residual", &R::residual_plot,
+             "plot of the residual against run, time, temperatures and travel since reversal, as .svg or .png",
+             Is::output}};
   }
 };
 
 Result<void> sound(const CompareRequest& request) {
-  if (!request.plot.empty()) ECS_DO(plot_format_of(request.plot));
+  for (const std::string& plot : {request.plot, request.residual_plot})
+    if (!plot.empty()) ECS_DO(plot_format_of(plot));
   if (request.output.empty()) return {};
   if (request.volume == 0) return problem(ProblemKind::usage, "-o writes the predictions of --volume N: give both");
   std::vector<std::string> inputs = request.common.data;
@@ -206,10 +210,38 @@ Result<void> tell_volume(Cell& answer, const ModelWork& work, const model::Model
   return write_file(request.output, to_csv(volume));
 }
 
+/// The residual of the lines where it is largest, against each variable that changes along them.
+PlotFigure residual_figure(const model::Fit& fit, const model::Observations& data) {
+  constexpr std::size_t kMostLines = 3;
+  std::vector<std::pair<double, MeasuredLine>> lines;
+  for (MeasuredLine& line : measured_lines(data)) {
+    double sum = 0.0;
+    for (const std::size_t k : line.rows) sum += fit.residual[k] * fit.residual[k];
+    lines.emplace_back(sum / static_cast<double>(line.rows.size()), std::move(line));
+  }
+  std::ranges::stable_sort(lines, std::greater<>(), [](const auto& one) { return one.first; });
+  lines.resize(std::min(lines.size(), kMostLines));
+  PlotFigure figure{"residual of the model", {}, 2, false};
+  for (const auto& [weight, line] : lines)
+    for (PlotPanel& panel : residual_panels_of_variables(data, fit, line)) {
+      panel.title = fmt::format("{}: {}", title_of(line), panel.title);
+      figure.panels.push_back(std::move(panel));
+    }
+  return figure;
+}
+
 Result<void> draw(Cell& answer, const ModelWork& work, const model::Fit& fit, const CompareRequest& request) {
-  if (request.plot.empty()) return {};
-  answer.text += "\nplot written to " + request.plot + "\n";
-  return write_plot(request.plot, fit_figure(fit, work.data, "model against measurement"));
+  if (!request.plot.empty()) {
+    answer.text += "\nplot written to " + request.plot + "\n";
+    ECS_DO(write_plot(request.plot, fit_figure(fit, work.data, "model against measurement")));
+  }
+  if (request.residual_plot.empty()) return {};
+  const PlotFigure figure = residual_figure(fit, work.data);
+  if (figure.panels.empty())
+    return problem(ProblemKind::refused,
+                   "--plot-residual: neither run nor time nor another variable changes along these lines");
+  answer.text += "\nplot of the residual written to " + request.residual_plot + "\n";
+  return write_plot(request.residual_plot, figure);
 }
 
 /// The module that compares such data, if one of the files holds any.
@@ -223,8 +255,9 @@ const Module* module_for(const std::vector<std::string>& files) {
 Result<Outcome> compare_step(const CompareRequest& request, const Module& module) {
   if (request.common.data.size() != 1)
     return problem(ProblemKind::usage, "a recorded step (time_s, dac_V) is compared on its own: give only that file");
-  if (!request.at.empty() || request.volume != 0)
-    return problem(ProblemKind::usage, "--at and --volume apply to measurement sets, not to a recorded step");
+  if (!request.at.empty() || request.volume != 0 || !request.residual_plot.empty())
+    return problem(ProblemKind::usage,
+                   "--at, --volume and --plot-residual apply to measurement sets, not to a recorded step");
   ECS_TRY(comparison, module.compare(request.common.model, request.common.data.front()));
   if (!request.plot.empty()) {
     ECS_DO(write_plot(request.plot, comparison.figure));
