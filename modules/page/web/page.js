@@ -34,11 +34,13 @@ const inWords = (word) => word.replaceAll("_", " ");
 /** Titles beside their cells; those that begin with ">" are numbers. */
 function table(caption, titles, rows) {
   const isNumber = titles.map((title) => title.startsWith(">"));
-  const cells = (tag, row) =>
-    row.map((cell, i) => element(tag, { class: isNumber[i] ? "n" : null, scope: tag === "th" ? "col" : null }, cell));
+  const names = titles.map((title) => title.replace(">", ""));
+  const cells = (tag, row) =>  // a narrow screen shows each row as a card, with the title in front of each cell
+    row.map((cell, i) => element(tag, { class: isNumber[i] ? "n" : null, ...(tag === "th" ? { scope: "col" } : { "data-title": names[i] }) },
+      cell));
   return element("div", { class: "table" }, element("p", { class: "soft" }, caption),
     element("div", { class: "scroll", role: "region", "aria-label": caption, tabindex: "0" }, element("table", { "aria-label": caption },
-      element("thead", {}, element("tr", {}, cells("th", titles.map((title) => title.replace(">", ""))))),
+      element("thead", {}, element("tr", {}, cells("th", names))),
       element("tbody", {}, rows.map((row) => element("tr", {}, cells("td", row)))))));
 }
 
@@ -55,6 +57,41 @@ const card = (title, ...children) =>
 const sentence = (text) => typeset(text.charAt(0).toUpperCase() + text.slice(1) + (text.endsWith(".") ? "" : "."));
 const wholeAnswer = (verb, text) =>
   element("details", {}, element("summary", {}, `The whole answer of ${verb}`), element("pre", { tabindex: "0" }, text));
+
+/** The words of the screens (docs/glossary.md), longest first, so that "reversal error" goes before a shorter one. */
+const words = JSON.parse(byId("words").textContent).sort((a, b) => b.word.length - a.word.length);
+const wordPattern = new RegExp(`(?<![\\w-])(?:${words.map(({ word }) => `(${word.replace(/[ -]/g, "[ -]")}s?)`).join("|")})(?![\\w-])`, "i");
+
+/** Marks the first occurrence of each word in a card, with its meaning. */
+function explainWords(part) {
+  for (const one of part.querySelectorAll(".card, .verdict")) {
+    const seen = new Set();
+    const texts = document.createTreeWalker(one, NodeFilter.SHOW_TEXT, (node) =>
+      node.parentElement.closest("pre, code, button, select, svg, dfn, label") ? NodeFilter.FILTER_REJECT : NodeFilter.FILTER_ACCEPT);
+    for (let node = texts.nextNode(); node; node = texts.nextNode()) {
+      const found = wordPattern.exec(node.data);
+      if (!found) continue;
+      const { word, meaning } = words[found.slice(1).findIndex(Boolean)];
+      const rest = node.splitText(found.index);
+      rest.splitText(found[0].length);
+      texts.currentNode = rest;
+      if (seen.has(word)) continue;
+      seen.add(word);
+      const marked = element("dfn", { title: meaning, "data-word": word });
+      rest.replaceWith(marked);
+      marked.append(rest);
+    }
+  }
+}
+
+/** `?` of the screens: the words that are seen, with their meanings. */
+function showWords() {
+  const seen = new Set([...document.querySelectorAll("#work dfn")].map((one) => one.dataset.word));
+  const rows = words.filter(({ word }) => seen.has(word)).sort((a, b) => (a.word < b.word ? -1 : 1));
+  byId("explained").replaceChildren(...(rows.length ? [element("details", { class: "card" },
+    element("summary", {}, "? Words on this page"),
+    element("dl", { class: "facts" }, rows.flatMap(({ word, meaning }) => [element("dt", {}, word), element("dd", {}, meaning)])))] : []));
+}
 
 // --- the worker
 
@@ -148,8 +185,9 @@ function setBusy(now) {
   byId("work").setAttribute("aria-busy", String(now));
   for (const control of document.querySelectorAll("button, #files")) control.disabled = now;
   if (!now) {
-    byId("again").disabled = !lastFiles.length;
+    byId("again").disabled = byId("restart").disabled = !given.size;
     updateUndo();
+    updateSealed();
   }
 }
 
@@ -160,8 +198,9 @@ async function during(text, work) {
   say(text);
   setBusy(true);
   try {
-    await work();
-    say("");
+    const done = await work();
+    say(done || "");
+    if (bench) showWords();
   } catch (error) {
     say("");
     complain(error.message);
@@ -173,8 +212,11 @@ async function during(text, work) {
 
 // --- cards
 
-const parts = ["about", "guess", "verdict", "ladder", "missing", "figures", "iso", "take", "terminal"];
-const fill = (part, ...children) => byId(part).replaceChildren(...children.filter(Boolean));
+const parts = ["about", "guess", "verdict", "take", "ladder", "missing", "figures", "sealed", "iso", "explained", "terminal"];
+function fill(part, ...children) {
+  byId(part).replaceChildren(...children.flat().filter(Boolean));
+  explainWords(byId(part));
+}
 
 function layOut() {
   byId("work").replaceChildren(...parts.map((part) => element("div", { id: part })));
@@ -199,7 +241,6 @@ function candidateBox(candidate, library) {
   const known = library.get(candidate.effect);
   const facts = [
     ["because", candidate.because], ["but", candidate.but], ["to decide", candidate.decide],
-    ["cannot be told from", (candidate.indistinguishable_from || []).map((one) => one.name || one).join(", ")],
     ["cause", known && known.cause], ["check", known && known.check], ["compensated", known && known.how],
     ["next", candidate.next_measurement],
   ].filter(([, text]) => text);
@@ -208,8 +249,18 @@ function candidateBox(candidate, library) {
       element("span", { class: `badge ${candidate.standing}` }, candidate.standing)),
     element("dl", { class: "facts" },
       facts.flatMap(([name, text]) => [element("dt", {}, name), element("dd", {}, typeset(text))])),
-    element("p", {}, element("button", { class: "main", type: "button", "data-add": candidate.name,
-      click: () => addEffect(candidate.name, wordsOf(candidate)) }, `Add ${candidate.name} to the model`)));
+    element("div", { class: "decide" }, element("button", { class: "main", type: "button", "data-add": candidate.name,
+      click: () => addEffect(candidate.name, wordsOf(candidate), candidate) }, `Add ${candidate.name} to the model`), rivalsOf(candidate)));
+}
+
+const percent = (part) => `${Number((100 * part).toPrecision(3))} %`;
+
+/** The effects that these data cannot distinguish from a candidate, in the words of the diagnosis; null where there are none. */
+function rivalsOf({ indistinguishable_from, set }) {
+  const rivals = (indistinguishable_from || []).map((one) => one.name || one);
+  if (!rivals.length) return null;
+  return element("div", { class: "rivals" }, element("p", {}, element("strong", {}, "cannot be distinguished from: "), rivals.join(", ")),
+    set && set.length > 1 ? element("p", {}, "one of these (99 %): ", set.map((one) => `${one.name} ${percent(one.probability)}`).join(", ")) : null);
 }
 
 /** What `ecs model add` takes beside the name of a candidate. */
@@ -222,27 +273,58 @@ function wordsOf(candidate) {
   return words;
 }
 
+/** A paragraph of an answer that begins with `begin`; null where there is none. */
+const paragraphOf = (text, begin) => {
+  const found = new RegExp(`^${begin}.*(?:\\n {2,}.*)*`, "m").exec(text);
+  return found && element("p", {}, typeset(unwrapped(found[0])));
+};
+
+/** What lies between two runs, or in one, where the headline names it: the formula that describes it. */
+function formulaOfRuns(headline) {
+  const jump = /between runs \d+ and (\d+)/.exec(headline);
+  if (jump) return { name: "jump", text: `(run >= ${jump[1]})` };
+  const odd = /\bRun (\d+) (?:lies|differs)/.exec(headline);
+  return odd && { name: "odd run", text: `(run == ${odd[1]})` };
+}
+
+/** What the headline names of the runs: its sentences, and the button that adds it for all senses of the data. */
+function runsBox({ headline }) {
+  const found = formulaOfRuns(headline);
+  if (!found) return null;
+  const sentences = headline.split(/(?<=\.) (?=The residual is)/)[0];
+  const formulas = bench.senses.map((sense) => `${sense} = h${bench.senses.length > 1 ? `_${sense}` : ""} * ${found.text}`);
+  return element("article", { class: "candidate", id: "runs" }, element("h3", {}, element("code", {}, formulas.join(", "))),
+    element("p", {}, typeset(sentences)), element("p", {}, element("button", { class: "main", type: "button", "data-add": `user:${found.name}`,
+      click: () => addEffect(`user:${found.name}`, formulas.flatMap((one) => ["--formula", one])) },
+    "Add this to the model")));
+}
+
 function showMissing(said, library) {
-  const { candidates, left, formula, notes, where } = said.answer;
+  const { candidates, left, formula, notes, where, headline, outliers } = said.answer;
   const inAnswer = candidates.filter((one) => one.standing !== "possible");
   const possible = candidates.filter((one) => one.standing === "possible");
   const rows = possible.map((one) => [
     (library.get(one.effect) || {}).title || one.effect, element("code", {}, one.name), one.rms_after_um.toFixed(3),
     `${(100 * one.explained).toFixed(1)} %`,
     element("button", { type: "button", "data-add": one.name, "aria-label": `Add ${one.name} to the model`,
-      click: () => addEffect(one.name, wordsOf(one)) }, "Add")]);
-  fill("missing", card("What is missing",
-    inAnswer.length ? inAnswer.map((one) => candidateBox(one, library))
-      : element("p", {}, said.answer.verdict === "adequate" ? "Nothing is missing." : "No effect is named."),
-    formula ? element("article", { class: "candidate" },
-      element("h3", {}, "A formula", element("code", {}, Object.values(formula.formula).join(", "))),
-      element("p", {}, typeset(formula.why)),
-      element("p", {}, element("button", { type: "button", "data-add": "formula", click: () => addEffect("formula", []) },
-        "Add the formula to the model"))) : null,
+      click: () => addEffect(one.name, wordsOf(one), one) }, "Add")]);
+  const runs = runsBox(said.answer);
+  const proposed = formula && element("article", { class: "candidate" },
+    element("h3", {}, "A formula", element("code", {}, Object.values(formula.formula).join(", "))),
+    element("p", {}, typeset(formula.why)),
+    element("p", {}, element("button", { type: "button", "data-add": "formula", click: () => addEffect("formula", []) },
+      "Add the formula to the model")));
+  fill("missing", card(inAnswer.length || runs ? "What is missing" : "The residual", runs,
+    inAnswer.map((one) => candidateBox(one, library)),
+    runs ? null : proposed,
     left.filter((one) => one.is).length ? element("dl", { class: "facts" }, left.filter((one) => one.is).flatMap((one) =>
       [element("dt", {}, one.property), element("dd", {}, typeset(`${one.is}. ${one.because}`))])) : null,
-    rows.length ? element("details", {}, element("summary", {}, "Other effects that were tried"),
-      table("rms after adding each one", ["effect", "name", ">rms after", ">explained", ""], rows)) : null,
+    outliers.length ? paragraphOf(said.text, "outliers: ") : null,
+    rows.length || (runs && proposed) ? element("details", {}, element("summary", {}, "Other effects that were tried"),
+      rows.length ? table("rms after adding each one", ["effect", "name", ">rms after", ">explained", ""], rows) : null,
+      runs ? proposed : null) : null,
+    bench.game ? null : element("details", { id: "another", toggle: ({ target }) => { if (target.open) rankEffects(); } },
+      element("summary", {}, "Another effect, or a formula of your own"), chooser(library), ownFormula()),
     where.length ? element("details", {}, element("summary", {}, "What the residual depends on"),
       table("share of the variance of the residual", ["variable", ">share", "looks like"], where.map((one) =>
         [one.variable, `${(100 * one.strength).toFixed(1)} %`, typeset(one.looks_like || "")]))) : null,
@@ -250,26 +332,133 @@ function showMissing(said, library) {
     wholeAnswer("ecs model diagnose", said.text)));
 }
 
+// --- every effect of the library, by what adding it would do
+
+/** Effects in two groups: those that act on these data, and those that do not, with the reason of the program. */
+function effectOptions(library, ranked) {
+  const all = [...library.values()].filter((one) => one.effect !== "user");
+  if (!ranked) return all.map((one) => element("option", { value: one.effect }, one.title));
+  const acts = all.filter((one) => ranked.get(one.effect).rms !== undefined);
+  if (ranked.sorted) acts.sort((a, b) => ranked.get(a.effect).place - ranked.get(b.effect).place || ranked.get(a.effect).rms - ranked.get(b.effect).rms);
+  const others = all.filter((one) => !acts.includes(one));
+  return [
+    element("optgroup", { label: "these data can show it" }, acts.map((one) => element("option", { value: one.effect },
+      ranked.sorted ? `${one.title}: rms ${ranked.get(one.effect).rms.toFixed(3)} µm` : one.title))),
+    element("optgroup", { label: "these data cannot show it" }, others.map((one) =>
+      element("option", { value: one.effect, disabled: true }, typeset(`${one.title}: ${ranked.get(one.effect).why}`)))),
+  ].filter((group) => group.children.length);
+}
+
+function describeSuspect(event) {
+  if (event) byId("suspect").dataset.touched = "yes";
+  const one = effects.get(byId("suspect").value);
+  byId("about-suspect").textContent = one ? `${sentence(one.cause)} ${sentence(`distinguished by: ${one.tells_apart}`)}` : "";
+}
+
+/** A list of the effects, and the button that adds the one that was chosen. */
+function chooser(library) {
+  return element("div", {}, element("p", { class: "row" }, element("label", { for: "suspect" }, "Effect"),
+    element("select", { id: "suspect", change: describeSuspect, "aria-describedby": "about-suspect" }, effectOptions(library, null)),
+    element("button", { id: "try", class: "main", type: "button", click: () => addEffect(byId("suspect").value, []) }, "Add it to the model")),
+  element("p", { id: "about-suspect", class: "soft" }));
+}
+
+function ownFormula() {
+  return element("p", { class: "row" }, element("label", { for: "formula" }, "Formula"),
+    element("input", { id: "formula", type: "text", autocomplete: "off", spellcheck: "false", placeholder: `${bench.senses[0]} = h * (run >= 5)` }),
+    element("button", { id: "add-formula", type: "button",
+      click: () => addEffect("user:own formula", ["--formula", byId("formula").value || byId("formula").placeholder]) }, "Add the formula"));
+}
+
+/** Tries each effect in the background; then the list has those first that leave the least, and the others with the reason. In the
+ *  game before its diagnosis the order stays that of the library: it would be the answer. */
+async function rankEffects() {
+  const asked = bench;
+  const before = bench.changes;
+  const current = () => bench === asked && bench.changes === before && byId("suspect");
+  const library = await effectLibrary();
+  const ranked = new Map();
+  const lacks = new Map((asked.diagnosis ? asked.diagnosis.notes : []).map((note) => /^(.*): (.*) cannot be tried$/.exec(note)).filter(Boolean)
+    .flatMap(([, why, names]) => names.split(/, | and /).map((name) => [name, why])));
+  const inModel = new Set([...(await readText(bench.model)).matchAll(/^id = "(\w+)"/gm)].map(([, id]) => id));
+  const candidates = asked.diagnosis ? asked.diagnosis.candidates.map((one) => one.effect) : [];
+  for (const one of library.keys()) {
+    if (one === "user") continue;
+    if (!current()) return;
+    const place = candidates.includes(one) ? candidates.indexOf(one) : candidates.length;
+    try {
+      const { answer } = await run("ecs", "model", "add", ...changing(one, []));
+      ranked.set(one, { rms: answer.rms_after_um, place });
+    } catch (error) {
+      ranked.set(one, { why: inModel.has(one) ? "it is in the model" : lacks.get(one) || error.message.replace(/^[^:]*(?::[A-Z]\w*)*: /, "").replace(/ \(`ecs [^)]*\)/, "") });
+    }
+  }
+  if (!current()) return;
+  ranked.sorted = !asked.game || asked.hinted;
+  const select = byId("suspect");
+  const chosen = select.value;
+  const touched = select.dataset.touched;
+  select.replaceChildren(...effectOptions(library, ranked));
+  if (touched && ranked.get(chosen).rms !== undefined) select.value = chosen;
+  select.dataset.ranked = ranked.sorted ? "sorted" : "grouped";
+  describeSuspect();
+}
+
 /** Where the model fails: readings and model, and a row for each direction. */
-function showComparison(said, svg) {
+function showComparison(said, svg, residual) {
   const rows = said.text.split("\n").map((line) =>
     line.match(/^(\S+(?: \S+)?)\s+(\S+)\s{2,}(\S+(?: \S+)*)\s+(\d+)\s+(-?[\d.]+)\s+([\d.]+)\s+([\d.]+)\s{2,}(.*)$/));
-  fill("figures", card("The model against the measurement", figures(svg),
-    element("p", {}, typeset(unwrapped(said.text.split("\n\n")[0]))),
+  // The diagnosis states rms, noise and lack of fit; without it the comparison does.
+  fill("figures", card("The model against the measurement", overAbscissa(svg, residual),
+    byId("verdict").firstChild ? null : element("p", {}, typeset(unwrapped(said.text.split("\n\n")[0]))),
     table("the residual, reading − model, in µm (EA, EB and EC in µm/m)",
       ["sense", "axis", "direction", ">readings", ">bias", ">rms", ">peak", "lack of fit"],
       rows.filter(Boolean).map((row) => row.slice(1))),
     wholeAnswer("ecs model compare", said.text)));
 }
 
+/** Figures over the position, or the residual over another variable, as the reader chooses. The variable on which the residual
+ *  depends most comes first. */
+function overAbscissa(svg, residual) {
+  const shown = new Map([["position", figures(svg)]]);
+  for (const figure of residual ? [...figures(residual).children] : []) {
+    const over = / over (.*?)\. /.exec(`${figure.getAttribute("aria-label")} `)[1];
+    if (!shown.has(over)) shown.set(over, element("div", { class: "figures" }));
+    shown.get(over).append(figure);
+  }
+  const depends = bench.diagnosis && bench.diagnosis.where.length ? inWords(bench.diagnosis.where[0].variable.replace(/_\w+$/, "")) : "";
+  const first = bench.abscissa && shown.has(bench.abscissa) ? bench.abscissa
+    : [...shown.keys()].find((name) => depends && name.startsWith(depends)) || "position";
+  const choose = (name) => shown.forEach((holder, one) => (holder.hidden = one !== name));
+  choose(first);
+  const choices = element("p", { class: "row", role: "radiogroup", "aria-label": "Abscissa" }, "Over ", [...shown.keys()].map((name) =>
+    element("label", { class: "choice" }, element("input", { type: "radio", name: "abscissa", value: name, checked: name === first,
+      change: () => { bench.abscissa = name; choose(name); } }), name)));
+  return [shown.size > 1 ? choices : null, ...shown.values()].filter(Boolean);
+}
+
+/** The steps after which held-out readings are predicted worse than before. */
+function heldOutWorse(history) {
+  return history.map((step, i) => {
+    const before = i ? history[i - 1].held_out_rms_um : bench.heldOutAtStart;
+    return typeof step.held_out_rms_um === "number" && typeof before === "number" && step.held_out_rms_um > 1.001 * before;
+  });
+}
+
 async function showLadder() {
   const { answer, text } = await verb("model", "history", bench.model, "--plot", "ladder.svg", "--force");
   if (!answer.history.length) return fill("ladder");
   const number = (value) => (value === null || value === undefined ? "–" : value.toFixed(3));
-  fill("ladder", card("How far the error falls", figures(await readText("ladder.svg"), true),
+  const worse = heldOutWorse(answer.history);
+  const last = answer.history.length - 1;
+  fill("ladder", card("How far the error falls", bench.added.length ? addedWords() : null,
+    worse[last] ? element("p", { class: "worse", id: "worse" }, "Held-out readings are predicted worse than before this step.") : null,
+    figures(await readText("ladder.svg"), true),
     table("the residual after each step, in µm", ["step", ">rms before", ">rms", ">peak", ">noise", ">held out"],
-      answer.history.map((step) => [step.effect || "start", number(step.rms_before_um), number(step.rms_um),
-        number(step.peak_um), number(step.noise_um), number(step.held_out_rms_um)])),
+      answer.history.map((step, i) => [step.effect || "start", number(step.rms_before_um), number(step.rms_um),
+        number(step.peak_um), number(step.noise_um),
+        worse[i] ? element("span", { class: "worse" }, `${number(step.held_out_rms_um)} ▲ worse`) : number(step.held_out_rms_um)])),
+    [...text.matchAll(/^ +(rms and peak of .*)$/gm)].map(([, note]) => element("p", { class: "soft" }, note)),
     element("p", {}, element("button", { id: "undo", type: "button", click: takeBack }, "Take the last effect out again")),
     wholeAnswer("ecs model history", text)));
 }
@@ -310,6 +499,9 @@ function save(name, bytes, type) {
   link.click();
   link.remove();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+  const done = `Saved: ${name}, ${Math.max(1, Math.round(bytes.length / 1000))} kB.`;
+  byId("saved").textContent = done;
+  return done;
 }
 
 /** The model with values, fitted to the data where it has none. */
@@ -319,18 +511,18 @@ async function fitted() {
 }
 
 async function saveModel() {
-  save("model.toml", await readBytes(await fitted()), "application/toml");
+  return save("model.toml", await readBytes(await fitted()), "application/toml");
 }
 
 async function saveDiagnosis() {
   const said = await verb("model", "diagnose", ...dataWords());
-  save("diagnosis.json", said.json, "application/json");
+  return save("diagnosis.json", said.json, "application/json");
 }
 
 async function saveMap() {
   await verb("map", "build", "--from-model", await fitted(), ...machineWords(), "--zero-missing", "not in the model",
     "-o", "map.csv", "--force");
-  save("map.csv", await readBytes("map.csv"), "text/csv");
+  return save("map.csv", await readBytes("map.csv"), "text/csv");
 }
 
 /** The measurement lines, a file each, as a report takes them: the readings as `ecs laser import` writes them. */
@@ -367,7 +559,7 @@ async function saveReport() {
   await lineFiles();
   await verb("report", "--before", "before", "--model", bench.model, "--data", ...bench.data, ...machineWords(),
     "-o", "report.html", "--force");
-  save("report.html", await readBytes("report.html"), "text/html");
+  return save("report.html", await readBytes("report.html"), "text/html");
 }
 
 function showTake() {
@@ -376,7 +568,8 @@ function showTake() {
   fill("take", card("Take away", element("p", { class: "row" },
     button("save-model", "Model (model.toml)", saveModel), button("save-map", "Error map (map.csv)", saveMap),
     button("save-report", "Report (report.html)", saveReport),
-    button("save-diagnosis", "Diagnosis (diagnosis.json)", saveDiagnosis))));
+    button("save-diagnosis", "Diagnosis (diagnosis.json)", saveDiagnosis)),
+  element("p", { id: "saved", role: "status", "aria-live": "polite" })));
 }
 
 // --- what a person does
@@ -392,23 +585,37 @@ async function effectLibrary() {
 
 async function diagnose() {
   const said = await verb("model", "diagnose", ...dataWords());
+  bench.diagnosis = said.answer;
+  if (bench.heldOutAtStart === undefined)
+    bench.heldOutAtStart = (said.answer.candidates.find((one) => one.held_out_rms_before_um) || {}).held_out_rms_before_um || null;
   showVerdict(said);
   showMissing(said, await effectLibrary());
 }
 
 async function compare() {
   const said = await verb("model", "compare", ...dataWords(), "--plot", "model.svg", "--force");
-  showComparison(said, await readText("model.svg"));
+  let residual = "";
+  try {
+    await verb("model", "compare", ...dataWords(), "--plot-residual", "residual.svg", "--force");
+    residual = await readText("residual.svg");
+  } catch (error) {
+    if (!(error instanceof Refusal)) throw error;  // nothing but the position changes
+  }
+  showComparison(said, await readText("model.svg"), residual);
 }
 
+/** What `ecs model add` takes: the model, an effect, the data. */
+const changing = (name, more) => [bench.model, name, "--data", ...bench.data, ...machineWords(), ...more,
+  ...bench.importWords.map((word) => (word === "--sense" ? "--reading-sense" : word))];
+
 /** Adds an effect; afterwards everything is shown again. */
-function addEffect(name, more) {
+function addEffect(name, more, candidate = null) {
   return during(`Adding ${name}.`, async () => {
     clearGame();
     const before = await readBytes(bench.model);
-    const said = await verb("model", "add", bench.model, name, "--data", ...bench.data, ...machineWords(), ...more,
-      ...bench.importWords.map((word) => (word === "--sense" ? "--reading-sense" : word)), "-o", bench.model);
-    bench.added.push(before);
+    const said = await verb("model", "add", ...changing(name, more), "-o", bench.model);
+    bench.added.push({ before, said, candidate });
+    ++bench.changes;
     if (bench.game) showGuessed(said);
     await showAll();
     focusOn(byId(bench.game ? "guess" : "ladder").querySelector("h2"));
@@ -418,12 +625,13 @@ function addEffect(name, more) {
 
 /** What was said of the model before it changed. */
 function clearGame() {
-  for (const part of bench.game ? ["guessed", "revealed"] : []) byId(part).replaceChildren();
+  for (const part of ["guessed", "revealed"]) if (byId(part)) byId(part).replaceChildren();
 }
 
 function takeBack() {
   return during("Taking the last effect out.", async () => {
-    await write(bench.model, bench.added.pop());
+    await write(bench.model, bench.added.pop().before);
+    ++bench.changes;
     clearGame();
     await showAll();
     focusOn(byId("about").querySelector("h2"));
@@ -436,39 +644,41 @@ async function showAll() {
   await showLadder();
   if (!byId("iso").firstChild) await showIso();
   showTake();
+  showSealed();
+  if (bench.game) rankEffects();
 }
 
 // --- the game
 
-function showGuessed(said) {
+/** What `ecs model add` answered: its first sentence, and the values. */
+function wordsOfAnswer(said) {
   const lines = said.text.split("\n\n")[0].split("\n");
   const [summary, values] = [(line) => !line.startsWith(" "), (line) => line.startsWith(" ")].map((is) =>
     typeset(unwrapped(lines.filter(is).join("\n"))));
-  byId("guessed").replaceChildren(element("p", {}, element("strong", {}, summary)), element("p", {}, values));
+  return [element("p", {}, element("strong", {}, summary)), element("p", {}, values)];
+}
+const showGuessed = (said) => byId("guessed").replaceChildren(...wordsOfAnswer(said));
+
+/** What was added last, and what stays open about it. */
+function addedWords() {
+  const { said, candidate } = bench.added[bench.added.length - 1];
+  const rivals = candidate && rivalsOf(candidate);
+  return element("div", { id: "added" }, bench.game ? null : wordsOfAnswer(said), rivals,
+    rivals && candidate.next_measurement ? element("p", {}, typeset(`next: ${candidate.next_measurement}`)) : null);
 }
 
 async function showGuess() {
   const library = await effectLibrary();
-  const describe = () => {
-    const one = library.get(byId("suspect").value);
-    byId("about-suspect").textContent = one ? `${sentence(one.cause)} ${sentence(`distinguished by: ${one.tells_apart}`)}` : "";
-  };
-  const options = [...library.values()].filter((one) => one.effect !== "user").map((one) =>
-    element("option", { value: one.effect }, one.title));
   fill("guess", card("Which effect do you suspect?",
     element("p", {}, "Look at the residual below: does it depend on the position, on the approach, on the time? Choose an "
       + "effect and add it to the model. The right one makes the residual fall to the noise."),
-    element("p", { class: "row" }, element("label", { for: "suspect" }, "Effect"),
-      element("select", { id: "suspect", change: describe, "aria-describedby": "about-suspect" }, options),
-      element("button", { id: "try", class: "main", type: "button", click: () => addEffect(byId("suspect").value, []) },
-        "Add it to the model")),
-    element("p", { id: "about-suspect", class: "soft" }),
+    chooser(library),
     element("div", { id: "guessed", role: "status", "aria-live": "polite" }),
     element("p", { class: "row" },
       element("button", { id: "hint", type: "button", click: hint }, "Show the diagnosis"),
       element("button", { id: "truth", type: "button", click: showTruth }, "Show the truth")),
     element("div", { id: "revealed", role: "status", "aria-live": "polite" })));
-  describe();
+  describeSuspect();
 }
 
 function hint() {
@@ -476,23 +686,44 @@ function hint() {
     bench.hinted = true;
     await diagnose();
     byId("verdict").scrollIntoView({ block: "nearest" });
+    rankEffects();
   });
 }
 
+/** The truth of a case, and whether the model has it. */
 function showTruth() {
   return during("The truth is being opened.", async () => {
-    const said = await run("ecs", "model", "reveal", ".");
-    note(["model", "reveal", "."]);
+    const said = await run("ecs", "model", "reveal", bench.sealed);
+    note(["model", "reveal", bench.sealed]);
     const { history } = (await run("ecs", "model", "history", bench.model)).answer;
-    const hidden = said.answer.truth.effects.map((one) => one.name);
-    const found = hidden.filter((name) => history.some((step) => step.effect === name));
-    const wrong = history.map((step) => step.effect).filter((name) => name && !hidden.includes(name));
+    const { truth } = said.answer;
+    const hidden = truth.effects.map((one) => one.name);
+    const added = history.map((step) => step.effect).filter(Boolean);
+    // One of a group that these data cannot tell apart is the answer too.
+    const isTrue = (name) => hidden.includes(name) || truth.group.includes(name);
+    const found = hidden.filter((name) => added.some((one) => one === name || (truth.group.includes(one) && truth.group.includes(name))));
+    const wrong = added.filter((name) => hidden.length && !isTrue(name));
     byId("revealed").replaceChildren(
-      element("p", {}, element("strong", { id: "hidden-text" }, typeset(said.answer.truth.text))),
-      element("p", {}, found.length === hidden.length ? "Your model has it." : "Your model does not have it.",
-        wrong.length ? ` It also has what this machine does not have: ${wrong.join(", ")}.` : ""),
+      element("p", {}, element("strong", { id: "hidden-text" }, typeset(truth.text))),
+      hidden.length ? element("p", {}, found.length === hidden.length ? "Your model has it." : "Your model does not have it.",
+        wrong.length ? ` It also has what this machine does not have: ${wrong.join(", ")}.` : "") : "",
       wholeAnswer("ecs model reveal", said.text));
   });
+}
+
+/** A case whose truth is sealed among the files: to be opened after an answer. */
+function showSealed() {
+  if (bench.game || !bench.sealed || byId("revealed")) return updateSealed();
+  fill("sealed", card("What was hidden",
+    element("p", {}, "The truth of this case is sealed. Add the effects that you suspect, or answer that nothing is missing; then open it."),
+    element("p", { class: "row" },
+      element("button", { id: "nothing", type: "button", click: () => { bench.answered = true; updateSealed(); } }, "Nothing is missing"),
+      element("button", { id: "truth", class: "main", type: "button", click: showTruth }, "Show what was hidden")),
+    element("div", { id: "revealed", role: "status", "aria-live": "polite" })));
+  updateSealed();
+}
+function updateSealed() {
+  if (bench && !bench.game && bench.sealed && byId("truth")) byId("truth").disabled = busy || !(bench.answered || bench.added.length);
 }
 
 function play(event) {
@@ -501,6 +732,8 @@ function play(event) {
   const seed = byId("seed").value;
   return during("The emulated machine is being measured.", async () => {
     bench = null;
+    given.clear();
+    byId("given").textContent = "";
     await ask({ action: "clear" });
     const words = ["hide", "--seed", seed, "--kind", "single", "-o", "made"];
     const said = await run("ecs-emulator", ...words);
@@ -508,9 +741,8 @@ function play(event) {
     if ((await ask({ action: "has", path: "made/map.csv" }))) files.push("map.csv");
     for (const file of files) await write(file, await readBytes(`made/${file}`));
     await write("mine.toml", await readBytes("model.toml"));
-    bench = { game: true, hinted: false, model: "mine.toml", machine: "machine.toml", data: ["data.csv"], lines: ["data.csv"], importWords: [],
-      commands: [], added: [] };
-    layOut();
+    putOnBench({ game: true, hinted: false, model: "mine.toml", machine: "machine.toml", data: ["data.csv"], lines: ["data.csv"],
+      sealed: ".", senses: (await run("ecs", "laser", "import", "data.csv")).answer.senses });
     note(words.slice(0, -1).concat("case"), "ecs-emulator");
     bench.commands.push("cd case", "cp model.toml mine.toml");
     fill("about", element("h2", { tabindex: "-1", id: "case" }, `Case ${seed}`),
@@ -524,7 +756,8 @@ function play(event) {
 
 // --- files of one's own
 
-let lastFiles = [];
+/** Name and bytes of all files that were dropped or chosen. */
+const given = new Map();
 
 /** "--a 'b c'" as words, quotes as in a shell. */
 const wordsIn = (line) =>
@@ -537,9 +770,6 @@ function importWords() {
   return words;
 }
 
-/** Without the line that speaks of an option of the command. */
-const withoutHints = (text) => text.split("\n").filter((line) => !line.startsWith("nothing written")).join("\n").trim();
-
 /** A free name for a new model. */
 function newModelName(names) {
   let name = "model.toml";
@@ -547,32 +777,80 @@ function newModelName(names) {
   return name;
 }
 
-/** @param files  name and bytes of each */
-function analyse(files) {
-  lastFiles = files;
+/** What is on the bench from now on; nothing was added yet. */
+function putOnBench(what) {
+  bench = { importWords: [], commands: [], added: [], changes: 0, ...what };
+  layOut();
+}
+
+/** The measured files among `names` that can be read; the others with the reason, in `unread`. One that stands alone is refused as
+ *  `ecs laser import` refuses it. */
+async function readable(names, importWith, unread) {
+  if (names.length < 2) return names;
+  const good = [];
+  for (const name of names) {
+    try {
+      await run("ecs", "laser", "import", name, ...importWith);
+      good.push(name);
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+      unread.push([name, error.message.startsWith(`${name}: `) ? error.message.slice(name.length + 2) : error.message]);
+    }
+  }
+  if (!good.length) throw new Refusal(unread.map(([name, why]) => `${name}: ${why}`).join("\n"));
+  return good;
+}
+
+/** The lines that were measured, as `ecs laser import` lists them. */
+function linesTable({ lines }) {
+  const number = (value) => (value === null || value === undefined ? "varies" : String(Number(value.toPrecision(6))));
+  const rows = lines.map((line) => [line.axis, line.sense, Object.entries(line.parked_mm || {}).map(([axis, at]) => `${axis.toUpperCase()} ${number(at)}`).join(", "),
+    number(line.from_mm ?? line.from_deg), number(line.to_mm ?? line.to_deg), number(line.step_mm ?? line.step_deg), String(line.targets), String(line.runs),
+    line.forward && line.reverse ? "both" : line.forward ? "forward" : line.reverse ? "reverse" : "?"]);
+  const titles = ["axis", "sense", "parked", ">from", ">to", ">step", ">targets", ">runs", "approach"];
+  const most = 6;
+  return [table("measured lines", titles, rows.slice(0, most)), rows.length > most ? element("details", {},
+    element("summary", {}, `${rows.length - most} more lines`), table("more measured lines", titles, rows.slice(most))) : null];
+}
+
+function analyse() {
   return during("The files are being read.", async () => {
     bench = null;
     byId("work").hidden = true;
     await ask({ action: "clear" });
-    const names = files.map(({ name }) => name);
-    for (const { name, bytes } of files) await write(name, bytes);
+    const names = [...given.keys()];
+    byId("given").textContent = names.length ? `Files: ${names.join(", ")}` : "";
+    for (const [name, bytes] of given) await write(name, bytes);
     const { files: looks } = (await run("look", ...names)).answer;
     const of = (...kinds) => looks.filter((one) => kinds.includes(one.kind)).map((one) => one.file);
-    const given = { machine: of("machine")[0], model: of("model")[0] };
+    const machine = of("machine")[0] || null;
+    const sealed = names.find((name) => /(^|\/)truth\.sealed$/.test(name));
+    let model = of("model")[0];
     const others = ["machine", "model", "error map", "parameters", "recipe", "measurement plan"];
-    const data = looks.filter((one) => !others.includes(one.kind)).map((one) => one.file);
     const words = importWords();
-    if (!data.length) await run("ecs", "laser", "import", ...names);  // it says what they are
-    if (!data.length) throw new Refusal("No measurement is among the files. Choose a file of readings as well.");
+    const unread = [...of("machine").slice(1), ...of("model").slice(1)].map((name) =>
+      [name, looks.find((one) => one.file === name).what]);
+    const measured = looks.filter((one) => !others.includes(one.kind) && one.file !== sealed).map((one) => one.file);
+    if (!measured.length) await run("ecs", "laser", "import", ...names);  // it says what they are
+    if (!measured.length) throw new Refusal("No measurement is among the files. Choose a file of readings as well.");
     const paths = of("circular test", "diagonal test");
-    const lines = data.filter((name) => !paths.includes(name));
+    const lines = await readable(measured.filter((name) => !paths.includes(name)), words, unread);
+    const data = measured.filter((name) => paths.includes(name) || lines.includes(name));
     const imported = lines.length ? await run("ecs", "laser", "import", ...lines, ...words) : null;
-    bench = { game: false, model: given.model || newModelName(names), machine: given.machine || null, data, lines,
-      importWords: words, commands: [], added: [] };
-    layOut();
-    if (!given.model) await verb("model", "new", ...dataWords());
+    const isCase = sealed && model && machine;
+    const folder = sealed ? sealed.slice(0, -"truth.sealed".length) : "";
+    putOnBench({ game: false, model: model || newModelName(names), machine, data, lines, importWords: words,
+      senses: imported ? imported.answer.senses : ["EX", "EY", "EZ"], sealed: isCase ? folder || "." : null });
+    if (isCase) {  // its model stays as it is: the truth is compared with it
+      model = bench.model = `${folder}mine.toml`;
+      await write(model, await readBytes(of("model")[0]));
+      bench.commands.push(`cp ${of("model")[0]} ${model}`);
+    }
+    if (!model) await verb("model", "new", ...dataWords());
     fill("about", element("h2", { tabindex: "-1", id: "case" }, data.join(", ")),
-      imported ? element("pre", { tabindex: "0", "aria-label": "What was read" }, withoutHints(imported.text)) : null,
+      unread.length ? element("div", { id: "unread", class: "card" }, element("h3", {}, "Not used"),
+        element("ul", {}, unread.map(([name, why]) => element("li", {}, element("strong", {}, name), ": ", typeset(why))))) : null,
+      imported ? linesTable(imported.answer) : null,
       imported && imported.messages ? element("p", { class: "soft" }, typeset(unwrapped(imported.messages))) : null);
     say("The diagnosis is being computed.");
     await showAll();
@@ -580,18 +858,70 @@ function analyse(files) {
   });
 }
 
-async function analyseChosen(list) {
+/** Adds files to those that are there, by name; the additions to a model stay where no other model comes. */
+async function takeIn(files) {
+  if (busy || !files.length) return;
+  if (bench && !bench.game && bench.added.length && given.size) given.set(bench.model, await readBytes(bench.model));
+  for (const { name, file } of files) given.set(name.replace(/[\\\n]/g, "_"), new Uint8Array(await file.arrayBuffer()));
+  await analyse();
+}
+
+function startAgain() {
+  given.clear();
+  bench = null;
+  byId("given").textContent = "";
+  byId("files").value = "";
+  byId("work").hidden = true;
+  byId("work").replaceChildren();
+  complain("");
+  setBusy(false);
+  byId("files").focus();
+}
+
+const chosenFiles = (list) => [...list].map((file) => ({ name: file.name.replaceAll("/", "_"), file }));
+
+/** The files below a folder that was dropped, each with its way from there; what begins with a dot is of the system. */
+async function filesBelow(folder, way = "") {
   const files = [];
-  for (const file of list)
-    files.push({ name: file.name.replace(/[/\\\n]/g, "_"), bytes: new Uint8Array(await file.arrayBuffer()) });
-  if (files.length) await analyse(files);
+  const take = async (name, isFolder, one, file) => {
+    if (name.startsWith(".")) return;
+    if (isFolder) files.push(...await filesBelow(one, `${way}${name}/`));
+    else files.push({ name: way + name, file: await file() });
+  };
+  if (folder.values) {
+    for await (const one of folder.values()) await take(one.name, one.kind === "directory", one, () => one.getFile());
+    return files;
+  }
+  const reader = folder.createReader();
+  for (;;) {  // it gives a hundred at a time
+    const some = await new Promise((found, failed) => reader.readEntries(found, failed));
+    if (!some.length) return files;
+    for (const one of some) await take(one.name, one.isDirectory, one, () => new Promise((found, failed) => one.file(found, failed)));
+  }
+}
+
+/** What was dropped; one folder alone is the case, so its files need no way from above it. A handle can be walked on a page from a disc
+ *  too, an entry cannot (Chromium). */
+async function droppedFiles(transfer) {
+  const files = [...transfer.files];
+  const items = [...transfer.items].filter((item) => item.kind === "file");
+  const folders = items.map((item) => {
+    const entry = item.webkitGetAsEntry && item.webkitGetAsEntry();
+    if (!entry || !entry.isDirectory) return null;
+    return { name: entry.name, folder: item.getAsFileSystemHandle ? item.getAsFileSystemHandle() : entry };
+  });
+  const found = chosenFiles(files.filter((_, i) => !folders[i]));
+  const alone = items.length === 1;
+  for (const one of folders.filter(Boolean)) found.push(...await filesBelow(await one.folder, alone ? "" : `${one.name}/`));
+  return found;
 }
 
 function listen() {
   byId("game").addEventListener("submit", play);
   byId("own").addEventListener("submit", (event) => event.preventDefault());
-  byId("files").addEventListener("change", (event) => analyseChosen(event.target.files));
-  byId("again").addEventListener("click", () => analyse(lastFiles));
+  byId("files").addEventListener("change", (event) => takeIn(chosenFiles(event.target.files)));
+  byId("again").addEventListener("click", analyse);
+  byId("restart").addEventListener("click", startAgain);
   const drop = byId("drop");
   for (const kind of ["dragenter", "dragover"])
     document.addEventListener(kind, (event) => { event.preventDefault(); drop.classList.add("over"); });
@@ -599,7 +929,7 @@ function listen() {
   document.addEventListener("drop", (event) => {
     event.preventDefault();
     drop.classList.remove("over");
-    analyseChosen(event.dataTransfer.files);
+    droppedFiles(event.dataTransfer).then(takeIn).catch((error) => complain(error.message));
   });
 }
 
