@@ -224,7 +224,12 @@ PlotFigure residual_figure(const model::Fit& fit, const model::Observations& dat
   PlotFigure figure{"residual of the model", {}, 2, false};
   for (const auto& [weight, line] : lines)
     for (PlotPanel& panel : residual_panels_of_variables(data, fit, line)) {
+      if (!panel.title.starts_with("residual against")) continue;  // over a period: of all lines, and in --plot
       panel.title = fmt::format("{}: {}", title_of(line), panel.title);
+      for (PlotSeries& series : panel.series) {
+        if (series.mark == Mark::forward_reading) series.name = "forward";
+        if (series.mark == Mark::reverse_reading) series.name = "reverse";
+      }
       figure.panels.push_back(std::move(panel));
     }
   return figure;

@@ -236,16 +236,24 @@ function showVerdict(said) {
   fill("verdict", box);
 }
 
+/** "thermal_drift:X:EX with t_spindle_degC", as the answers name it. */
+const placeOf = ({ name, approach, sensor, sensor2 }) => name + (approach && approach !== "both" ? `, ${approach}` : "")
+  + (sensor ? ` with ${sensor}${sensor2 ? ` and ${sensor2}` : ""}` : "");
+
+/** What to do next; an effect that the unit cannot compensate is not advised to be. */
+const nextOf = (candidate, known) => known && !known.compensated && candidate.next_measurement
+  ? candidate.next_measurement.replace(/ Add it to the model, compensate, [^.]*\./, "") : candidate.next_measurement;
+
 /** A candidate: its title from the library, its standing, its reasons, and the button that adds it. */
 function candidateBox(candidate, library) {
   const known = library.get(candidate.effect);
   const facts = [
     ["because", candidate.because], ["but", candidate.but], ["to decide", candidate.decide],
-    ["cause", known && known.cause], ["check", known && known.check], ["compensated", known && known.how],
-    ["next", candidate.next_measurement],
+    ["cause", known && known.cause], ["check", known && known.check], [known && known.compensated ? "compensated" : "not compensated", known && known.how],
+    ["next", nextOf(candidate, known)],
   ].filter(([, text]) => text);
   return element("article", { class: "candidate" },
-    element("h3", {}, known ? known.title : candidate.effect, element("code", {}, candidate.name),
+    element("h3", {}, known ? known.title : candidate.effect, element("code", {}, placeOf(candidate)),
       element("span", { class: `badge ${candidate.standing}` }, candidate.standing)),
     element("dl", { class: "facts" },
       facts.flatMap(([name, text]) => [element("dt", {}, name), element("dd", {}, typeset(text))])),
@@ -304,9 +312,9 @@ function showMissing(said, library) {
   const inAnswer = candidates.filter((one) => one.standing !== "possible");
   const possible = candidates.filter((one) => one.standing === "possible");
   const rows = possible.map((one) => [
-    (library.get(one.effect) || {}).title || one.effect, element("code", {}, one.name), one.rms_after_um.toFixed(3),
+    (library.get(one.effect) || {}).title || one.effect, element("code", {}, placeOf(one)), one.rms_after_um.toFixed(3),
     `${(100 * one.explained).toFixed(1)} %`,
-    element("button", { type: "button", "data-add": one.name, "aria-label": `Add ${one.name} to the model`,
+    element("button", { type: "button", "data-add": one.name, "aria-label": `Add ${placeOf(one)} to the model`,
       click: () => addEffect(one.name, wordsOf(one), one) }, "Add")]);
   const runs = runsBox(said.answer);
   const proposed = formula && element("article", { class: "candidate" },
