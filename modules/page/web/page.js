@@ -303,7 +303,7 @@ function runsBox({ headline }) {
   const formulas = bench.senses.map((sense) => `${sense} = h${bench.senses.length > 1 ? `_${sense}` : ""} * ${found.text}`);
   return element("article", { class: "candidate", id: "runs" }, element("h3", {}, element("code", {}, formulas.join(", "))),
     element("p", {}, typeset(sentences)), element("p", {}, element("button", { class: "main", type: "button", "data-add": `user:${found.name}`,
-      click: () => addEffect(`user:${found.name}`, formulas.flatMap((one) => ["--formula", one])) },
+      click: () => addFormula(found.name, formulas) },
     "Add this to the model")));
 }
 
@@ -375,7 +375,14 @@ function ownFormula() {
   return element("p", { class: "row" }, element("label", { for: "formula" }, "Formula"),
     element("input", { id: "formula", type: "text", autocomplete: "off", spellcheck: "false", placeholder: `${bench.senses[0]} = h * (run >= 5)` }),
     element("button", { id: "add-formula", type: "button",
-      click: () => addEffect("user:own formula", ["--formula", byId("formula").value || byId("formula").placeholder]) }, "Add the formula"));
+      click: () => (byId("formula").value.trim() ? addFormula("own formula", [byId("formula").value]) : byId("formula").focus()) },
+    "Add the formula"));
+}
+
+/** Adds formulas, one for a sense, under a name that the model does not have yet. */
+function addFormula(name, formulas) {
+  const times = bench.added.filter((one) => one.name.startsWith(`user:${name}`)).length;
+  return addEffect(`user:${name}${times ? ` ${times + 1}` : ""}`, formulas.flatMap((one) => ["--formula", one]));
 }
 
 /** Tries each effect in the background; then the list has those first that leave the least, and the others with the reason. In the
@@ -622,7 +629,7 @@ function addEffect(name, more, candidate = null) {
     clearGame();
     const before = await readBytes(bench.model);
     const said = await verb("model", "add", ...changing(name, more), "-o", bench.model);
-    bench.added.push({ before, said, candidate });
+    bench.added.push({ before, name, said, candidate });
     ++bench.changes;
     if (bench.game) showGuessed(said);
     await showAll();
@@ -802,11 +809,18 @@ async function readable(names, importWith, unread) {
       good.push(name);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
-      unread.push([name, error.message.startsWith(`${name}: `) ? error.message.slice(name.length + 2) : error.message]);
+      unread.push([name, error.message.startsWith(name) ? error.message.slice(name.length).replace(/^[:\d]*: /, "") : error.message]);
     }
   }
   if (!good.length) throw new Refusal(unread.map(([name, why]) => `${name}: ${why}`).join("\n"));
   return good;
+}
+
+/** A file and why it is not used; a long reason opens behind its first clause. */
+function reason(name, why) {
+  const [first, ...more] = why.split("; ");
+  const line = [element("strong", {}, name), `: ${first}`];
+  return more.length ? element("details", {}, element("summary", {}, line), more.join("; ")) : line;
 }
 
 /** The lines that were measured, as `ecs laser import` lists them. */
@@ -814,7 +828,7 @@ function linesTable({ lines }) {
   const number = (value) => (value === null || value === undefined ? "varies" : String(Number(value.toPrecision(6))));
   const rows = lines.map((line) => [line.axis, line.sense, Object.entries(line.parked_mm || {}).map(([axis, at]) => `${axis.toUpperCase()} ${number(at)}`).join(", "),
     number(line.from_mm ?? line.from_deg), number(line.to_mm ?? line.to_deg), number(line.step_mm ?? line.step_deg), String(line.targets), String(line.runs),
-    line.forward && line.reverse ? "both" : line.forward ? "forward" : line.reverse ? "reverse" : "?"]);
+    line.forward && line.reverse ? "both" : line.forward ? "forward" : line.reverse ? "reverse" : "unknown"]);
   const titles = ["axis", "sense", "parked", ">from", ">to", ">step", ">targets", ">runs", "approach"];
   const most = 6;
   return [table("measured lines", titles, rows.slice(0, most)), rows.length > most ? element("details", {},
@@ -857,7 +871,7 @@ function analyse() {
     if (!model) await verb("model", "new", ...dataWords());
     fill("about", element("h2", { tabindex: "-1", id: "case" }, data.join(", ")),
       unread.length ? element("div", { id: "unread", class: "card" }, element("h3", {}, "Not used"),
-        element("ul", {}, unread.map(([name, why]) => element("li", {}, element("strong", {}, name), ": ", typeset(why))))) : null,
+        element("ul", {}, unread.map(([name, why]) => element("li", {}, reason(name, typeset(why)))))) : null,
       imported ? linesTable(imported.answer) : null,
       imported && imported.messages ? element("p", { class: "soft" }, typeset(unwrapped(imported.messages))) : null);
     say("The diagnosis is being computed.");
