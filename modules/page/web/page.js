@@ -773,6 +773,8 @@ function play(event) {
 
 /** Name and bytes of all files that were dropped or chosen. */
 const given = new Map();
+/** The measured file that comes first, and with it its machine; of files that do not go together. */
+let preferred = null;
 
 /** "--a 'b c'" as words, quotes as in a shell. */
 const wordsIn = (line) =>
@@ -798,23 +800,50 @@ function putOnBench(what) {
   layOut();
 }
 
-/** The measured files among `names` that can be read; the others with the reason, in `unread`. One that stands alone is refused as
- *  `ecs laser import` refuses it. */
-async function readable(names, importWith, unread) {
-  if (names.length < 2) return names;
+/** The reason of a refusal, without the name of the file in front. */
+const whyNot = (name, { message }) => (message.startsWith(name) ? message.slice(name.length).replace(/^[:\d]*: /, "") : message);
+
+/** The measured files among `names` that can be read together; the others with the reason, in `unread`. One that stands alone is
+ *  refused as `ecs laser import` refuses it. */
+async function readable(names, importWith, unread, hasPaths) {
+  if (names.length < 2 && !hasPaths) return names;
+  const refusal = async (...files) => {
+    try {
+      const { answer } = await run("ecs", "laser", "import", ...files, ...importWith);
+      if (answer.files.some((one) => !one.readings)) await run("ecs", "model", "new", "none.toml", files.at(-1), ...importWith);
+      return null;
+    } catch (error) {
+      if (error instanceof Refusal) return error;
+      throw error;
+    }
+  };
+  const good = [];
+  for (const name of names) {
+    const why = await refusal(...good, name);
+    const alone = why && good.length ? await refusal(name) : why;
+    if (!why) good.push(name);
+    else unread.push([name, whyNot(name, alone || why), !alone]);
+  }
+  if (!good.length && !hasPaths) throw new Refusal(unread.map(([name, why]) => `${name}: ${why}`).join("\n"));
+  return good;
+}
+
+/** The models among `names` that can be read; the others with the reason, in `unread`. */
+async function readableModels(names, unread) {
   const good = [];
   for (const name of names) {
     try {
-      await run("ecs", "laser", "import", name, ...importWith);
+      await run("ecs", "model", "history", name);
       good.push(name);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
-      unread.push([name, error.message.startsWith(name) ? error.message.slice(name.length).replace(/^[:\d]*: /, "") : error.message]);
+      unread.push([name, whyNot(name, error)]);
     }
   }
-  if (!good.length) throw new Refusal(unread.map(([name, why]) => `${name}: ${why}`).join("\n"));
   return good;
 }
+
+const folderOf = (name) => name.slice(0, name.lastIndexOf("/") + 1);
 
 /** A file and why it is not used; a long reason opens behind its first clause. */
 function reason(name, why) {
@@ -840,38 +869,42 @@ function analyse() {
     bench = null;
     byId("work").hidden = true;
     await ask({ action: "clear" });
-    const names = [...given.keys()];
+    const names = [...given.keys()].sort((a, b) => (b === preferred) - (a === preferred) || (a < b ? -1 : 1));
     byId("given").textContent = names.length ? `Files: ${names.join(", ")}` : "";
     for (const [name, bytes] of given) await write(name, bytes);
     const { files: looks } = (await run("look", ...names)).answer;
     const of = (...kinds) => looks.filter((one) => kinds.includes(one.kind)).map((one) => one.file);
-    const machine = of("machine")[0] || null;
-    const sealed = names.find((name) => /(^|\/)truth\.sealed$/.test(name));
-    let model = of("model")[0];
     const others = ["machine", "model", "error map", "parameters", "recipe", "measurement plan"];
     const words = importWords();
-    const unread = [...of("machine").slice(1), ...of("model").slice(1)].map((name) =>
-      [name, looks.find((one) => one.file === name).what]);
-    const measured = looks.filter((one) => !others.includes(one.kind) && one.file !== sealed).map((one) => one.file);
+    const unread = [];
+    const isSealed = (name) => /(^|\/)truth\.sealed$/.test(name);
+    const measured = looks.filter((one) => !others.includes(one.kind) && !isSealed(one.file)).map((one) => one.file);
     if (!measured.length) await run("ecs", "laser", "import", ...names);  // it says what they are
     if (!measured.length) throw new Refusal("No measurement is among the files. Choose a file of readings as well.");
     const paths = of("circular test", "diagonal test");
-    const lines = await readable(measured.filter((name) => !paths.includes(name)), words, unread);
+    const lines = await readable(measured.filter((name) => !paths.includes(name)), words, unread, paths.length > 0);
     const data = measured.filter((name) => paths.includes(name) || lines.includes(name));
+    // Of several machines and models those that lie beside the readings.
+    const beside = (list) => list.find((name) => folderOf(name) === folderOf(data[0])) || list[0];
+    const machine = beside(of("machine")) || null;
+    const models = await readableModels(of("model"), unread);
+    let model = beside(models);
+    const sealed = model && machine && names.find((name) => isSealed(name) && folderOf(name) === folderOf(model));
+    for (const name of [...of("machine"), ...models])
+      if (name !== machine && name !== model) unread.push([name, looks.find((one) => one.file === name).what]);
     const imported = lines.length ? await run("ecs", "laser", "import", ...lines, ...words) : null;
-    const isCase = sealed && model && machine;
-    const folder = sealed ? sealed.slice(0, -"truth.sealed".length) : "";
     putOnBench({ game: false, model: model || newModelName(names), machine, data, lines, importWords: words,
-      senses: imported ? imported.answer.senses : ["EX", "EY", "EZ"], sealed: isCase ? folder || "." : null });
-    if (isCase) {  // its model stays as it is: the truth is compared with it
-      model = bench.model = `${folder}mine.toml`;
-      await write(model, await readBytes(of("model")[0]));
-      bench.commands.push(`cp ${of("model")[0]} ${model}`);
+      senses: imported ? imported.answer.senses : ["EX", "EY", "EZ"], sealed: sealed ? folderOf(sealed) || "." : null });
+    if (sealed) {  // its model stays as it is: the truth is compared with it
+      bench.model = `${folderOf(model)}mine.toml`;
+      await write(bench.model, await readBytes(model));
+      bench.commands.push(`cp ${model} ${bench.model}`);
     }
     if (!model) await verb("model", "new", ...dataWords());
     fill("about", element("h2", { tabindex: "-1", id: "case" }, data.join(", ")),
       unread.length ? element("div", { id: "unread", class: "card" }, element("h3", {}, "Not used"),
-        element("ul", {}, unread.map(([name, why]) => element("li", {}, reason(name, typeset(why)))))) : null,
+        element("ul", {}, unread.map(([name, why, readable]) => element("li", {}, reason(name, typeset(why)),
+          readable ? element("button", { type: "button", click: () => { preferred = name; analyse(); } }, `Analyse ${name} instead`) : null)))) : null,
       imported ? linesTable(imported.answer) : null,
       imported && imported.messages ? element("p", { class: "soft" }, typeset(unwrapped(imported.messages))) : null);
     say("The diagnosis is being computed.");
@@ -890,7 +923,7 @@ async function takeIn(files) {
 
 function startAgain() {
   given.clear();
-  bench = null;
+  preferred = bench = null;
   byId("given").textContent = "";
   byId("files").value = "";
   byId("work").hidden = true;
