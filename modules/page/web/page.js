@@ -455,7 +455,7 @@ function overAbscissa(svg, residual) {
 /** The steps after which held-out readings are predicted worse than before. */
 function heldOutWorse(history) {
   return history.map((step, i) => {
-    const before = i ? history[i - 1].held_out_rms_um : bench.heldOutAtStart;
+    const before = i === history.length - bench.added.length ? bench.heldOutAtStart : i ? history[i - 1].held_out_rms_um : null;
     return typeof step.held_out_rms_um === "number" && typeof before === "number" && step.held_out_rms_um > 1.001 * before;
   });
 }
@@ -601,7 +601,7 @@ async function effectLibrary() {
 async function diagnose() {
   const said = await verb("model", "diagnose", ...dataWords());
   bench.diagnosis = said.answer;
-  if (bench.heldOutAtStart === undefined)
+  if (!bench.added.length)
     bench.heldOutAtStart = (said.answer.candidates.find((one) => one.held_out_rms_before_um) || {}).held_out_rms_before_um || null;
   showVerdict(said);
   showMissing(said, await effectLibrary());
