@@ -28,7 +28,7 @@ Result<UnitLink> open_unit(VerbContext& context) {
 }
 
 void ask_to_reference(VerbContext& context, const UnitLink& unit, std::string_view axes) {
-  context.console.note(fmt::format("reference {} at the control now; the unit is waiting", axes));
+  context.console.note(fmt::format("reference {} at the control now", axes));
   if (unit.workshop().empty()) return;
   const auto emulator = emulator_program();
   context.console.note("from another terminal: " + shell_command({emulator ? emulator->string() : "ecs-emulator",

@@ -46,7 +46,7 @@ Registry core_verbs() {
   registry.menus = {{"params", "E.C.S. PARAMETERS"},
                     {"laser", "PROCESS LASER DATA: measurements"},
                     {"map", "PROCESS LASER DATA: error maps"},
-                    {"utility", "ECS UTILITY"},
+                    {"utility", "ECS UTILITY: mode, status, datum, output and tests of the unit"},
                     {"utility datum", "datum sequences: record, show, test"},
                     {"unit", "ECS UTILITY: write access to the unit, and its event list"},
                     {"memory", "MEMORY ACCESS"},

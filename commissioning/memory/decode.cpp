@@ -38,7 +38,10 @@ void decode_commits(const DumpRegion& region, DecodedMemory& memory) {
     if (!slot.blank && !slot.commit)
       memory.faults.push_back(fmt::format("commit record {} at {} is corrupt", i, hex_address(slot.address)));
   }
-  if (!active) memory.faults.push_back("no commit record is valid: the unit has no active map");
+  if (active) return;
+  memory.faults.push_back(std::ranges::all_of(memory.commits, &CommitSlot::blank)
+                              ? "no map has been sent yet: both commit records are blank"
+                              : "no commit record is valid: the unit has no active map");
 }
 
 const Commit* active_commit_of(const DecodedMemory& memory) {
@@ -284,9 +287,10 @@ std::string bytes_text(const DecodedImage& image, const MemoryDump& dump) {
 Cell identity_cell(const DecodedImage& image) {
   if (!image.identity)
     return null_cell(image.format == kFormatWithoutIdentity ? "for no particular unit (format 1)\n" : "");
+  const auto stated = [](const std::string& text) { return text.empty() ? Cell{"", "not stated"} : text_cell(text); };
   return record_cell("for unit {serial_number}, machine {machine}, configuration {configuration}\n",
-                     "serial_number"_is(text_cell(image.identity->serial_number)),
-                     "machine"_is(text_cell(image.identity->machine)),
+                     "serial_number"_is(stated(image.identity->serial_number)),
+                     "machine"_is(stated(image.identity->machine)),
                      "configuration"_is(hex_cell(image.identity->configuration)));
 }
 

@@ -124,8 +124,8 @@ std::string summary(const Diagnosis& d) {
     text += fmt::format("With {}: rms {:.3f} {}. ", d.add ? "the proved or likely effects" : "the named effects",
                         d.rms_after_um, d.noise.unit);
   const std::string lack_of_fit = lack_of_fit_cell(d.lack_of_fit).text;
-  text += "Lack of fit: " + lack_of_fit;
-  if (d.rms_um > kFarAboveNoise * d.noise.noise_um && lack_of_fit.ends_with("holds"))
+  text += "Lack-of-fit test: " + lack_of_fit;
+  if (d.rms_um > kFarAboveNoise * d.noise.noise_um && lack_of_fit.ends_with("the model fits"))
     text += ", as repeats differ from each other by as much: the error changes between them";
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)
     text += fmt::format("; afterwards {}", lack_of_fit_cell(d.lack_of_fit_after).text);

@@ -16,7 +16,7 @@ constexpr double kEnoughSigmas = 3.0;     ///< of a value that differs from zero
 constexpr double kProvingEValue = 100.0;  ///< as the verdict asks
 
 std::string judged(const std::string& text, bool holds) {
-  return fmt::format("{}: {}", text, holds ? "holds" : "fails");
+  return fmt::format("{}: {}", text, holds ? "passed" : "failed");
 }
 
 std::vector<std::string> places_of(const std::vector<model::EffectInstance>& effects) {
@@ -73,7 +73,7 @@ std::vector<EffectFact> details_of(const model::Candidate& candidate) {
   for (EffectFact& fact : facts_of(definition)) facts.push_back(std::move(fact));
   facts.push_back({"values", parameters_text(candidate.parameters)});
   const auto rivals = places_of(candidate.rivals);
-  facts.push_back({"could also be", rivals.empty() ? "no other effect of the library fits these data as well"
+  facts.push_back({"could also be", rivals.empty() ? "no other effect of the library, within what the noise allows"
                                                    : fmt::format("{}", fmt::join(rivals, ", "))});
   if (!candidate.but.empty()) facts.push_back({"not proved", candidate.but});
   if (!candidate.decide.empty()) facts.push_back({"to decide", candidate.decide});

@@ -87,9 +87,9 @@ Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test) {
   if (!test) return null_cell("too few repeats to judge");
   return record_cell("F = {F}, p = {p}: {word}", "F"_is(test->F, few_digits(test->F)),
                      "p"_is(test->p, fmt::format("{:.1g}", test->p)),
-                     "word"_shown(test->fails()         ? "fails"
+                     "word"_shown(test->fails()         ? "the model does not fit"
                                   : test->is_in_doubt() ? "doubtful"
-                                                        : "holds"));
+                                                        : "the model fits"));
 }
 
 AnswerFields fields_of(const ParameterEstimate& p) {

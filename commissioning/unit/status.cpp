@@ -380,13 +380,15 @@ std::string memory_text(const UnitStatus& status) {
 
 Cell events_cell(const std::vector<protocol::HostEvent>& events) {
   if (events.empty()) return {Json::array(), "events       none\n"};
-  return list_cell(events, event_cell, "event by a host\n");
+  return list_cell(events, event_cell, "events by hosts\n");
 }
 
 Cell status_cell(const StatusSnapshot& snapshot) {
   const UnitStatus& s = snapshot.status;
   Cell fault = fault_cell(s);
-  if (s.fault == Fault::none) fault.text = "no fault";
+  const bool checked = s.block_check_expected == s.block_check_found;
+  if (s.fault == Fault::none)
+    fault.text = checked ? "no fault" : "no fault stored; the block check below does not agree";
   Cell events = events_cell(snapshot.events);
   events.text = newest_events_text(snapshot.events);
   return record_cell(

@@ -161,8 +161,8 @@ FileReader reading_once(FileReader read) {
 
 Result<Axis> axis_wanted(const ImportOptions& options, const std::string& file_name) {
   if (options.axis) return *options.axis;
-  return tl::unexpected(
-      usage(file_name, "the file does not state which axis moved: give the axis X, Y or Z, of rotary axes A, B or C"));
+  return tl::unexpected(usage(
+      file_name, "the file does not state which axis moved: give the axis: X, Y or Z, of a rotary axis A, B or C"));
 }
 
 Result<Sense> positioning_sense(const ImportOptions& options, Axis axis, const std::string& file_name) {

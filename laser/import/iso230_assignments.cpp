@@ -160,7 +160,9 @@ Result<MeasurementSet> read_assignments(std::string_view text, const std::string
       set.readings.push_back(std::move(reading));
     }
   }
-  set.notes.push_back("FWD is read as forward and BWD as reverse, as in the file");
+  set.notes.push_back(
+      "FWD is read as forward and BWD as reverse, as in the file; some reports print FWD as backward: check the sign "
+      "of the reversal");
   number_rows(set);
   return set;
 }

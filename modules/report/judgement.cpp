@@ -197,10 +197,12 @@ std::string scatter_sentence(const TableRow& row) {
   const auto& iso = row.after->iso;
   if (!iso.R || !iso.E) return "";
   if (is_scatter(row) && scatters_more(row))
-    return fmt::format(" It is mostly scatter: repeatability R = {}, before compensation {}.", quantity(row, *iso.R),
-                       quantity(row, *row.before->iso.R));
+    return fmt::format(
+        " It is mostly scatter: repeatability R = {} (four standard deviations), before compensation {}.",
+        quantity(row, *iso.R), quantity(row, *row.before->iso.R));
   if (is_scatter(row))
-    return fmt::format(" It is mostly scatter (repeatability R = {}), which no map removes.", quantity(row, *iso.R));
+    return fmt::format(" It is mostly scatter, which no map removes (repeatability R = {}, four standard deviations).",
+                       quantity(row, *iso.R));
   return fmt::format(" The systematic part of it is E = {}, the repeatability R = {}.", quantity(row, *iso.E),
                      quantity(row, *iso.R));
 }
@@ -217,7 +219,7 @@ std::string worst_sentence_of(const TableRow& row) {
 std::string sentence_of(const ReportContent& content, const Judgement& j) {
   if (j.after == 0) return "Measured before compensation only: the effect of compensation is not known yet.";
   if (j.judged == 0)
-    return fmt::format("{} measured after compensation; no limits were given for them.",
+    return fmt::format("{} measured after compensation; the plan states no limits for them.",
                        counted(j.after, "component was", "components were"));
   if (j.within == j.judged)
     return j.judged == 1 ? "The one measurement with a limit is within it."

@@ -110,7 +110,7 @@ Result<CommandResult> UnitClient::outcome_of(const Command& command, const Comma
     case CommandState::done:
       return result;
     case CommandState::refused:
-      return problem(ProblemKind::refused, fmt::format("the unit refuses to {}: {}", name_of(command.code), reason));
+      return problem(ProblemKind::refused, fmt::format("the unit refuses \"{}\": {}", name_of(command.code), reason));
     case CommandState::failed:
       return problem(ProblemKind::link, fmt::format("{} failed: {}", name_of(command.code), reason));
     default:

@@ -242,10 +242,10 @@ std::string arguments_in_words(const Command& command) {
       return fmt::format("{} {:.4g} um, {}", letter_of(command.axis), command.output_um,
                          command.relay_on ? "relay closed" : "relay open");
     case CommandCode::begin_staging:
-      if (command.staging_from == StagingFrom::kept) return "over the contents of the bank";
+      if (command.staging_from == StagingFrom::kept) return "over the inactive bank";
       return command.staging_from == StagingFrom::active ? "copy of the active map" : "";
     case CommandCode::commit_staged:
-      return fmt::format("{} bytes, {:08X}", command.length, command.digest >> 32);
+      return fmt::format("{} B, SHA {:08X}", command.length, command.digest >> 32);
     case CommandCode::test_datum:
     case CommandCode::record_datum:
       return std::string(1, letter_of(command.axis));

@@ -226,7 +226,7 @@ void warn_about_header(VerbContext& context, const Built& b) {
   for (const auto& [name, value] :
        {std::pair{"customer", header.customer}, {"engineer", header.engineer}, {"date", header.date}})
     if (value.empty())
-      context.console.note(fmt::format("the header has no {0}: give --{0}, or add it to the recipe", name));
+      context.console.note(fmt::format("the header has no {0} (optional: --{0}, or a line of the recipe)", name));
 }
 
 Problem nothing_built(const Built& b) {

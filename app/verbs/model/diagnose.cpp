@@ -128,20 +128,22 @@ Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
   return record_cell("\n{tells}{sentence}", fields);
 }
 
-std::string rivals_text(const std::vector<std::string>& rivals) {
-  if (rivals.size() > 1) return paragraph(fmt::format("to be separated: {}", fmt::join(rivals, ", ")), 0, 2);
+std::string rivals_text(const std::vector<std::string>& rivals, bool adequate) {
+  const std::string_view what = adequate ? "could be present undetected" : "to be separated";
+  if (rivals.size() > 1) return paragraph(fmt::format("{}: {}", what, fmt::join(rivals, ", ")), 0, 2);
   return rivals.empty() ? std::string() : paragraph("to be confirmed: " + rivals.front());
 }
 
 Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& diagnosis, const NextRequest& request) {
   Cell proposals{Json::array(), {}};
   for (const MeasurementProposal& one : next.proposals) proposals.add(proposal_cell(one, proposals.json.size() + 1));
-  if (proposals.json.size() > 1) proposals.text += "\nThe first run decides the most per minute.\n";
+  if (proposals.json.size() > 1)
+    proposals.text += "\nThe runs are in order of what they decide about all of these causes together, per minute.\n";
   return record_cell("{verdict}{rivals}{proposals}{notes}",
                      "verdict"_is(name_of(diagnosis.verdict), paragraph(diagnosis.headline)),
-                     "rivals"_is(next.rivals, rivals_text(next.rivals)), "proposals"_is(std::move(proposals)),
-                     "program"_is(text_cell(request.program)), "targets"_is(text_cell(request.targets)),
-                     "notes"_is(next.notes, notes_text(next.notes)));
+                     "rivals"_is(next.rivals, rivals_text(next.rivals, diagnosis.verdict == model::Verdict::adequate)),
+                     "proposals"_is(std::move(proposals)), "program"_is(text_cell(request.program)),
+                     "targets"_is(text_cell(request.targets)), "notes"_is(next.notes, notes_text(next.notes)));
 }
 
 /// Part program and target list of the chosen proposal; says what was written.

@@ -60,7 +60,7 @@ struct RecordRequest {
 Result<Outcome> record(VerbContext& context, const RecordRequest& request) {
   ECS_TRY(axis, axis_named(request.axis));
   ECS_TRY(unit, open_unit(context));
-  context.console.note(fmt::format("recording for {} s", kDatumRecord_s));
+  context.console.note(fmt::format("the unit records for {} s", kDatumRecord_s));
   ask_to_reference(context, unit, "axis " + request.axis);
   const auto recording_bar = [&context](const protocol::CommandResult& busy) {
     const double done = busy.per_mille / 1000.0;

@@ -217,7 +217,7 @@ TEST_CASE("a commit that the unit does not carry out is reported as not taken, a
     auto unit = shop.client();
     const auto sent = must_fail(unit.upload_image(noise_image(4000)));
     CHECK((contains(sent.message, "the old map is active")) == had_map);
-    CHECK((contains(sent.message, "contains none, as before")) != had_map);
+    CHECK((contains(sent.message, "contains no map, as before")) != had_map);
     CHECK_FALSE(shop.staging());
   }
 }
@@ -486,7 +486,7 @@ TEST_CASE("whatever ends an upload before its commit, the message names the old 
   for (const bool had_map : {true, false}) {
     UnitWithMap shop(Over::tcp, had_map ? kOldImage : std::vector<std::uint8_t>());
     const auto sent = sent_while(shop, [](UnitModel& model) { model.bank_b[100] ^= model.bank_a[100] ^= 1; });
-    CHECK(says(sent, had_map ? "old map is active" : "contains none, as before"));
+    CHECK(says(sent, had_map ? "old map is active" : "contains no map, as before"));
   }
 }
 
