@@ -49,8 +49,8 @@ Result<Outcome> manual(VerbContext& context, const ManualRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kDocuments{
-    action("completion", "shell script that completes verbs and options",
+    action("completion", "print a shell script that completes verbs and options",
            "ecs completion bash > ~/.local/share/bash-completion/completions/ecs", completion),
-    action("manual", "a manual page for each verb", "ecs manual -o ~/.local/share/man/man1", manual)};
+    action("manual", "write a manual page for each verb", "ecs manual -o ~/.local/share/man/man1", manual)};
 
 }  // namespace ecs::app

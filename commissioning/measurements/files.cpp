@@ -210,8 +210,10 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
       {"--profile", &A::profile, "use the import options saved under this name or path"},
       F{{"--encoding", &A::encoding, "code page; detected if not given",
          Words{"UTF-8", "Windows-1252", "GBK", "ISO-8859-1", "Shift-JIS", "UTF-16"}},
-        {"--target-unit", &A::target_unit, "unit of the targets if it is not the usual one, as in in, arcsec"},
-        {"--reading-unit", &A::reading_unit, "unit of the readings if it is not the usual one, as in um, arcsec"},
+        {"--target-unit", &A::target_unit,
+         "unit of the targets if it is not mm or degrees, for example inch or arcsec"},
+        {"--reading-unit", &A::reading_unit,
+         "unit of the readings if it is not the usual one of the format, for example mil or arcsec"},
         {"--accept-truncated", &A::accept_truncated, "read the complete part of a truncated file"},
         {"--table-holds-errors", &A::table_holds_errors, "read the values of a .REN table as errors, not compensation"}}
           .under("More about a measurement file"),
@@ -235,7 +237,7 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
         {"--environment", &A::environment,
          "file with air data and temperatures over time: .pos, or a table with headings"},
         {"--environment-every", &A::environment_every_s,
-         "interval between the rows of --environment, if it has no time [s]"}}
+         "interval between the rows of --environment, if that file has no time column [s]"}}
           .under("Logs, and runs with readings at rest")};
 }
 

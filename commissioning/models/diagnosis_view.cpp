@@ -301,7 +301,7 @@ Cell where_cell(const Diagnosis& d) {
   Cell where{Json::array(),
              d.where.empty() ? "" : "\nvariables that the residual depends on (share of its variance)\n"};
   for (const model::Dependence& one : d.where)
-    where.add(record_cell("  {variable} {strength:>8}  in noise alone: p = {p_value}\n",
+    where.add(record_cell("  {variable} {strength:>8}  probability in noise alone: {p_value}\n",
                           "variable"_is(one.variable, padded(one.variable, 26)),
                           "strength"_is(one.strength, percent(one.strength)),
                           "p_value"_is(one.p_value, fmt::format("{:.1g}", one.p_value)), "at"_is(numbers_json(one.at)),
@@ -393,7 +393,8 @@ std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) 
 
 Cell diagnosis_cell(const Diagnosis& d) {
   const std::string tried =
-      paragraph(fmt::format("{} candidates were tried, and {} simulated noise-only data sets on the same design",
+      paragraph(fmt::format("{} candidates were tried on these readings, and on {} simulated data sets with noise "
+                            "alone at the same positions and conditions",
                             d.candidates_tried, d.noise_replicates));
   return record_cell("{headline}\n{summary}{candidates}{where}{left}{formula}{outliers}\n{blanks}{notes}",
                      "observations"_is(d.observations), "rms_um"_is(d.rms_um), "noise_um"_is(d.noise.noise_um),

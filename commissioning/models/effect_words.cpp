@@ -52,7 +52,7 @@ std::string_view carrier_text(model::Carrier carrier) {
     case model::Carrier::parameters:
       return "parameters";
     case model::Carrier::set_up:
-      return "put it right";
+      return "remove the cause";
     case model::Carrier::none:
       break;
   }

@@ -134,7 +134,7 @@ void add_position(AnswerFields& fields, const Vector3& position_mm, bool rotary)
 [[nodiscard]] Json position_json(const Vector3& position_mm, bool rotary = false);
 [[nodiscard]] std::string axis_json(Axis axis, bool rotary = false);
 
-/// "error map", "parameters", "put it right", "no": what carries the compensation.
+/// "error map", "parameters", "remove the cause", "no": what carries the compensation.
 [[nodiscard]] std::string_view carrier_text(model::Carrier carrier);
 
 /// "cause: lost motion in the drive"

@@ -70,9 +70,9 @@ Result<Outcome> manual(VerbContext& context, const ManualRequest& arguments) {
 }  // namespace
 
 extern const Action kCompletion =
-    action("completion", "shell script that completes verbs and options",
+    action("completion", "print a shell script that completes verbs and options",
            "ecs-emulator completion bash > ~/.local/share/bash-completion/completions/ecs-emulator", completion);
 extern const Action kManual =
-    action("manual", "a manual page for each verb", "ecs-emulator manual -o ~/.local/share/man/man1", manual);
+    action("manual", "write a manual page for each verb", "ecs-emulator manual -o ~/.local/share/man/man1", manual);
 
 }  // namespace ecs::emulator

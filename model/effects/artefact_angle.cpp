@@ -10,7 +10,7 @@ EffectDefinition artefact_angle() {
   return {
       .id = "artefact_angle",
       .title = "Angle error of the square",
-      .formula = "r k p, and r c, r = 1, turned over -1",
+      .formula = "r (k p + c), r = -1 if turned over",
       .cause = "the square or straight edge is not at its assumed angle",
       .tells_apart =
           "changes its sign when the artefact is turned over (column reversed); an error of the machine does not",

@@ -10,7 +10,7 @@ EffectDefinition artefact_form() {
   return {
       .id = "artefact_form",
       .title = "Form of the straight edge",
-      .formula = "r (c + s(p)), r = 1, turned over -1",
+      .formula = "r (c + s(p)), r = -1 if turned over",
       .cause = "the straight edge or the leg of the square is not straight",
       .tells_apart =
           "changes its sign when the artefact is turned over (column reversed); an error of the machine does not",

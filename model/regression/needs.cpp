@@ -38,35 +38,36 @@ using Effect = const EffectInstance&;
 
 /// In the order of the notes.
 constexpr NeedFacts kNeeds[] = {
-    {Need::time, "time_s", "time_s", [](Data data) { return data.time_s.empty(); },
+    {Need::time, "the column time_s", "time_s", [](Data data) { return data.time_s.empty(); },
      [](Data data, std::size_t k, Effect) { return cell(data.time_s, k); }},
-    {Need::sensor, "temperature sensor", "", [](Data data) { return data.sensors_degC.empty(); },
+    {Need::sensor, "a temperature sensor", "", [](Data data) { return data.sensors_degC.empty(); },
      [](Data data, std::size_t k, Effect effect) { return sensor_degC(data, effect.sensor, k); }},
-    {Need::two_sensors, "second temperature sensor", "", [](Data data) { return data.sensors_degC.size() < 2; },
+    {Need::two_sensors, "a second temperature sensor", "", [](Data data) { return data.sensors_degC.size() < 2; },
      [](Data data, std::size_t k, Effect effect) {
        return sensor_degC(data, effect.sensor, k) - sensor_degC(data, effect.sensor2, k);
      }},
-    {Need::material_temperature, kMaterial, kMaterial, [](Data data) { return !data.sensors_degC.contains(kMaterial); },
+    {Need::material_temperature, "the column t_material_degC", kMaterial,
+     [](Data data) { return !data.sensors_degC.contains(kMaterial); },
      [](Data data, std::size_t k, Effect) { return sensor_degC(data, kMaterial, k); }},
-    {Need::air, "t_air_degC, pressure_hPa and humidity_pct together", "t_air_degC, pressure_hPa, humidity_pct",
+    {Need::air, "the columns t_air_degC, pressure_hPa and humidity_pct", "t_air_degC, pressure_hPa, humidity_pct",
      [](Data data) { return !has_air(data); },
      [](Data data, std::size_t k, Effect) { return air_deviation_ppm(data, k); }},
-    {Need::feed, "feed_mm_min", "feed_mm_min", [](Data data) { return data.feed_mm_min.empty(); },
+    {Need::feed, "the column feed_mm_min", "feed_mm_min", [](Data data) { return data.feed_mm_min.empty(); },
      [](Data data, std::size_t k, Effect) { return cell(data.feed_mm_min, k); }},
-    {Need::load, "load_kg", "load_kg", [](Data data) { return data.load_kg.empty(); },
+    {Need::load, "the column load_kg", "load_kg", [](Data data) { return data.load_kg.empty(); },
      [](Data data, std::size_t k, Effect) { return cell(data.load_kg, k); }},
-    {Need::travel_since_reversal, "travel_since_reversal_mm", "travel_since_reversal_mm",
+    {Need::travel_since_reversal, "the column travel_since_reversal_mm", "travel_since_reversal_mm",
      [](Data data) { return data.travel_since_reversal_mm.empty(); },
      [](Data data, std::size_t k, Effect) { return cell(data.travel_since_reversal_mm, k); }},
-    {Need::time_since_reversal, "feed_mm_min along a circle", kTimeSinceReversalColumn,
+    {Need::time_since_reversal, "the column feed_mm_min along a circle", kTimeSinceReversalColumn,
      [](Data data) { return !data.extras.contains(kTimeSinceReversalColumn); },
      [](Data data, std::size_t k, Effect) {
        const auto found = data.extras.find(kTimeSinceReversalColumn);
        return found == data.extras.end() ? kNotMeasured : found->second[k];
      }},
-    {Need::reversed, "reversed", "reversed", [](Data data) { return !data.extras.contains("reversed"); },
+    {Need::reversed, "the column reversed", "reversed", [](Data data) { return !data.extras.contains("reversed"); },
      [](Data data, std::size_t k, Effect) { return side_of_artefact(data, k); }},
-    {Need::known, "[[known]] component", "the known component", [](Data data) { return data.known.empty(); },
+    {Need::known, "a [[known]] component", "the known component", [](Data data) { return data.known.empty(); },
      [](Data data, std::size_t, Effect effect) {
        return effect.code ? known_value(data, *effect.code, 0.0) : kNotMeasured;
      }},
@@ -80,7 +81,7 @@ const NeedFacts& facts_of(Need need) {
 /// Its note is part of the one about any sensor where there is none.
 bool of_sensors(Need need) { return need == Need::two_sensors || need == Need::material_temperature; }
 
-/// Adds "no load_kg: load cannot be tried"; nothing where no effect of the library is concerned.
+/// Adds "load cannot be tried: it needs the column load_kg"; nothing where no effect of the library is concerned.
 template <class Chosen>
 void note(const Observations& data, std::string_view what, const Chosen& chosen, std::vector<std::string>& notes) {
   std::vector<std::string_view> names;
@@ -89,7 +90,8 @@ void note(const Observations& data, std::string_view what, const Chosen& chosen,
   std::string list;
   for (std::size_t i = 0; i < names.size(); ++i)
     list += fmt::format("{}{}", i == 0 ? "" : i + 1 == names.size() ? " and " : ", ", names[i]);
-  if (!names.empty()) notes.push_back(fmt::format("no {}: {} cannot be tried", what, list));
+  if (!names.empty())
+    notes.push_back(fmt::format("{} cannot be tried: {} {}", list, names.size() == 1 ? "it needs" : "they need", what));
 }
 
 }  // namespace
@@ -211,10 +213,10 @@ std::vector<std::string> untried_effects(const Observations& all) {
     notes.emplace_back("no time_s: the tests of the residual use the order of the rows as time (row)");
   add_tied_to_runs(data, notes);
   if (std::ranges::all_of(data.approach, [](int d) { return d == 0; }))
-    notes.emplace_back("no approach: effects of approach cannot be tried");
+    notes.emplace_back("effects of the approach cannot be tried: they need readings of a known approach");
   if (data.terms.count == 0)
     note(
-        data, "machine", [](const EffectDefinition& definition) { return definition.has_lever(); }, notes);
+        data, "a machine file", [](const EffectDefinition& definition) { return definition.has_lever(); }, notes);
   if (data.known.empty())
     note(
         data, facts_of(Need::known).what,

@@ -399,7 +399,7 @@ const Module& controllers_module() {
       .menus = {{"export", "convert the error map to compensation tables of other controls, and back"}},
       .verbs = {{"volume", &export_writers()}, {"volume", &kExportReading}},
       .synonyms = {{"MORE", "export siemens heidenhain twincat linuxcnc"}},
-      .advice = {{kTableOfControl, "`ecs export read` makes a map of it"}}};
+      .advice = {{kTableOfControl, "`ecs export read` converts it to a map"}}};
   return module;
 }
 

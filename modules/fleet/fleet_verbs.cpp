@@ -173,7 +173,7 @@ struct FleetMergeRequest {
   static Fields<FleetMergeRequest> fields() {
     using R = FleetMergeRequest;
     return {{"RESULTS", &R::results, "results of `ecs fleet diagnose`, from one host or many", Need::required},
-            {"--fdr", &R::rate, "accepted mean share of false names among all names", Range{1e-6, 1.0}},
+            {"--fdr", &R::rate, "accepted share of wrong causes among all named causes, on average", Range{1e-6, 1.0}},
             {"--previous", &R::previous, "earlier results, or the answer of `fleet merge --json`, for comparison"},
             {"-o,--output", &R::output, "file for the results of all hosts", Is::output}};
   }
@@ -234,16 +234,18 @@ Result<Outcome> fleet_merge(VerbContext& context, const FleetMergeRequest& reque
   std::vector<std::string> errors;
   for (const FleetResult& result : gathered.results)
     if (!result.error.empty()) errors.push_back(result.id);
-  AnswerFields fields = described(
-      "machines"_is(names.machines), "errors"_is(errors, fmt::format("{}", errors.size())),
-      "conflicts"_is(gathered.conflicts), "fdr"_is(request.rate, fmt::format("{:g}", 100.0 * request.rate)),
-      "count"_shown(names.named.size()), "named"_is(named_cell(names.named, "named (q-value)")),
-      "unconfirmed"_is(named_cell(names.unconfirmed, "not certain enough for this number of machines")),
-      "unexplained"_is(names.unexplained, names.unexplained.empty()
-                                              ? ""
-                                              : fmt::format("\n{} machines with structure that no effect explains\n",
-                                                            names.unexplained.size())),
-      "groups"_is(groups_cell(names.groups)));
+  AnswerFields fields =
+      described("machines"_is(names.machines), "errors"_is(errors, fmt::format("{}", errors.size())),
+                "conflicts"_is(gathered.conflicts), "fdr"_is(request.rate, fmt::format("{:g}", 100.0 * request.rate)),
+                "count"_shown(names.named.size()), "named"_is(named_cell(names.named, "named (q-value)")),
+                "unconfirmed"_is(named_cell(
+                    names.unconfirmed, "not confirmed: among this number of machines, chance may have named these")),
+                "unexplained"_is(names.unexplained,
+                                 names.unexplained.empty()
+                                     ? ""
+                                     : fmt::format("\n{} machines with a systematic residual that no effect explains\n",
+                                                   names.unexplained.size())),
+                "groups"_is(groups_cell(names.groups)));
   std::string layout =
       "{machines} machines, {errors} without an answer; {count} names, of which at most {fdr} % are false on average\n"
       "{named}{unconfirmed}{unexplained}{groups}";

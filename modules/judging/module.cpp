@@ -23,7 +23,8 @@ cli::Fields<FreezeArguments> FreezeArguments::fields() {
                           &M::import};
   return {{&R::of, of},
           {"--limits", &R::limits, "acceptance limits of the held-out groups (.toml)", cli::Need::required},
-          {"-o,--output", &R::output, "freeze to write (.json)", cli::Need::required, cli::Is::output}};
+          {"-o,--output", &R::output, "file for the frozen model, data and limits (.json)", cli::Need::required,
+           cli::Is::output}};
 }
 
 }  // namespace ecs::commissioning

@@ -55,7 +55,7 @@ struct OutputRequest {
             {"UM", &R::output_um, "compensation, um"},
             {"--relay", &R::relay, "close the relay, so that the machine axis moves (needs --yes)"},
             {"--off", &R::off, "set every output to 0 and open every relay"},
-            {"--yes", &R::yes, "the axis may move"}};
+            {"--yes", &R::yes, "confirm that the axis may move"}};
   }
 };
 

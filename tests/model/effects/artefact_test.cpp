@@ -99,7 +99,8 @@ TEST_CASE("in one position the artefact cannot be told from the machine; turning
 TEST_CASE("without the column a note names what cannot be tried, for readings across an axis only") {
   const auto notes_of = [](Axis axis) {
     const auto notes = untried_effects(observations_of(measured({.axis = axis}, kNoise_um, nothing), Model{}, mill()));
-    return std::count(notes.begin(), notes.end(), "no reversed: artefact_angle and artefact_form cannot be tried");
+    return std::count(notes.begin(), notes.end(),
+                      "artefact_angle and artefact_form cannot be tried: they need the column reversed");
   };
   CHECK(notes_of(Axis::Y) == 1);
   CHECK(notes_of(Axis::X) == 0);
