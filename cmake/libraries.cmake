@@ -9,6 +9,11 @@ endif()
 # GCC 12 warns of overlaps in std::string's own operator+ at -O3 where there are none (its bug 105651).
 target_compile_options(ecs_flags INTERFACE
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>)
+# One rounding an operation, so that every processor computes the same bits: g++ fuses a*b + c where the processor can, as on arm64 and,
+# with -march, on x86-64.
+if(CMAKE_BUILD_TYPE STREQUAL "Release" OR NOT CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+  target_compile_options(ecs_flags INTERFACE -ffp-contract=off)
+endif()
 target_include_directories(ecs_flags INTERFACE ${CMAKE_SOURCE_DIR})
 
 set(ECS_SOURCES_A_UNIT 10 CACHE STRING "Sources of a folder that are compiled as one unit; 1 compiles each on its own")
