@@ -16,7 +16,7 @@ foreach(program ecs ecs-emulator)
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${pages}
     COMMAND ${CMAKE_COMMAND} -E make_directory ${pages}
     COMMAND ${program} manual -o ${pages}/man
-    COMMAND ${CMAKE_SOURCE_DIR}/packaging/completions $<TARGET_FILE:${program}> ${program} ${pages}
+    COMMAND ${CMAKE_SOURCE_DIR}/packaging/completions ${pages} ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:${program}>
     COMMAND ${CMAKE_COMMAND} -E touch ${pages}/written
     DEPENDS ${program} ${CMAKE_SOURCE_DIR}/packaging/completions VERBATIM)
   list(APPEND written ${pages}/written)
