@@ -205,6 +205,7 @@ async function during(text, work) {
     say("");
     complain(error.message);
     if (error instanceof Refusal && bench === null) byId("options").open = true;
+    byId("problem").scrollIntoView({ block: "nearest" });
   } finally {
     setBusy(false);
   }
@@ -744,6 +745,7 @@ function updateSealed() {
 function play(event) {
   event.preventDefault();
   if (!byId("game").reportValidity()) return;
+  if (bench && bench.seed === byId("seed").value) byId("seed").value = String(Number(bench.seed) + 1);  // the next one
   const seed = byId("seed").value;
   return during("The emulated machine is being measured.", async () => {
     bench = null;
@@ -756,7 +758,7 @@ function play(event) {
     if ((await ask({ action: "has", path: "made/map.csv" }))) files.push("map.csv");
     for (const file of files) await write(file, await readBytes(`made/${file}`));
     await write("mine.toml", await readBytes("model.toml"));
-    putOnBench({ game: true, hinted: false, model: "mine.toml", machine: "machine.toml", data: ["data.csv"], lines: ["data.csv"],
+    putOnBench({ game: true, seed, hinted: false, model: "mine.toml", machine: "machine.toml", data: ["data.csv"], lines: ["data.csv"],
       sealed: ".", senses: (await run("ecs", "laser", "import", "data.csv")).answer.senses });
     note(words.slice(0, -1).concat("case"), "ecs-emulator");
     bench.commands.push("cd case", "cp model.toml mine.toml");
@@ -765,7 +767,6 @@ function play(event) {
     await showGuess();
     await showAll();
     focusOn(byId("case"));
-    byId("seed").value = String(Number(seed) + 1);
   });
 }
 
@@ -925,7 +926,8 @@ function startAgain() {
   given.clear();
   preferred = bench = null;
   byId("given").textContent = "";
-  byId("files").value = "";
+  for (const field of ["files", "axis", "sense", "more"]) byId(field).value = "";
+  say("");
   byId("work").hidden = true;
   byId("work").replaceChildren();
   complain("");
@@ -976,6 +978,7 @@ function listen() {
   byId("own").addEventListener("submit", (event) => event.preventDefault());
   byId("files").addEventListener("change", (event) => takeIn(chosenFiles(event.target.files)));
   byId("again").addEventListener("click", analyse);
+  for (const field of ["axis", "sense"]) byId(field).addEventListener("change", () => given.size && analyse());
   byId("restart").addEventListener("click", startAgain);
   const drop = byId("drop");
   for (const kind of ["dragenter", "dragover"])
