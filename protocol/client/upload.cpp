@@ -355,8 +355,8 @@ std::string another_is_active(const ActiveMap& now) {
 }
 
 std::string not_taken(const ActiveMap& before) {
-  if (before.active_bank == Bank::none) return "; nothing was stored: the unit contains no map, as before";
-  return fmt::format("; nothing was stored: the old map is active (commit {})", before.commit_sequence);
+  if (before.active_bank == Bank::none) return "; the unit contains no map, as before";
+  return fmt::format("; the unit has stored none of it, and the old map is active (commit {})", before.commit_sequence);
 }
 
 std::string unknown_after(const ActiveMap& before) {
