@@ -138,7 +138,7 @@ Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& 
   Cell proposals{Json::array(), {}};
   for (const MeasurementProposal& one : next.proposals) proposals.add(proposal_cell(one, proposals.json.size() + 1));
   if (proposals.json.size() > 1)
-    proposals.text += "\nThe runs are in order of what they decide about all of these causes together, per minute.\n";
+    proposals.text += "\nThe run that decides the most about all of these causes together, per minute, is the first.\n";
   return record_cell("{verdict}{rivals}{proposals}{notes}",
                      "verdict"_is(name_of(diagnosis.verdict), paragraph(diagnosis.headline)),
                      "rivals"_is(next.rivals, rivals_text(next.rivals, diagnosis.verdict == model::Verdict::adequate)),

@@ -261,22 +261,19 @@ TEST_CASE("no wave in time is likelier than an effect that is there") {
 }
 
 TEST_CASE("a lost motion that jumps from zone to zone is no smooth curve; one that bends is") {
-  const double zones_um[] = {1.0, -2.0, 0.5, 2.5, -1.5, 0.0, 2.0, -2.5, 1.5, -0.5};
+  const auto jumping = [](const Reading& r) {
+    return d(r) * std::round(2.5 * std::sin(2.4 * std::floor(p(r) / 100.5)));
+  };
+  const auto bending = [](const Reading& r) {
+    return d(r) * (std::pow(along(r), 3) - 0.5 * along(r) + std::cos(5.0 * along(r)));
+  };
+  const auto said_of = [](const Truth& truth, unsigned seed) {
+    return SaidOfBest("reversal_curve:X:EX", truth, seed).smooth;
+  };
   for (unsigned seed = 1; seed <= 10; ++seed) {
-    const SaidOfBest jumping(
-        "reversal_curve:X:EX",
-        [&](const Reading& r) { return d(r) * zones_um[static_cast<std::size_t>(std::clamp(p(r) / 100.5, 0.0, 9.0))]; },
-        seed);
-    CHECK(contains(jumping.smooth, "jumps from target to target"));
-    for (const double size_um : {0.3, 2.0, 20.0}) {
-      const SaidOfBest bending(
-          "reversal_curve:X:EX",
-          [&](const Reading& r) {
-            return size_um * d(r) * (std::pow(along(r), 3) - 0.5 * along(r) + std::cos(5.0 * along(r)));
-          },
-          seed);
-      CHECK(bending.smooth.empty());
-    }
+    CHECK(contains(said_of(jumping, seed), "jumps from target to target"));
+    for (const double size : {0.3, 2.0, 20.0})
+      CHECK(said_of([&](const Reading& r) { return size * bending(r); }, seed).empty());
   }
 }
 
