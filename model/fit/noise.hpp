@@ -74,7 +74,8 @@ using SmoothColumns = std::function<const Eigen::MatrixXd&()>;
 /// @param residual  readings less what the model says so far, um or um/m, canonical order
 /// @param smooth    used where there are no repeats
 /// @param left_out  outliers
-/// @param absorbed  columns fitted to the readings (readings × columns): without repeats the noise in these is gone from
+/// @param absorbed  columns fitted to the readings (readings × columns): without repeats the noise in these is gone
+/// from
 ///                  the residual, and counts as not seen
 [[nodiscard]] NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual,
                                   const SmoothColumns& smooth, const std::vector<bool>& left_out,
