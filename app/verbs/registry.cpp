@@ -35,7 +35,7 @@ namespace ecs::app {
   FAMILY(kDoctor)            \
   FAMILY(kDocuments)
 
-#define FAMILY(name) extern const std::vector<Action> name;
+#define FAMILY(name) extern const std::vector<Action> name;  // NOLINT(bugprone-macro-parentheses): a name, not a value
 ECS_FAMILIES(FAMILY)
 #undef FAMILY
 
@@ -52,7 +52,7 @@ Registry core_verbs() {
                     {"memory", "MEMORY ACCESS"},
                     {"model", "MODEL: the error model against measurements"}};
 #define FAMILY(name) \
-  for (const Action& action : name) registry.actions.push_back(&action);
+  for (const Action& action : (name)) registry.actions.push_back(&action);
   ECS_FAMILIES(FAMILY)
 #undef FAMILY
   return registry;

@@ -99,12 +99,8 @@ Meaning meaning_of(const std::string& heading, const std::optional<Unit>& unit) 
   if (has({"feucht", "humid"})) return Meaning::humidity;
   if (has({"approach", "direction", "richtung", "anfahr", "approche"}) || is_word({"dir", "sens"}))
     return Meaning::approach;
-  if (has({"error", "deviation", "d\xC3\xA9viation", "reading", "abweichung", "fehler", "erreur",
-           "\xC3\xA9"
-           "cart",
-           "\xC3\x89"
-           "cart",
-           "ecart", "displacement"}) ||
+  if (has({"error", "deviation", "d\xC3\xA9viation", "reading", "abweichung", "fehler", "erreur", "\u00E9cart",
+           "\u00C9cart", "ecart", "displacement"}) ||
       is_word({"err", "dev", "abw", "diff", "delta", "disp", "exx", "eyy", "ezz"}))
     return Meaning::reading;
   if (unit && unit->kind == UnitKind::time) return Meaning::time;
@@ -317,14 +313,8 @@ std::string pass_field(const std::string& heading) {
     const std::string letters = word.substr(0, digits);
     if (is_one_of(letters, {"f", "fwd", "forward", "vor", "vorw\xC3\xA4rts", "hin", "aller", "up"}))
       direction = "forward";
-    if (is_one_of(letters, {"b", "r", "rev", "reverse", "bwd", "back", "backward",
-                            "r\xC3\xBC"
-                            "ck",
-                            "r\xC3\xBC"
-                            "ckw\xC3\xA4rts",
-                            "zur\xC3\xBC"
-                            "ck",
-                            "retour", "down"}))
+    if (is_one_of(letters, {"b", "r", "rev", "reverse", "bwd", "back", "backward", "r\u00FCck", "r\u00FCckw\xC3\xA4rts",
+                            "zur\u00FCck", "retour", "down"}))
       direction = "reverse";
     if (digits < word.size() && integer_in(word.substr(digits))) number = word.substr(digits);
   }
