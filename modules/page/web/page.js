@@ -394,8 +394,8 @@ async function rankEffects() {
   const current = () => bench === asked && bench.changes === before && byId("suspect");
   const library = await effectLibrary();
   const ranked = new Map();
-  const lacks = new Map((asked.diagnosis ? asked.diagnosis.notes : []).map((note) => /^(.*): (.*) cannot be tried$/.exec(note)).filter(Boolean)
-    .flatMap(([, why, names]) => names.split(/, | and /).map((name) => [name, why])));
+  const lacks = new Map((asked.diagnosis ? asked.diagnosis.notes : []).map((note) => /^([^:]*) cannot be tried: (?:it|they) needs? (.*)$/.exec(note)).filter(Boolean)
+    .flatMap(([, names, what]) => names.split(/, | and /).map((name) => [name, `it needs ${what}`])));
   const inModel = new Set([...(await readText(bench.model)).matchAll(/^id = "(\w+)"/gm)].map(([, id]) => id));
   const candidates = asked.diagnosis ? asked.diagnosis.candidates.map((one) => one.effect) : [];
   for (const one of library.keys()) {
