@@ -553,10 +553,7 @@ Problem explanation_of(std::string_view text, const std::string& file_name) {
     why += fmt::format("; {}; {}", table_text(*shape), column_advice(text, *shape, recognised.has_value()));
   else
     why += "; no table of numbers was found in it" + list_text(text);
-  if (!has_table && !recognised)
-    why +=
-        "; other files can be read if each line has a target and its error: name their columns, as in --columns "
-        "x_mm=1,reading=2";
+  if (!has_table && !recognised) why += "; other files can be read if each line has a target and its error";
   if (!recognised) {
     why += "; looked for: ";
     std::vector<std::string_view> titles;

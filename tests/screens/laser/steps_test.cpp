@@ -349,7 +349,7 @@ TEST_CASE("step 6 says why a measured component is not used, step 2 corrects its
   const std::string missing = driver.seen(24, 160);
   INFO(missing);
   check_holds(missing, {"it was measured at Y -1000, the measurement line of X in the parameters is at Y -1400",
-                        "Press c in step 2 to correct a wrong position"});
+                        "Press c in step 2"});
   CHECK(contains(driver.after("2c"), "y=-1000,z=0"));
   driver.press(Key::Name::backspace, 11);
   REQUIRE(driver.settles_after("y=-1400,z=0\n"));
