@@ -60,9 +60,7 @@ struct SaidOfBest {
   std::string in_time, smooth;
   SaidOfBest(const char* candidate, const Truth& truth, unsigned seed) {
     const Searching of(measured({}, kSigma_um, truth, seed), kSigma_um, candidates_named({candidate}));
-    const std::vector<Choice> found = of.search.expand(of.search.base());
-    REQUIRE_FALSE(found.empty());
-    const Solution solution = of.search.refined({found.front()});
+    const Solution solution = of.search.refined({of.search.expand(of.search.base()).at(0)});
     in_time = objection_by_wave_in_time(of.data, of.whitener, of.search.base(), solution.score());
     smooth = objection_to_smoothness(of.regressors, of.whitener, solution.space, of.search.families()[0],
                                      solution.chosen.front(), 160.0);
