@@ -116,7 +116,7 @@ std::optional<ChangeOfWave> change_of_wave(const Regressors& regressors, const W
         fmt::format("the wave of {:.4g} {} changes its size or its {}", choice.nonlinear, data.position_unit(), how),
         gain};
   };
-  const auto along = change(
+  auto along = change(
       [&](std::size_t k) {
         return 2.0 * (data.p_mm(k, *family.effect.axis) - range.first) / (range.second - range.first) - 1.0;
       },
