@@ -9,8 +9,6 @@ namespace {
 
 /// Share of the positions that smooth functions may take.
 constexpr double kMostOfPositions = 0.6;
-/// On so few positions a curve is free at every one: nothing faster can be told from it there.
-constexpr double kFewPositions = 12.0;
 
 /// Positions closer than this share of the travel are one target.
 constexpr double kSameTarget = 1e-3;
@@ -34,7 +32,7 @@ std::vector<double> second_derivatives(const std::vector<double>& at, const std:
 /// Functions that this many different positions can hold; mean and slope take two.
 std::size_t most_functions(double positions, bool apart) {
   if (positions < 3.0) return 0;
-  if (positions <= kFewPositions || apart) return static_cast<std::size_t>(positions) - 2;
+  if (positions <= static_cast<double>(kFreeTargets) || apart) return static_cast<std::size_t>(positions) - 2;
   return static_cast<std::size_t>(std::min(positions - 3.0, kMostOfPositions * positions));
 }
 

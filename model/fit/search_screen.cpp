@@ -12,6 +12,7 @@
 #include <Eigen/Cholesky>
 
 #include "base/linear/decompositions.hpp"
+#include "model/data/curve_basis.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
 #include "model/fit/held_out.hpp"
@@ -169,9 +170,6 @@ constexpr double kSamePeak = 0.02;
 /// frequency is off by half the rounding of the refinement.
 constexpr double kRefinedRise = 10.0;
 
-/// Targets that a shape might fit whatever their values are.
-constexpr std::size_t kFewTargets = 12;
-
 /// Pairs that cancel each other are alike by half of their squares at least; each with at most so many values.
 constexpr double kAlikeOfPair = 0.5;
 constexpr std::size_t kValuesOfPair = 8;
@@ -263,7 +261,7 @@ bool Search::beats_free_values(const Space& space, const Choice& choice) const {
   const EffectTraits& traits = family.effect.traits();
   if (!traits.shape_of_position || traits.is_curve || !data().paths.empty()) return true;
   const std::vector<double> places = acting_positions(data(), family.acting, *family.effect.axis);
-  if (places.size() > kFewTargets) return true;
+  if (places.size() > kFreeTargets) return true;
   MatrixXd values = MatrixXd::Zero(static_cast<Index>(data().size()), static_cast<Index>(places.size()));
   for (const std::size_t k : family.acting.rows) {
     const auto at = std::ranges::lower_bound(places, data().p_mm(k, *family.effect.axis) - kSamePlace_mm);
