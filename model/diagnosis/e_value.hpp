@@ -83,9 +83,8 @@ void find_level(const Search& search, const Structure& structure, Replicates& re
 /// What the best effect explains of the residual, compared with what any effect explains of noise of the same size: the
 /// ratio of likelihoods where the size of the noise is not known (its logarithm is that of the F test).
 struct BesideNoise {
-  Choice best;           ///< of the choices
-  double chance = 1.0;   ///< that any effect explains as much of noise alone; 1 where it plainly does
-  bool is_more = false;  ///< than of noise, at the level of false names
+  Choice best;          ///< of the choices
+  double chance = 1.0;  ///< that any effect explains as much of noise alone; 1 where it plainly does
 };
 [[nodiscard]] BesideNoise beside_noise_of_any_size(const Search& search, const Space& space, Replicates& replicates,
                                                    const std::vector<Choice>& choices, double freedom,

@@ -210,9 +210,8 @@ double better_than_wander(const Observations& data, const Base& base, const Sear
 /// Effects are proved only if they are better than a wander, each and all together, by evidence that is positive for
 /// having been chosen among all candidates that a wander may be taken for. A wander has no price: whichever it is, it
 /// is no effect. That an effect of approach coincides with passes was planned, not chosen: it pays for its coefficients
-/// only. What people set by hand may coincide with runs; it pays nothing. Of the others those that a wander only rivals
-/// because nothing repeats are in doubt; those that change as a wander does, or than which it is likelier whatever the
-/// choice, are denied.
+/// only. What people set by hand may coincide with runs; it pays nothing. An effect that is likelier than a wander, but
+/// not for having been chosen, is in doubt; one that is not likelier is denied.
 void hold_against_wander(const Observations& data, const Base& base, const Search& search, Found& found) {
   const std::vector<Choice>& chosen = found.solution.chosen;
   const auto among = std::ranges::count_if(std::span(found.families).first(found.candidates_tried),
@@ -244,7 +243,7 @@ void hold_against_wander(const Observations& data, const Base& base, const Searc
     bool denied = false;
     for (const std::size_t i : set.effects) {
       const EffectInstance& effect = found.families[chosen[i].family].effect;
-      const bool rivals = better > set.coefficients && !is_like_wander(effect);
+      const bool rivals = better > set.coefficients;
       (rivals ? found.groups[i].wander : found.groups[i].denied) = true;
       denied = denied || !rivals;
       names.push_back(to_text(effect));
@@ -346,8 +345,9 @@ bool took_noise_beside_best(const Base& base, const Search& search, const Whiten
   if (choices.empty()) return false;
   const BesideNoise beside = beside_noise_of_any_size(search, space, replicates, choices, freedom, options);
   if (known_little) found.chance_of_closest = beside.chance;
-  if (!beside.is_more) return false;
-  if (known_little && search.beats_free_values(space, beside.best)) found.stands_out = beside.best;
+  const bool names = known_little && search.beats_free_values(space, beside.best);
+  if (beside.chance > (names ? kLikelyChance : options.false_naming_limit)) return false;
+  if (names) found.stands_out = beside.best;
   std::vector<Choice> chosen = found.solution.chosen;
   chosen.push_back(beside.best);
   const Solution with = search.solution(chosen, found.solution.own);

@@ -27,6 +27,8 @@ inline constexpr double kManyDegrees = 30.0;
 
 /// A cause is proved by this e-value (docs/model.md, verdicts).
 inline constexpr double kProved = 100.0;
+/// One is likely where noise alone looks like it in at most this share of cases (docs/model.md, verdicts).
+inline constexpr double kLikelyChance = 0.01;
 
 /// Readings beyond the fitted parameters below which nothing can be said: F(1, 6) exceeds 6 in one case of twenty.
 inline constexpr double kFewestSpare = 6.0;

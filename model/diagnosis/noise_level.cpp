@@ -114,7 +114,6 @@ BesideNoise beside_noise_of_any_size(const Search& search, const Space& space, R
   look_at(options.noise_replicates);
   const bool refined = !search.families()[beside.best.family].effect.definition().searched_parameter().empty();
   beside.chance = tail_probability(of_noise, here(beside.best) - (refined ? kRefinement : 0.0));
-  beside.is_more = beside.chance <= options.false_naming_limit;
   return beside;
 }
 

@@ -23,9 +23,8 @@ namespace {
 
 /// Candidates listed: what a person reads.
 constexpr std::size_t kMostListed = 12;
-/// A credible set holds the cause with this probability; what is likely is as good in no more of the sets of noise: the
-/// verdicts of docs/model.md.
-constexpr double kCredible = 0.99, kLikelyChance = 0.01;
+/// A credible set holds the cause with this probability.
+constexpr double kCredible = 0.99;
 /// A wave alone explains nearly all of what is above noise from this share on: one whose size changes by no more than
 /// two fifths of it along the travel does (1 - 0.16/3).
 constexpr double kNearlyAll = 0.95;
@@ -357,6 +356,8 @@ std::string why_not_explained(const Found& found) {
 
 Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise) {
   const std::string again = "Measure the same lines again in both directions";
+  if (ranked.wander && is_like_wander(ranked.effect))
+    return {"a zero that wanders without any law explains the same nearly as well", again};
   if (ranked.wander) return {"no line was measured twice, and a slow drift of the readings explains it as well", again};
   if (!noise) return {why_not_explained(found), "Measure the same lines again on targets between the present ones"};
   if (ranked.e_value)

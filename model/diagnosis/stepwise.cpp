@@ -199,8 +199,20 @@ std::vector<Choice> values_that_fit(const Search& search, const Space& space, co
   return values;
 }
 
-double worth(const Solution& solution, double entry_score) {
-  return solution.score() - 0.5 * entry_score * static_cast<double>(solution.chosen.size());
+/// The functions of a curve are about as large as one another: that all but the first are as small as the noise is a
+/// coincidence, and has its price (empirical Bayes: George and Foster 2000). Without it a bow is as likely to be a
+/// curve as to be the one effect that is nothing but a bow.
+double price_of_shape(const Choice& choice, const Family& family) {
+  if (!family.effect.traits().is_curve || choice.parameters < 2) return 0.0;
+  const auto functions = static_cast<double>(choice.parameters);
+  const double mean_square = choice.gain / (std::exp(family.ln_readings) * functions);  // in units of the noise
+  return (functions - 1.0) * std::log(std::max(1.0, mean_square));
+}
+
+double worth(const Search& search, const Solution& solution, double entry_score) {
+  double worth = solution.score() - 0.5 * entry_score * static_cast<double>(solution.chosen.size());
+  for (const Choice& choice : solution.chosen) worth -= price_of_shape(choice, search.families()[choice.family]);
+  return worth;
 }
 
 /// Tries to put another effect in the place of each, and to do without it.
@@ -220,7 +232,7 @@ Solution exchanged(const Search& search, Solution best, double entry_score) {
         if (other.family == best.chosen[i].family) continue;
         Solution tried = search.refined(with(rest.chosen, other), rest.own);
         if (!plausible(search, tried.chosen)) continue;
-        if (worth(tried, entry_score) > worth(best, entry_score) + kLeastProgress) {
+        if (worth(search, tried, entry_score) > worth(search, best, entry_score) + kLeastProgress) {
           best = std::move(tried);
           changed = true;
           break;
@@ -255,32 +267,18 @@ Solution merged(const Search& search, Solution best, double entry_score) {
         if (!may_stand_for_both(both, instance(best.chosen[i]), instance(best.chosen[j]))) continue;
         const Choice choice = search.refined_choice(rest.space, f, best.chosen[i].nonlinear);
         Solution tried = search.refined(with(rest.chosen, choice), rest.own);
-        if (choice.gain > 0.0 && worth(tried, entry_score) >= worth(best, entry_score))
+        if (choice.gain > 0.0 && worth(search, tried, entry_score) >= worth(search, best, entry_score))
           return merged(search, std::move(tried), entry_score);
         if (both.definition().place != Place::set_up || instance(best.chosen[i]).definition().place == Place::set_up ||
             choice.gain < kMostOfBoth * (rest.space.chi2() - best.space.chi2()))
           continue;
         const std::size_t kept = best.chosen[i].gain < best.chosen[j].gain ? i : j;  // what it is beside the rotation
         tried = search.refined(with(with(rest.chosen, choice), best.chosen[kept]), rest.own);
-        if (worth(tried, entry_score) >= worth(best, entry_score) - kIndistinguishable) return tried;
+        if (worth(search, tried, entry_score) >= worth(search, best, entry_score) - kIndistinguishable) return tried;
       }
     }
   return best;
 }
-
-/// The functions of a curve are about as large as one another: that all but the first are as small as the noise is a
-/// coincidence, and has its price (empirical Bayes: George and Foster 2000). Without it a bow is as likely to be a
-/// curve as to be the one effect that is nothing but a bow.
-double price_of_shape(const Choice& choice, const Family& family) {
-  if (!family.effect.traits().is_curve || choice.parameters < 2) return 0.0;
-  const auto functions = static_cast<double>(choice.parameters);
-  const double mean_square = choice.gain / (std::exp(family.ln_readings) * functions);  // in units of the noise
-  return (functions - 1.0) * std::log(std::max(1.0, mean_square));
-}
-
-}  // namespace
-
-namespace {
 
 /// Sets of effects one larger than a state: the best solution of every set.
 class NextSets {
@@ -344,7 +342,8 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
           next.try_set({one, other}, search.alone().own, false);
     beam = std::move(next).best_first();
     for (const Solution& solution : beam)
-      if (worth(solution, options.entry_score) > worth(best, options.entry_score) + kLeastProgress) best = solution;
+      if (worth(search, solution, options.entry_score) > worth(search, best, options.entry_score) + kLeastProgress)
+        best = solution;
   }
   return merged(search, exchanged(search, std::move(best), options.entry_score), options.entry_score);
 }

@@ -30,7 +30,7 @@ struct Group {
   std::vector<Choice> values;
   bool denied = false;  ///< something speaks against it although it explains: a run, waves that can be anything
   double change = 0.0;  ///< gain of a change of this wave along the travel or in time
-  bool wander = false;  ///< a slow wander of the readings explains it as well
+  bool wander = false;  ///< a slow wander of the readings explains it nearly as well
   std::optional<double> e_value;  ///< on readings it was not fitted to, for having been chosen among all candidates
   double p_value = 1.0;           ///< e_value.hpp, beside the other effects of the solution
   double p_value_alone = 1.0;     ///< the same beside the model
