@@ -330,14 +330,18 @@ void blame_step(Found& found) {
   found.run_note.clear();
 }
 
+/// Readings that count, less what is absorbed.
+double freedom_beside(const Space& space, const std::vector<bool>& left_out) {
+  return static_cast<double>(std::ranges::count(left_out, false)) - static_cast<double>(space.q.cols());
+}
+
 /// An effect may hide in the noise that was estimated from it, from neighbours or from repeats between which it
 /// changed: where its share cannot be noise of any size, the noise is its residual. @return the noise has been
 /// replaced
 bool took_noise_beside_best(const Base& base, const Search& search, const Whitener& whitener, Replicates& replicates,
                             const DiagnoseOptions& options, Found& found) {
   const Space& space = found.solution.space;
-  const auto kept = static_cast<double>(std::ranges::count(found.left_out, false));
-  const double freedom = kept - static_cast<double>(space.q.cols());
+  const double freedom = freedom_beside(space, found.left_out);
   const bool known_little = found.noise.pure.dof < kManyDegrees;
   if (freedom < kFewestSpare) return false;
   if (!known_little && (found.noise.pure.from_repeats || space.chi2() > kMostSquareOfAll * freedom)) return false;
@@ -435,11 +439,13 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
     found.before = structure.tests(alone);
     Replicates replicates(data, found.noise, found.left_out, whitener, search.base());
     const double n = static_cast<double>(data.size());
+    const bool known_little = found.noise.pure.dof < kManyDegrees;
     if (round == 0) find_level(search, structure, replicates, options, found);
     found.solution = search.alone();
     if (found.entry_score < kBeyondAll)
       found.solution =
-          best_solution(search, {options.most_effects, found.entry_score, kLeastShare * n, kLateShare * n});
+          best_solution(search, {options.most_effects, found.entry_score, kLeastShare * n, kLateShare * n,
+                                 found.noise.pure.dof, known_little ? freedom_beside(alone, found.left_out) : 0.0});
     LinearProblem all = joined(base, search, found.solution);
     if (round < kMostRounds && noise_changed(data, all, whitener, options.plain, found.noise, found.left_out)) continue;
     if (looks < kMostLooks && !options.plain &&

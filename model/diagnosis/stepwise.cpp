@@ -209,19 +209,25 @@ double price_of_shape(const Choice& choice, const Family& family) {
   return (functions - 1.0) * std::log(std::max(1.0, mean_square));
 }
 
-double worth(const Search& search, const Solution& solution, double entry_score) {
-  double worth = solution.score() - 0.5 * entry_score * static_cast<double>(solution.chosen.size());
+/// What a solution is worth beside others; of a noise that is known little the readings say the size too.
+double worth(const Search& search, const Solution& solution, const StepwiseOptions& options) {
+  const double before = solution.chi2_before, left = solution.space.chi2(), known = options.noise_freedom;
+  const double explained =
+      options.freedom > 0.0
+          ? (known + options.freedom) * std::log((known + before) / std::max(known + left, kLeastDivisor))
+          : before - left;
+  double worth = explained - solution.cost - 0.5 * options.entry_score * static_cast<double>(solution.chosen.size());
   for (const Choice& choice : solution.chosen) worth -= price_of_shape(choice, search.families()[choice.family]);
   return worth;
 }
 
 /// Tries to put another effect in the place of each, and to do without it.
-Solution exchanged(const Search& search, Solution best, double entry_score) {
+Solution exchanged(const Search& search, Solution best, const StepwiseOptions& options) {
   for (int round = 0; round < kExchanges; ++round) {
     bool changed = false;
     for (std::size_t i = 0; i < best.chosen.size() && best.chosen.size() > 1; ++i) {
       const Solution rest = search.refined(without_member(best.chosen, i), best.own);
-      if (best.score() - rest.score() < entry_score &&  // beside the others it would not have been added
+      if (best.score() - rest.score() < options.entry_score &&  // beside the others it would not have been added
           plausible(search, rest.chosen)) {
         best = rest;
         changed = true;
@@ -232,7 +238,7 @@ Solution exchanged(const Search& search, Solution best, double entry_score) {
         if (other.family == best.chosen[i].family) continue;
         Solution tried = search.refined(with(rest.chosen, other), rest.own);
         if (!plausible(search, tried.chosen)) continue;
-        if (worth(search, tried, entry_score) > worth(search, best, entry_score) + kLeastProgress) {
+        if (worth(search, tried, options) > worth(search, best, options) + kLeastProgress) {
           best = std::move(tried);
           changed = true;
           break;
@@ -255,7 +261,7 @@ bool may_stand_for_both(const EffectInstance& both, const EffectInstance& one, c
 /// One effect in the place of two of which each is a part of it, where that is as good. Slopes of both senses that are
 /// nearly equal and opposite are a rotation of the set-up, which hardly anybody avoids, and beside it the small rest of
 /// one of them: the same readings, and no coincidence.
-Solution merged(const Search& search, Solution best, double entry_score) {
+Solution merged(const Search& search, Solution best, const StepwiseOptions& options) {
   const auto instance = [&](const Choice& choice) -> const EffectInstance& {
     return search.families()[choice.family].effect;
   };
@@ -267,14 +273,14 @@ Solution merged(const Search& search, Solution best, double entry_score) {
         if (!may_stand_for_both(both, instance(best.chosen[i]), instance(best.chosen[j]))) continue;
         const Choice choice = search.refined_choice(rest.space, f, best.chosen[i].nonlinear);
         Solution tried = search.refined(with(rest.chosen, choice), rest.own);
-        if (choice.gain > 0.0 && worth(search, tried, entry_score) >= worth(search, best, entry_score))
-          return merged(search, std::move(tried), entry_score);
+        if (choice.gain > 0.0 && worth(search, tried, options) >= worth(search, best, options))
+          return merged(search, std::move(tried), options);
         if (both.definition().place != Place::set_up || instance(best.chosen[i]).definition().place == Place::set_up ||
             choice.gain < kMostOfBoth * (rest.space.chi2() - best.space.chi2()))
           continue;
         const std::size_t kept = best.chosen[i].gain < best.chosen[j].gain ? i : j;  // what it is beside the rotation
         tried = search.refined(with(with(rest.chosen, choice), best.chosen[kept]), rest.own);
-        if (worth(search, tried, entry_score) >= worth(search, best, entry_score) - kIndistinguishable) return tried;
+        if (worth(search, tried, options) >= worth(search, best, options) - kIndistinguishable) return tried;
       }
     }
   return best;
@@ -342,10 +348,10 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
           next.try_set({one, other}, search.alone().own, false);
     beam = std::move(next).best_first();
     for (const Solution& solution : beam)
-      if (worth(search, solution, options.entry_score) > worth(search, best, options.entry_score) + kLeastProgress)
+      if (best.chosen.empty() || worth(search, solution, options) > worth(search, best, options) + kLeastProgress)
         best = solution;
   }
-  return merged(search, exchanged(search, std::move(best), options.entry_score), options.entry_score);
+  return merged(search, exchanged(search, std::move(best), options), options);
 }
 
 std::vector<Group> groups_of(const Search& search, const Solution& solution, double entry_score) {
