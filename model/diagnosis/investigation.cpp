@@ -211,7 +211,8 @@ double better_than_wander(const Observations& data, const Base& base, const Sear
 /// having been chosen among all candidates that a wander may be taken for. A wander has no price: whichever it is, it
 /// is no effect. That an effect of approach coincides with passes was planned, not chosen: it pays for its coefficients
 /// only. What people set by hand may coincide with runs; it pays nothing. An effect that is likelier than a wander, but
-/// not for having been chosen, is in doubt; one that is not likelier is denied.
+/// not for having been chosen, is in doubt; one that is not likelier is denied. Of several drifts all but one pay for
+/// having been chosen even so.
 void hold_against_wander(const Observations& data, const Base& base, const Search& search, Found& found) {
   const std::vector<Choice>& chosen = found.solution.chosen;
   const auto among = std::ranges::count_if(std::span(found.families).first(found.candidates_tried),
@@ -239,16 +240,17 @@ void hold_against_wander(const Observations& data, const Base& base, const Searc
   for (const Doubtful& set : sets) {
     const double better = better_than_wander(data, base, search, found, set.effects);
     if (better > set.price) continue;
+    const auto effect_of = [&](std::size_t i) -> const EffectInstance& {
+      return found.families[chosen[i].family].effect;
+    };
+    const auto drifts = std::ranges::count_if(set.effects, [&](std::size_t i) { return is_like_wander(effect_of(i)); });
+    const bool rivals = better > set.coefficients + evidence * std::max(0.0, static_cast<double>(drifts) - 1.0);
     std::vector<std::string> names;
-    bool denied = false;
     for (const std::size_t i : set.effects) {
-      const EffectInstance& effect = found.families[chosen[i].family].effect;
-      const bool rivals = better > set.coefficients;
       (rivals ? found.groups[i].wander : found.groups[i].denied) = true;
-      denied = denied || !rivals;
-      names.push_back(to_text(effect));
+      names.push_back(to_text(effect_of(i)));
     }
-    std::string& why = denied ? found.objection : found.doubt;
+    std::string& why = rivals ? found.doubt : found.objection;
     if (why.empty())
       why =
           fmt::format("a slow drift of the readings explains the same as {} {}: repeat the line, also in reverse order",
@@ -336,8 +338,8 @@ double freedom_beside(const Space& space, const std::vector<bool>& left_out) {
 }
 
 /// An effect may hide in the noise that was estimated from it, from neighbours or from repeats between which it
-/// changed: where its share cannot be noise of any size, the noise is its residual. @return the noise has been
-/// replaced
+/// changed: where its share cannot be noise of any size, the noise is its residual. Of few readings a likely effect
+/// suffices for that, and is no more than likely beside that noise. @return the noise has been replaced
 bool took_noise_beside_best(const Base& base, const Search& search, const Whitener& whitener, Replicates& replicates,
                             const DiagnoseOptions& options, Found& found) {
   const Space& space = found.solution.space;
@@ -350,7 +352,9 @@ bool took_noise_beside_best(const Base& base, const Search& search, const Whiten
   const BesideNoise beside = beside_noise_of_any_size(search, space, replicates, choices, freedom, options);
   if (known_little) found.chance_of_closest = beside.chance;
   const bool names = known_little && search.beats_free_values(space, beside.best);
-  if (beside.chance > (names ? kLikelyChance : options.false_naming_limit)) return false;
+  const bool proves = beside.chance <= options.false_naming_limit;
+  if (!proves && !(names && freedom < kManyDegrees && beside.chance <= kLikelyChance)) return false;
+  found.proves_nothing = found.proves_nothing || !proves;
   if (names) found.stands_out = beside.best;
   std::vector<Choice> chosen = found.solution.chosen;
   chosen.push_back(beside.best);

@@ -61,6 +61,7 @@ struct Found {
   /// that is named for this alone.
   std::optional<double> chance_of_closest;
   std::optional<Choice> stands_out;  ///< the effect that noise of any size does not look like
+  bool proves_nothing = false;       ///< the noise is the residual of an effect that is only likely
   [[nodiscard]] double false_naming(double score) const;
   std::optional<RunOffset> bad_run;  ///< explains the residual as well as the effects do
   std::optional<NoisyRun> noisy;     ///< scatters more than the others

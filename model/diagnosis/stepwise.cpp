@@ -209,6 +209,11 @@ double price_of_shape(const Choice& choice, const Family& family) {
   return (functions - 1.0) * std::log(std::max(1.0, mean_square));
 }
 
+/// The score from which so many effects together are better than none.
+double enough(const StepwiseOptions& options, std::size_t effects) {
+  return 0.5 * options.entry_score * static_cast<double>(effects);
+}
+
 /// What a solution is worth beside others; of a noise that is known little the readings say the size too.
 double worth(const Search& search, const Solution& solution, const StepwiseOptions& options) {
   const double before = solution.chi2_before, left = solution.space.chi2(), known = options.noise_freedom;
@@ -216,7 +221,7 @@ double worth(const Search& search, const Solution& solution, const StepwiseOptio
       options.freedom > 0.0
           ? (known + options.freedom) * std::log((known + before) / std::max(known + left, kLeastDivisor))
           : before - left;
-  double worth = explained - solution.cost - 0.5 * options.entry_score * static_cast<double>(solution.chosen.size());
+  double worth = explained - solution.cost - enough(options, solution.chosen.size());
   for (const Choice& choice : solution.chosen) worth -= price_of_shape(choice, search.families()[choice.family]);
   return worth;
 }
@@ -347,9 +352,11 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
         if (one.score() + other.score() >= options.entry_score && one.gain + other.gain >= 2.0 * options.entry_gain)
           next.try_set({one, other}, search.alone().own, false);
     beam = std::move(next).best_first();
-    for (const Solution& solution : beam)
-      if (best.chosen.empty() || worth(search, solution, options) > worth(search, best, options) + kLeastProgress)
-        best = solution;
+    for (const Solution& solution : beam) {
+      const double more = best.chosen.empty() ? solution.score() - enough(options, solution.chosen.size())
+                                              : worth(search, solution, options) - worth(search, best, options);
+      if (more > kLeastProgress) best = solution;
+    }
   }
   return merged(search, exchanged(search, std::move(best), options), options);
 }

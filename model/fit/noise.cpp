@@ -33,8 +33,9 @@ constexpr double kRatioOfRuns = 1.5, kTwoSigmaOfRatio = 4.0;
 /// Repeats that judge the noise: eight deviations know it to a quarter (1/√(2·8)), and they must be half of the
 /// readings.
 constexpr std::size_t kFewestDeviations = 8;
-/// The last digit of a file is at least this [um]; a hundredth of it and less is rounding of the arithmetic.
-constexpr double kFinestStep_um = 1e-4, kNoStep_um = 0.01 * kFinestStep_um;
+/// No step is finer than half of a digit of a tenth of a nanometre [um]; less is rounding of files and of the
+/// arithmetic.
+constexpr double kFinestStep_um = 0.5e-4;
 /// A reading is a multiple of the step where it is off by at most this share of the step.
 constexpr double kOffStep = 1e-3;
 /// A step of the readings q makes noise of q/√12 = 0.29 q; a little less, so that it is no more than a floor.
@@ -263,25 +264,24 @@ bool scatter_less(const Deviations& some, const Deviations& others) {
   return ln_f_tail(ratio, others.freedom, some.freedom) < std::log(kRareByChance);
 }
 
-/// Step of the readings: the greatest number of which (nearly) all are multiples; 0 if there is none of use.
+/// Step of the readings: the greatest number of which all are multiples, by Euclid's algorithm; 0 if there is none of
+/// use.
 double resolution_of(const Observations& data, const NoiseGroup& group) {
   std::vector<double> values;
   for (const std::size_t k : group.rows) values.push_back(data.reading[k]);
-  const auto sorted = [&] {
-    std::ranges::sort(values);
-    return values;
-  }();
-  double smallest = 0.0;
-  for (std::size_t i = 1; i < sorted.size(); ++i) {
-    const double gap = sorted[i] - sorted[i - 1];
-    if (gap > kNoStep_um && (smallest == 0.0 || gap < smallest)) smallest = gap;
+  std::ranges::sort(values);
+  std::vector<double> multiples;  // the small ones first: a file rounds them all, and a large one tells the step best
+  for (std::size_t i = 1; i < values.size(); ++i) multiples.push_back(values[i] - values[i - 1]);
+  for (const double value : values) multiples.push_back(std::abs(value));
+  std::ranges::sort(multiples);
+  double step = 0.0;
+  for (const double multiple : multiples) {
+    double divisor = multiple, rest = step;
+    while (rest > kFinestStep_um) divisor = std::exchange(rest, std::abs(divisor - std::round(divisor / rest) * rest));
+    if (divisor > kFinestStep_um) step = divisor == step ? multiple / std::round(multiple / step) : divisor;
   }
-  // a step of a file has few digits; one of a scale, such as a part of a wavelength, may have many
-  for (const double step : {rounded(smallest, kNoStep_um), smallest})
-    if (step >= kFinestStep_um &&
-        std::ranges::all_of(sorted, [&](double v) { return std::abs(v / step - std::round(v / step)) <= kOffStep; }))
-      return step;
-  return 0.0;
+  const auto is_multiple = [&](double v) { return std::abs(v / step - std::round(v / step)) <= kOffStep; };
+  return step > kFinestStep_um && std::ranges::all_of(values, is_multiple) ? step : 0.0;
 }
 
 std::vector<NoiseGroup> groups_of(const Observations& data) {
@@ -437,10 +437,11 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
     for (const std::size_t k : group.rows)
       group_square += residual(static_cast<Eigen::Index>(k)) * residual(static_cast<Eigen::Index>(k));
     group_square /= static_cast<double>(group.rows.size());
-    const double floor =
-        std::max({kFloorOfStep * resolution_of(data, group), kFloorOfResidual * std::sqrt(group_square), kFloor_um});
+    const double of_step = kFloorOfStep * resolution_of(data, group);
+    const double floor = std::max({of_step, kFloorOfResidual * std::sqrt(group_square), kFloor_um});
     for (NoiseShape& shape : noise.shapes) {
       if (std::isnan(shape.variance[g])) shape.variance[g] = group_square;
+      noise.is_of_step = noise.is_of_step || shape.variance[g] < of_step * of_step;
       shape.variance[g] = std::max(shape.variance[g], floor * floor);
     }
     group.white = std::sqrt(std::max(1.0 - best.share, kLeastWhite) * best.variance[g]);
