@@ -160,3 +160,19 @@ TEST_CASE("what is shown of any candidate stays inside its limits") {
         if (parameter.name == "u0_mm") CHECK(parameter.value <= 0.501 * longest_mm);
       }
 }
+
+TEST_CASE("a drift of one run is likely at most, and where a wander says nearly the same that is told") {
+  const auto looked_at = [](double um_per_s, unsigned seed) {
+    return diagnosed(straight(), measured(
+                                     {.step_mm = 60.0, .targets = 9, .runs = 1}, 0.3,
+                                     [&](const Reading& r) { return um_per_s * *r.time_s; }, seed));
+  };
+  int told = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const Diagnosis clear = looked_at(0.03, seed), weak = looked_at(0.012, seed);
+    CHECK_MESSAGE(clear.verdict == Verdict::likely_effect, clear.headline);
+    CHECK_MESSAGE((weak.verdict == Verdict::likely_effect || weak.verdict == Verdict::cannot_tell), weak.headline);
+    if (contains(weak.headline, "a zero that wanders without any law explains the same nearly as well")) ++told;
+  }
+  CHECK(told > 5);
+}

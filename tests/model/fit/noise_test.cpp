@@ -185,6 +185,21 @@ TEST_CASE("a step of the readings stays one where they move by less than its rou
   CHECK(floors[1] == Approx(floors[0]).epsilon(1e-6));
 }
 
+TEST_CASE("the step of ten readings is seen where no two of them are one step apart, whatever the repeats scatter") {
+  const double step_um = 0.822146074;
+  const int multiples[] = {99, 92, 71, 49, 29};
+  Measured m = readings_of(measured({.step_mm = 100.0, .targets = 5, .runs = 2}, 0.0, nothing));
+  for (std::size_t k = 0; k < m.data.size(); ++k) {
+    const auto target = static_cast<std::size_t>(std::lround(m.data.p_mm(k, Axis::X) / 100.0));
+    m.data.reading[k] = std::round(1e6 * step_um * multiples[target]) * 1e-6;  // six digits in a file
+  }
+  m.residual.setZero();
+  const NoiseModel noise = noise_in(m);
+  CHECK(noise.pure.noise_um == Approx(0.25 * step_um));
+  CHECK(noise.is_of_step);
+  CHECK_FALSE(noise_in(white()).is_of_step);
+}
+
 TEST_CASE("the weights of all shapes of noise add up to one") {
   double sum = 0.0;
   for (const NoiseShape& shape : noise_in(white()).shapes) sum += shape.weight;
