@@ -435,4 +435,14 @@ std::optional<std::string> other_machine(const MeasuredMachine& measured, const 
   return std::nullopt;
 }
 
+std::optional<std::string> beyond_travel(std::string_view what, Axis axis, const std::array<double, 2>& ends_mm,
+                                         const std::array<double, 2>& travel_mm) {
+  const double beyond_mm = std::max(travel_mm[0] - ends_mm[0], ends_mm[1] - travel_mm[1]);
+  if (beyond_mm <= kUsualMargin * (travel_mm[1] - travel_mm[0])) return std::nullopt;
+  return fmt::format(
+      "{} was measured from {:.6g} to {:.6g} mm, but {} travels from {:.6g} to {:.6g} mm: do file and machine belong "
+      "together?",
+      what, ends_mm[0], ends_mm[1], letter_of(axis), travel_mm[0], travel_mm[1]);
+}
+
 }  // namespace ecs::laser

@@ -188,6 +188,24 @@ std::optional<Problem> of_other_machine(const model::Observations& data, const s
   return std::nullopt;
 }
 
+/// Lines measured where the machine cannot go: the machine file may be of another one.
+std::vector<std::string> warnings_of_travel(const laser::MeasurementSet& set, const params::Machine& machine) {
+  std::map<Axis, std::array<double, 2>> ends_mm;
+  for (const laser::Reading& reading : set.readings) {
+    if (reading.rotary) continue;
+    const double at_mm = target_mm(reading);
+    auto& [first_mm, last_mm] = ends_mm.try_emplace(reading.axis, std::array<double, 2>{at_mm, at_mm}).first->second;
+    first_mm = std::min(first_mm, at_mm);
+    last_mm = std::max(last_mm, at_mm);
+  }
+  std::vector<std::string> warnings;
+  for (const auto& [axis, ends] : ends_mm)
+    if (const auto& of_machine = machine.axes[index_of(axis)])
+      if (auto beyond = laser::beyond_travel(std::string(1, letter_of(axis)), axis, ends, of_machine->travel_mm))
+        warnings.push_back(std::move(*beyond));
+  return warnings;
+}
+
 /// What a model of readings of rotary axes cannot hold.
 std::vector<std::string> warnings_of_ball(const ModelWork& work) {
   std::vector<std::string> warnings;
@@ -275,6 +293,8 @@ Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& argume
   if (machine)
     if (const auto other = other_machine(measured_machine(set.metadata), {machine->name, ""}, "the machine file is of"))
       messages.warn(fmt::format("{}: {}", fmt::join(arguments.data, " "), *other));
+  if (machine)
+    for (const std::string& warning : warnings_of_travel(set, *machine)) messages.warn(warning);
   ModelWork work{
       std::move(*model), std::move(machine), std::move(set), {}, fmt::format("{}", fmt::join(arguments.data, " ")),
       std::move(sha256)};

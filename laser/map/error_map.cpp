@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "laser/groups.hpp"
+#include "laser/measurement_set.hpp"
 
 namespace ecs::laser {
 
@@ -64,7 +65,6 @@ double largest_in(const std::vector<MapTable>& tables, Component component) {
 namespace {
 
 constexpr std::size_t kFewestPoints = 3;  ///< two show a straight line, whatever the curve does between them
-constexpr double kUsualMargin = 0.05;     ///< of the travel: optics and overrun need room at either end
 constexpr double kApart = 0.75;           ///< of a spacing: ends further apart differ by a point
 constexpr double kApartAndRefused = 1.5;  ///< of a spacing: from here findings_for() objects
 constexpr std::string_view kBeyondTheEnds = "beyond its ends a table keeps its end value";
@@ -114,14 +114,12 @@ std::optional<Span> covered_along(const ErrorMap& map, const ComponentSet& neede
 void warn_of_travel(Component c, const Pair& pair, const Span& travel, bool of_machine,
                     std::vector<MapFinding>& findings) {
   const Span span = pair.span();
-  const double beyond_mm = std::max(travel.first_mm - span.first_mm, span.last_mm - travel.last_mm);
-  if (of_machine && beyond_mm > kUsualMargin * travel.length_mm()) {
-    findings.push_back({false, fmt::format("{} was measured from {:.6g} to {:.6g} mm, but {} travels from {:.6g} to "
-                                           "{:.6g} mm: do file and machine belong together?",
-                                           name_of(c), span.first_mm, span.last_mm, letter_of(moving_axis(c)),
-                                           travel.first_mm, travel.last_mm)});
-    return;
-  }
+  if (of_machine)
+    if (auto beyond = beyond_travel(name_of(c), moving_axis(c), {span.first_mm, span.last_mm},
+                                    {travel.first_mm, travel.last_mm})) {
+      findings.push_back({false, std::move(*beyond)});
+      return;
+    }
   const double margin_mm = std::max(pair.spacing(), kUsualMargin * travel.length_mm()) * (1.0 + 1e-9);
   if (span.first_mm - travel.first_mm <= margin_mm && travel.last_mm - span.last_mm <= margin_mm) return;
   const double covered_mm =

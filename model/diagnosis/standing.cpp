@@ -42,6 +42,8 @@ constexpr double kDegreesWithoutRepeats = 20.0;
 /// Readings that tell little of the noise do not show that nothing is missing where noise explains as much as the
 /// closest candidate does in fewer cases than this: the usual level of a test.
 constexpr double kRareOfNoise = 0.05;
+/// What is left is no noise beyond this many times what repeats or neighbours show (docs/model.md, "Noise").
+constexpr double kMostOfNoise = 3.0;
 /// What is left below this is rounding: no instrument reads a nanometre [um].
 constexpr double kNothingLeft_um = 1e-3;
 
@@ -309,6 +311,11 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
         "the residual is {:.3g} {}, and repeats show that it is not noise (lack of fit: F = {:.3g}, p = {:.1g}): "
         "measure at more positions",
         rms_um, in.found.noise.pure.unit, lack_of_fit->F, lack_of_fit->p);
+  if (rms_um > kMostOfNoise * in.found.noise.pure.noise_um)
+    return fmt::format(
+        "the residual is {:.3g} {}, {:.2g} times the noise, and so few readings do not show its cause: "
+        "measure the same lines again",
+        rms_um, in.found.noise.pure.unit, rms_um / in.found.noise.pure.noise_um);
   std::optional<Choice> closest = in.found.stands_out;
   if (!closest && !in.found.closest.empty()) closest = in.found.closest.front();
   if (closest && in.found.chance_of_closest.value_or(1.0) < kRareOfNoise)

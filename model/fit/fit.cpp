@@ -405,7 +405,7 @@ std::optional<LackOfFit> lack_of_fit_of(const Observations& data, const VectorXd
   }
   const double pure_freedom = readings - nodes, freedom = nodes - fitted_parameters;
   if (pure_freedom < 4.0 || freedom < 1.0) return std::nullopt;
-  const double pure = std::max((total - between) / pure_freedom, noise.is_of_step ? 1.0 : 1e-12);
+  const double pure = std::max((total - between) / pure_freedom, noise.pure.is_of_step ? 1.0 : 1e-12);
   LackOfFit test;
   test.F = between / freedom / pure;
   test.p = std::exp(ln_f_tail(test.F, freedom, pure_freedom));

@@ -30,9 +30,10 @@ struct EffectFit {
 
 /// Scatter of repeats: same axis, sense, position, approach and conditions.
 struct PureError {
-  double noise_um = 0.0;         ///< standard deviation of one reading
-  bool from_repeats = false;     ///< false: from differences of neighbouring readings
-  double dof = 0.0;              ///< degrees of freedom of the repeats
+  double noise_um = 0.0;      ///< standard deviation of one reading
+  bool from_repeats = false;  ///< false: from differences of neighbouring readings
+  double dof = 0.0;           ///< degrees of freedom of the repeats
+  bool is_of_step = false;    ///< repeats scatter less than the step of the readings must: they do not show the noise
   std::string_view unit = "um";  ///< of the readings: um, um/m, or both
 };
 

@@ -49,7 +49,6 @@ struct NoiseModel {
   PureError pure;                  ///< over all groups
   std::vector<NoiseShape> shapes;  ///< what the data leave possible; the groups hold the likeliest
   bool has_time = false;
-  bool is_of_step = false;  ///< repeats scatter less than the step of the readings must: they do not show the noise
   [[nodiscard]] std::vector<double> sigma_by_row(std::size_t n) const;
 };
 

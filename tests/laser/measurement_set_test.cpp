@@ -365,5 +365,12 @@ TEST_CASE("another machine is one whose name or serial number contradicts; what 
   CHECK_FALSE(other_machine({"mill", "1"}, {"mill", "1"}, "x").has_value());
 }
 
+TEST_CASE("targets beyond a twentieth of the travel speak against the machine file") {
+  CHECK_FALSE(beyond_travel("X", Axis::X, {-25.0, 525.0}, {0.0, 500.0}).has_value());
+  CHECK(beyond_travel("X", Axis::X, {-25.1, 500.0}, {0.0, 500.0}) ==
+        "X was measured from -25.1 to 500 mm, but X travels from 0 to 500 mm: do file and machine belong together?");
+  CHECK(beyond_travel("X", Axis::X, {0.0, 525.1}, {0.0, 500.0}).has_value());
+}
+
 }  // namespace
 }  // namespace ecs::laser

@@ -2,6 +2,7 @@
 // and faults, live or from a file.
 
 #include <chrono>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -47,6 +48,13 @@ Cell recording_cell(const DatumRecording& recording) {
                      "graph"_shown(graph_of(recording)), "events"_is(events_cell(events_of(recording))));
 }
 
+/// Asks to reference the axis once the unit is busy with the command: it waits for the axis now.
+protocol::CommandCallback ask_when_accepted(VerbContext& context, const UnitLink& unit, Axis axis) {
+  return [&context, &unit, axis, asked = false](const protocol::CommandResult&) mutable {
+    if (!std::exchange(asked, true)) ask_to_reference(context, unit, fmt::format("axis {}", letter_of(axis)));
+  };
+}
+
 // --- record
 struct RecordRequest {
   std::string axis, output;
@@ -61,8 +69,8 @@ Result<Outcome> record(VerbContext& context, const RecordRequest& request) {
   ECS_TRY(axis, axis_named(request.axis));
   ECS_TRY(unit, open_unit(context));
   context.console.note(fmt::format("the unit records for {} s", kDatumRecord_s));
-  ask_to_reference(context, unit, "axis " + request.axis);
-  const auto recording_bar = [&context](const protocol::CommandResult& busy) {
+  const auto recording_bar = [&, ask = ask_when_accepted(context, unit, axis)](const protocol::CommandResult& busy) {
+    ask(busy);
     const double done = busy.per_mille / 1000.0;
     context.console.progress("recording", done, (1.0 - done) * kDatumRecord_s);
   };
@@ -71,7 +79,12 @@ Result<Outcome> record(VerbContext& context, const RecordRequest& request) {
     ECS_DO(write_file(request.output, to_csv(recording)));
     context.console.note(fmt::format("record written to {}", request.output));
   }
-  return outcome_of(recording_cell(recording));
+  const bool moved = !events_of(recording).empty();
+  if (!moved)
+    context.console.warn(
+        fmt::format("axis {} did not move while the unit recorded: start the reference movement within {} s",
+                    request.axis, kDatumRecord_s));
+  return outcome_of(recording_cell(recording), moved ? kDone : kDoesNotHold);
 }
 
 // --- show
@@ -118,8 +131,7 @@ Result<Outcome> test(VerbContext& context, const TestRequest& request) {
   bool all_passed = true;
   for (const Axis axis : axes) {
     const std::string letter(1, letter_of(axis));
-    ask_to_reference(context, unit, "axis " + letter);
-    ECS_TRY(one, test_datum_of(unit.client(), axis, in_ms(request.wait_s)));
+    ECS_TRY(one, test_datum_of(unit.client(), axis, in_ms(request.wait_s), ask_when_accepted(context, unit, axis)));
     all_passed = all_passed && one.passed;
     list.add(record_cell("axis {axis}: {passed}\n", "axis"_is(letter),
                          "passed"_is(one.passed, "datum found", one.message), "message"_is(text_cell(one.message))));

@@ -230,10 +230,12 @@ function layOut() {
 function showVerdict(said) {
   const { verdict, headline, observations } = said.answer;
   const looks = { adequate: "good", missing_effect: "open", unexplained_structure: "open" };
+  const warnings = [...said.messages.matchAll(/^warning: (.*(?:\n .*)*)/gm)].map(([, words]) => unwrapped(words));
   const box = element("div", { class: `verdict ${looks[verdict] || ""}`, "data-verdict": verdict, "data-headline": headline },
     element("p", { class: "headline" }, typeset(headline)),
     element("p", {}, element("span", { class: "badge" }, inWords(verdict)), " ",
-      typeset(unwrapped(said.text.split("\n\n")[1] || `${observations} readings`))));
+      typeset(unwrapped(said.text.split("\n\n")[1] || `${observations} readings`))),
+    warnings.map((one) => element("p", { class: "warning" }, element("strong", {}, "Warning: "), typeset(one))));
   fill("verdict", box);
 }
 
@@ -255,7 +257,8 @@ function candidateBox(candidate, library) {
   ].filter(([, text]) => text);
   return element("article", { class: "candidate" },
     element("h3", {}, known ? known.title : candidate.effect, element("code", {}, placeOf(candidate)),
-      element("span", { class: `badge ${candidate.standing}` }, candidate.standing)),
+      element("span", { class: `badge ${candidate.standing}` }, candidate.standing
+        + ((candidate.indistinguishable_from || []).length ? ": one of those below" : ""))),
     element("dl", { class: "facts" },
       facts.flatMap(([name, text]) => [element("dt", {}, name), element("dd", {}, typeset(text))])),
     element("div", { class: "decide" }, element("button", { class: "main", type: "button", "data-add": candidate.name,

@@ -196,8 +196,8 @@ TEST_CASE("the step of ten readings is seen where no two of them are one step ap
   m.residual.setZero();
   const NoiseModel noise = noise_in(m);
   CHECK(noise.pure.noise_um == Approx(0.25 * step_um));
-  CHECK(noise.is_of_step);
-  CHECK_FALSE(noise_in(white()).is_of_step);
+  CHECK(noise.pure.is_of_step);
+  CHECK_FALSE(noise_in(white()).pure.is_of_step);
 }
 
 TEST_CASE("the weights of all shapes of noise add up to one") {
