@@ -138,8 +138,8 @@ struct MeasuredMachine {
 
 /// Part of a travel by which readings may lie beyond it: optics and overrun need room at either end.
 inline constexpr double kUsualMargin = 0.05;
-/// "X positions was measured from -100 to 900 mm, but X travels from 0 to 500 mm: do file and machine belong together?";
-/// nothing within the margin.
+/// "X positions was measured from -100 to 900 mm, but X travels from 0 to 500 mm: do file and machine belong
+/// together?"; nothing within the margin.
 /// @param ends_mm  least and greatest target, then the ends of the travel of the axis, machine coordinates
 [[nodiscard]] std::optional<std::string> beyond_travel(std::string_view what, Axis axis,
                                                        const std::array<double, 2>& ends_mm,
