@@ -211,8 +211,8 @@ double better_than_wander(const Observations& data, const Base& base, const Sear
 /// having been chosen among all candidates that a wander may be taken for. A wander has no price: whichever it is, it
 /// is no effect. That an effect of approach coincides with passes was planned, not chosen: it pays for its coefficients
 /// only. What people set by hand may coincide with runs; it pays nothing. An effect that is likelier than a wander, but
-/// not for having been chosen, is in doubt; one that is not likelier is denied. Of several drifts all but one pay for
-/// having been chosen even so.
+/// not for having been chosen, is in doubt; one that is not likelier is denied. So is a drift where readings enough
+/// show the noise; where they do not, of several drifts all but one pay for having been chosen.
 void hold_against_wander(const Observations& data, const Base& base, const Search& search, Found& found) {
   const std::vector<Choice>& chosen = found.solution.chosen;
   const auto among = std::ranges::count_if(std::span(found.families).first(found.candidates_tried),
@@ -244,7 +244,9 @@ void hold_against_wander(const Observations& data, const Base& base, const Searc
       return found.families[chosen[i].family].effect;
     };
     const auto drifts = std::ranges::count_if(set.effects, [&](std::size_t i) { return is_like_wander(effect_of(i)); });
-    const bool rivals = better > set.coefficients + evidence * std::max(0.0, static_cast<double>(drifts) - 1.0);
+    const bool known_little = found.noise.pure.dof < kManyDegrees;
+    const bool rivals = (drifts == 0 || known_little) &&
+                        better > set.coefficients + evidence * std::max(0.0, static_cast<double>(drifts) - 1.0);
     std::vector<std::string> names;
     for (const std::size_t i : set.effects) {
       (rivals ? found.groups[i].wander : found.groups[i].denied) = true;
