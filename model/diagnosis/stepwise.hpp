@@ -15,8 +15,8 @@ struct StepwiseOptions {
   double entry_score = 10.0;  ///< least score of an effect that may be added
   double entry_gain = 0.0;    ///< least fall of χ² of the first two: what noise known imperfectly may fake
   double late_gain = 0.0;     ///< least fall of χ² of any further one
-  /// Where the noise is known little its degrees of freedom, and those of what the model leaves, which tells of its
-  /// size too (the likelihood of both). 0: it is known.
+  /// Degrees of freedom of the estimate of the noise, and of the residual of the model. With few of the former the
+  /// residual is used to estimate the size of the noise as well (joint likelihood). `freedom` 0: the noise is known.
   double noise_freedom = 0.0, freedom = 0.0;
 };
 

@@ -441,7 +441,7 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
     const double floor = std::max({of_step, kFloorOfResidual * std::sqrt(group_square), kFloor_um});
     for (NoiseShape& shape : noise.shapes) {
       if (std::isnan(shape.variance[g])) shape.variance[g] = group_square;
-      noise.pure.is_of_step = noise.pure.is_of_step || shape.variance[g] < of_step * of_step;
+      if (&shape == &best && shape.variance[g] < of_step * of_step) noise.pure.is_of_step = true;
       shape.variance[g] = std::max(shape.variance[g], floor * floor);
     }
     group.white = std::sqrt(std::max(1.0 - best.share, kLeastWhite) * best.variance[g]);

@@ -161,7 +161,8 @@ TEST_CASE("what is shown of any candidate stays inside its limits") {
       }
 }
 
-TEST_CASE("a drift of one run is likely at most, and where a wander says nearly the same that is told") {
+TEST_CASE(
+    "a drift seen in one run is at most likely, and the answer says if a wandering zero explains it nearly as well") {
   const auto looked_at = [](double um_per_s, unsigned seed) {
     return diagnosed(straight(), measured(
                                      {.step_mm = 60.0, .targets = 9, .runs = 1}, 0.3,
