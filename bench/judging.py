@@ -131,6 +131,7 @@ def sparse_regression(candidates, rest):
     return chosen_by_bic(path, rest)
 
 
+CLEAR_SNR = 3.0
 RIVALS = {"lasso": lasso, "ridge": ridge, "sparse": sparse_regression}
 
 
@@ -172,6 +173,11 @@ def report(order, results):
         seconds = sorted(one["seconds"] for one in some)
         print(f"{row:<18}{f'{right}/{len(some)}':>10}{100 * right / len(some):>7.1f}{f'{low:.1f} to {high:.1f}':>16}{distance(some):>21}"
               f"{''.join(f'{count:>10}' for count in counts)}{named:>7}{seconds[len(seconds) // 2]:>10.2f}{seconds[-1]:>9.2f}")
+    print(f"\nBehind the oracle where the ratio of signal to noise is under {CLEAR_SNR:g}, and from there on:")
+    for row, some in rows.items():
+        unclear, clear = ([one for one in some if (one.get("snr", 0.0) >= CLEAR_SNR) == is_clear] for is_clear in (False, True))
+        if unclear and clear:
+            print(f"{row:<18}{distance(unclear):>21} of {len(unclear)}{distance(clear):>21} of {len(clear)}")
     print("\nBy kind:")
     for row, some in ((row, some) for row, some in rows.items() if any(one["kind"] for one in some)):
         kinds = {kind: [one["right"] for one in some if one["kind"] == kind] for kind in sorted({one["kind"] for one in some})}

@@ -191,15 +191,18 @@ void state_p_values(const Regressors& regressors, const Base& base, const Search
 
 /// Deviance of the readings without these of the effects found, under the likeliest wander, less that with them under
 /// the likeliest noise: either has the law that suits it, for repeats between which an effect changes look correlated.
+/// What is set aside is in neither.
 double better_than_wander(const Observations& data, const Base& base, const Search& search, const Found& found,
-                          const std::vector<std::size_t>& set) {
-  std::vector<Choice> without = found.solution.chosen;
-  for (auto i = set.rbegin(); i != set.rend(); ++i) without = others(std::move(without), *i);
+                          const std::vector<std::size_t>& set, const std::vector<std::size_t>& aside) {
+  const std::vector<Choice>& chosen = found.solution.chosen;
+  std::vector<Choice> without;
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    if (!std::ranges::count(set, i) && !std::ranges::count(aside, i)) without.push_back(chosen[i]);
   LinearProblem null = joined(base, search, search.solution(without, found.solution.own));
   const double wander = likely_wanders(data, found.noise, found.left_out, null.columns, null.target).front().deviance;
   MatrixXd effects(null.columns.rows(), 0);
   for (const std::size_t i : set) {
-    const Columns columns = search.columns_of(found.solution.chosen[i]);
+    const Columns columns = search.columns_of(chosen[i]);
     if (columns.fixed.size() > 0) null.target -= columns.fixed;
     effects = beside(std::move(effects), columns.of);
   }
@@ -207,48 +210,37 @@ double better_than_wander(const Observations& data, const Base& base, const Sear
                                     independent_columns(null.columns, found.left_out), effects, null.target);
 }
 
-/// Effects are proved only if they are better than a wander, each and all together, by evidence that is positive for
-/// having been chosen among all candidates that a wander may be taken for. A wander has no price: whichever it is, it
-/// is no effect. That an effect of approach coincides with passes was planned, not chosen: it pays for its coefficients
-/// only. What people set by hand may coincide with runs; it pays nothing. An effect that is likelier than a wander, but
-/// not for having been chosen, is in doubt; one that is not likelier is denied. So is a drift where readings enough
-/// show the noise; where they do not, of several drifts all but one pay for having been chosen.
+/// Effects are proved only if they are better than a wander, each, and without those that are not all together, by
+/// evidence that is positive for having been chosen among all candidates that a wander may be taken for. A wander has
+/// no price: whichever it is, it is no effect. That an effect of approach coincides with passes was planned, not
+/// chosen: it pays for its coefficients only. What people set by hand may coincide with runs; it pays nothing. An
+/// effect that is likelier than a wander, but not for having been chosen, is in doubt; one that is not likelier is
+/// denied. So is a drift where readings enough show the noise; where they do not, of several drifts all but one pay for
+/// having been chosen.
 void hold_against_wander(const Observations& data, const Base& base, const Search& search, Found& found) {
   const std::vector<Choice>& chosen = found.solution.chosen;
+  const auto effect_of = [&](std::size_t i) -> const EffectInstance& {
+    return found.families[chosen[i].family].effect;
+  };
   const auto among = std::ranges::count_if(std::span(found.families).first(found.candidates_tried),
                                            [&](const Family& f) { return may_be_wander(found.noise, f.effect); });
   const double evidence = 2.0 * std::log(kPositive * static_cast<double>(among));
-  struct Doubtful {
-    std::vector<std::size_t> effects;
+  std::vector<std::size_t> aside;
+  const auto hold = [&](const std::vector<std::size_t>& set) {
     double coefficients = 0.0, price = 0.0;
-  };
-  std::vector<Doubtful> sets;
-  Doubtful together;
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    const EffectInstance& effect = found.families[chosen[i].family].effect;
-    if (!may_be_wander(found.noise, effect)) continue;
-    const bool by_hand = effect.definition().is_set_by_hand();
-    const double cost = found.groups[i].member.cost;
-    const double price = cost + (effect.traits().of_approach ? 0.0 : evidence);
-    sets.push_back({{i}, by_hand ? 0.0 : cost, by_hand ? 0.0 : price});
-    if (by_hand) continue;
-    together.effects.push_back(i);
-    together.coefficients += cost;
-    together.price += price;
-  }
-  if (together.effects.size() > 1) sets.push_back(together);
-  for (const Doubtful& set : sets) {
-    const double better = better_than_wander(data, base, search, found, set.effects);
-    if (better > set.price) continue;
-    const auto effect_of = [&](std::size_t i) -> const EffectInstance& {
-      return found.families[chosen[i].family].effect;
-    };
-    const auto drifts = std::ranges::count_if(set.effects, [&](std::size_t i) { return is_like_wander(effect_of(i)); });
+    for (const std::size_t i : set) {
+      if (effect_of(i).definition().is_set_by_hand()) continue;
+      coefficients += found.groups[i].member.cost;
+      price += found.groups[i].member.cost + (effect_of(i).traits().of_approach ? 0.0 : evidence);
+    }
+    const double better = better_than_wander(data, base, search, found, set, aside);
+    if (better > price) return;
+    const auto drifts = std::ranges::count_if(set, [&](std::size_t i) { return is_like_wander(effect_of(i)); });
     const bool known_little = found.noise.pure.dof < kManyDegrees;
     const bool rivals = (drifts == 0 || known_little) &&
-                        better > set.coefficients + evidence * std::max(0.0, static_cast<double>(drifts) - 1.0);
+                        better > coefficients + evidence * std::max(0.0, static_cast<double>(drifts) - 1.0);
     std::vector<std::string> names;
-    for (const std::size_t i : set.effects) {
+    for (const std::size_t i : set) {
       (rivals ? found.groups[i].wander : found.groups[i].denied) = true;
       names.push_back(to_text(effect_of(i)));
     }
@@ -257,7 +249,17 @@ void hold_against_wander(const Observations& data, const Base& base, const Searc
       why =
           fmt::format("a slow drift of the readings explains the same as {} {}: repeat the line, also in reverse order",
                       fmt::join(names, ", "), names.size() > 1 ? "do" : "does");
+  };
+  std::vector<std::size_t> together;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (!may_be_wander(found.noise, effect_of(i))) continue;
+    hold({i});
+    if (!effect_of(i).definition().is_set_by_hand()) together.push_back(i);
   }
+  for (const std::size_t i : together)
+    if (found.groups[i].denied) aside.push_back(i);
+  std::erase_if(together, [&](std::size_t i) { return found.groups[i].denied; });
+  if (!together.empty() && together.size() + aside.size() > 1) hold(together);
 }
 
 /// What speaks against the effects found: a run that explains as much, waves that can be anything.

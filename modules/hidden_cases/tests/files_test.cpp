@@ -97,3 +97,11 @@ TEST_CASE("no sentence contradicts its own numbers in the answers of hidden case
     model::test::check_sentences(answer_for(case_of(request)));
   }
 }
+
+TEST_CASE("an effect that a wander explains as well does not take another effect with it") {
+  const model::Diagnosis found = answer_for(case_of(request_for(5, CaseKind::single)));  // three outliers beside a slope
+  CHECK(found.verdict == model::Verdict::likely_effect);
+  REQUIRE_FALSE(found.candidates.empty());
+  CHECK(to_text(found.candidates.front().effect) == "scale:Z:EX");
+  CHECK(found.candidates.front().standing == model::Standing::likely);
+}
