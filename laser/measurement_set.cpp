@@ -236,14 +236,15 @@ std::optional<Problem> target_misnamed(const MeasurementSet& set, const std::str
       if (!moved || std::ranges::find(set.columns, own) != set.columns.end()) continue;
       const std::string meant = meant_for_target(axis, rotary, set.columns, set.readings);
       if (!meant.empty())
-        return Problem{ProblemKind::bad_input,
-                       fmt::format("header: expected a column {}, the target of {}, which moves; found none; is {} "
-                                   "meant? Name it {} (in {}), or give {} if the axis did not move",
-                                   own, letter_of(axis, rotary), in_quotes(meant), own, target_unit(rotary), own),
-                       file_name,
-                       header_line,
-                       1,
-                       {}};
+        return Problem{
+            ProblemKind::bad_input,
+            fmt::format("header: there is no column {}, the targets of the moving axis {}. If {} contains them, in "
+                        "{}, rename it {}",
+                        own, letter_of(axis, rotary), in_quotes(meant), target_unit(rotary), own),
+            file_name,
+            header_line,
+            1,
+            {}};
     }
   return std::nullopt;
 }

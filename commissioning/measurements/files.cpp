@@ -128,6 +128,8 @@ void renumber(MeasurementSet& more, const MeasurementSet& all, std::vector<std::
   }
 }
 
+constexpr const char* kMachineKeys[] = {"machine", "serial_number", "Machine", "Serial No"};
+
 std::string conflict(const MeasurementSet& a, const MeasurementSet& b, std::string_view key) {
   const auto first = laser::metadata_value(a, key), second = laser::metadata_value(b, key);
   if (!first || !second || first->empty() || second->empty() || *first == *second) return {};
@@ -135,7 +137,7 @@ std::string conflict(const MeasurementSet& a, const MeasurementSet& b, std::stri
 }
 
 Result<void> join_metadata(MeasurementSet& all, const MeasurementSet& more) {
-  for (const char* key : {"machine", "serial_number", "Machine", "Serial No"})
+  for (const char* key : kMachineKeys)
     if (const std::string differs = conflict(all, more, key); !differs.empty())
       return problem(ProblemKind::refused, differs + "; files of different machines are not joined");
   for (const laser::MetadataEntry& entry : more.metadata) {
@@ -189,6 +191,7 @@ std::string_view option_that_helps(const Problem& wrong) {
   if (wrong.message.starts_with("channels:")) return " (--channels)";
   if (says("channel")) return " (--channel NAME)";
   if (says("across the axis")) return " (--axis X, --sense EY)";
+  if (says("EA, EB or EC")) return " (--axis X, --sense EB)";
   if (says("unit")) return " (--target-unit, --reading-unit)";
   if (says("columns") && !says("axis")) return " (--columns)";
   return " (--axis X, --sense EX)";
@@ -201,7 +204,8 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
   using F = cli::Fields<A>;
   using cli::Range, cli::Words;
   return {
-      {"--axis", &A::axis, "moving axis, if the file does not state it", Words{"X", "Y", "Z", "A", "B", "C"}},
+      {"--axis", &A::axis, "moving axis; overrides an instrument file, not a measurement CSV",
+       Words{"X", "Y", "Z", "A", "B", "C"}},
       {sense_option, &A::sense, "measured component, if the file does not state it",
        Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
       {"--parked", &A::parked, "position of the other axes, as in y=-1400,z=0 [mm]"},
@@ -371,17 +375,35 @@ Result<laser::Imported> measurements_in(std::string_view bytes, const std::strin
   return imported;
 }
 
+namespace {
+
+bool names_machine(const MeasurementSet& set) {
+  return std::ranges::any_of(kMachineKeys, [&](const char* key) {
+    const auto value = laser::metadata_value(set, key);
+    return value && !value->empty();
+  });
+}
+
+}  // namespace
+
 Result<MeasurementSet> joined(const std::vector<MeasurementSet>& sets) {
   if (sets.empty()) return MeasurementSet{};
   MeasurementSet all = sets.front();
+  bool unnamed = false;
   for (std::size_t i = 1; i < sets.size(); ++i) {
     MeasurementSet more = sets[i];
     ECS_DO(join_metadata(all, more));
+    const std::size_t before = all.notes.size();
     renumber(more, all, all.notes);
+    unnamed = unnamed || (all.notes.size() > before && !(names_machine(more) && names_machine(sets.front())));
     join_columns(all, more);
     all.notes.insert(all.notes.end(), more.notes.begin(), more.notes.end());
     all.readings.insert(all.readings.end(), more.readings.begin(), more.readings.end());
   }
+  if (unnamed)
+    all.notes.push_back(
+        "not all of these files name their machine: the same line in several files counts as runs on one machine, and "
+        "what differs between them as noise");
   const auto parked = laser::metadata_value(all, kParked);
   if (std::any_of(sets.begin(), sets.end(),
                   [&](const MeasurementSet& set) { return laser::metadata_value(set, kParked) != parked; }))

@@ -126,7 +126,7 @@ std::string summary(const Diagnosis& d) {
   const std::string lack_of_fit = lack_of_fit_cell(d.lack_of_fit).text;
   text += "Lack-of-fit test: " + lack_of_fit;
   if (d.rms_um > kFarAboveNoise * d.noise.noise_um && lack_of_fit.ends_with("the model fits"))
-    text += ", as repeats differ from each other by as much: the error changes between them";
+    text += ", but this means little: the error changes between repeats, which differ as much as the residual";
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)
     text += fmt::format("; afterwards {}", lack_of_fit_cell(d.lack_of_fit_after).text);
   return paragraph(text + ".");
@@ -281,7 +281,7 @@ Cell candidates_cell(const Diagnosis& d) {
   return {std::move(list),
           titled_table(d.verdict == Verdict::missing_effect ? "missing effects" : "proved effects", named) +
               titled_table("likely effects, not proved", likely) + add_text(d) +
-              titled_table("rivals and weaker explanations", rivals)};
+              titled_table("rivals and weaker explanations, each alone", rivals)};
 }
 
 std::vector<ShapePoint> shape_of(const model::Dependence& one) {
@@ -362,6 +362,12 @@ Cell formula_cell(const Diagnosis& d) {
           "\n" + paragraph(formula_text(d), 0, 2)};
 }
 
+Json different_run_json(const Diagnosis& d) {
+  if (!d.different_run) return nullptr;
+  const auto& [run, from_there_on, is_shifted, text] = *d.different_run;
+  return object_of("run"_is(run), "from_there_on"_is(from_there_on), "is_shifted"_is(is_shifted), "text"_is(text));
+}
+
 std::string outliers_text(const Diagnosis& d) {
   if (d.outliers.empty()) return {};
   return "\n" +
@@ -400,9 +406,10 @@ Cell diagnosis_cell(const Diagnosis& d) {
                      "observations"_is(d.observations), "rms_um"_is(d.rms_um), "noise_um"_is(d.noise.noise_um),
                      "noise_from_repeats"_is(d.noise.from_repeats), "lack_of_fit"_is(lack_of_fit_cell(d.lack_of_fit)),
                      "verdict"_is(name_of(d.verdict)), "headline"_is(d.headline, paragraph(d.headline)),
-                     "summary"_shown(summary(d)), "candidates"_is(candidates_cell(d)), "add"_is(add_json(d)),
-                     "where"_is(where_cell(d)), "left"_is(left_cell(d)), "formula"_is(formula_cell(d)),
-                     "rms_after_um"_is(d.rms_after_um), "lack_of_fit_after"_is(lack_of_fit_cell(d.lack_of_fit_after)),
+                     "different_run"_is(different_run_json(d)), "summary"_shown(summary(d)),
+                     "candidates"_is(candidates_cell(d)), "add"_is(add_json(d)), "where"_is(where_cell(d)),
+                     "left"_is(left_cell(d)), "formula"_is(formula_cell(d)), "rms_after_um"_is(d.rms_after_um),
+                     "lack_of_fit_after"_is(lack_of_fit_cell(d.lack_of_fit_after)),
                      "outliers"_is(d.outliers, outliers_text(d)), "notes"_is(d.notes, notes_text(d.notes)),
                      "candidates_tried"_is(d.candidates_tried), "own_terms"_is(own_terms_json(d.own_terms)),
                      "blanks"_is(d.noise_replicates, d.noise_replicates > 0 ? tried : ""));

@@ -353,6 +353,8 @@ PlotSeries explained_curve(const Drawn& drawn, const Fit& before, const Explaine
 PlotFigure figure_of_lines(const Fit& fit, const Observations& data, const Explained* explained,
                            const std::string& title) {
   PlotFigure figure{title, {}, 2, false};
+  if (const std::size_t all = measured_lines(data).size(); all > kMostLines)
+    figure.title += fmt::format(": the {} of {} lines with the largest error", kMostLines, all);
   for (const MeasuredLine& line : lines_worth_showing(data, explained != nullptr ? explained->um : fit.residual)) {
     const Values x = places_along(data, line.axis);
     const Drawn drawn{data, line.rows, x};

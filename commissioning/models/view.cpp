@@ -165,7 +165,7 @@ std::string_view unit_of_model(const model::Model& model) {
 
 std::string noise_text(const model::PureError& noise) {
   if (noise.is_of_step)
-    return fmt::format("{:.3f} {}, the least that the step of these readings allows", noise.noise_um, noise.unit);
+    return fmt::format("{:.3f} {}, the smallest that the step of these readings allows", noise.noise_um, noise.unit);
   if (noise.from_repeats) return fmt::format("{:.3f} {} from repeats", noise.noise_um, noise.unit);
   return fmt::format("at most {:.3f} {}, from neighbouring readings (there are no repeats)", noise.noise_um,
                      noise.unit);

@@ -134,7 +134,9 @@ void add_parts(const Observations& after, const std::vector<std::size_t>& rows, 
     if (taken.squares > kFarFromZero * kFarFromZero * variance)
       parts.push_back({shape, sense, axis, taken.size, root_mean(taken.squares, after.size()), text});
   };
-  add("constant", constant, fmt::format("a constant {:+.2g} {} of {}: zero or datum", constant.size, unit, of));
+  add("constant", constant,
+      fmt::format("a constant {:+.2g} {} of {}: the zero of the laser or the datum has changed", constant.size, unit,
+                  of));
   add("slope", slope,
       fmt::format("a slope of {:+.2g} {}/{} of {}: scale or temperature", slope.size, unit, after.rotary ? "deg" : "m",
                   of));
@@ -218,7 +220,7 @@ Cell directions_cell(const WhatIfAnswer& answer) {
   return directions;
 }
 
-/// "0.33 um of it is a constant -0.5 um of Z positions: zero or datum."
+/// "0.33 um rms of it is a constant -0.5 um of Z positions: the zero …"
 Cell rest_cell(const WhatIfAnswer& answer) {
   Cell list{Json::array(), ""};
   std::vector<std::string> parts;
@@ -290,6 +292,11 @@ Result<WhatIfAnswer> what_if_answer(MessageSink& messages, const ModelWork& work
   ECS_TRY(what, in_file(model::what_if(work.model, work.data), model_file));
   std::vector<AfterDirection> directions =
       after_by_direction(fit, work.data, again ? (*again).data : model::Observations{});
+  if (again && std::ranges::none_of(
+                   directions, [](const AfterDirection& one) { return one.readings > 0 && one.readings_after > 0; }))
+    return problem_at(after.front(), 0, 0,
+                      "no line of this file is among the lines measured before: there is nothing to compare. Give the "
+                      "same lines, measured again on the same machine");
   std::vector<std::string> notes = notes_on(work, what, again, directions);
   return WhatIfAnswer{
       what, std::move(directions), again, std::move(notes), work.model, work.data.rotary, work.data.reading_unit()};
@@ -305,7 +312,7 @@ std::string what_if_summary(const model::WhatIf& what, const model::Model& model
     if (!share.carried)
       (share.of_measurement ? measurement : machine).push_back(name_with_alternatives(model, share.effect));
   text += fmt::format(
-      " The remaining error of the machine would be {:.3f} {} rms: {}noise and errors that the model does not explain.",
+      " What remains, {:.3f} {} rms, would be {}noise and errors of the machine that the model does not explain.",
       what.machine_um, unit, machine.empty() ? "" : fmt::format("{}, ", fmt::join(machine, ", ")));
   if (!measurement.empty())
     text += fmt::format(" {:.3f} {} rms belong to the measurement, not to the machine: {}.", what.measurement_um, unit,

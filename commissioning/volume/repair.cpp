@@ -419,10 +419,13 @@ Cell repair_cell(const RepairAnswer& answer) {
   std::string head = fmt::format(
       "Remaining error [um] with one cause unchanged, compensated or repaired, and all other causes compensated as far "
       "as the unit can; in brackets the 95 % bound. {} readings (noise of one {:.2f} um), {} positions of the volume "
-      "from both sides",
+      "in both approaches",
       answer.readings, answer.noise_um, answer.places);
   if (has_circle)
     head += fmt::format(", a circle of {:.0f} mm in {} through the middle", answer.diameter_mm, answer.plane);
+  head +=
+      ". The volume and the circle contain only the causes that the model has; what the model leaves of the readings "
+      "comes on top";
   return record_cell(
       "{head}\n                           unchanged       compensated          repaired\n{causes}{notes}",
       "head"_shown(paragraph(head + ".")), "readings"_is(answer.readings), "points"_is(answer.places),

@@ -267,7 +267,7 @@ std::string heading_of(const VolumeWork& work) {
   const volume::CompensatedMachine& machine = work.prepared.machine;
   const std::string rotary = rotary_in_words(work);
   const std::size_t settings = std::max<std::size_t>(1, work.answer.settings.size());
-  return paragraph(fmt::format("{} ({}): {}{}, {} positions from both sides",
+  return paragraph(fmt::format("{} ({}): {}{}, {} positions in both approaches",
                                work.machine_name.empty() ? "machine" : work.machine_name,
                                configuration_of(machine.parameters), travels_in_words(machine.travel_mm),
                                work.prepared.travels_of_machine ? "" : " (as far as the map reaches)",

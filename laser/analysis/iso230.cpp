@@ -79,7 +79,8 @@ void note_runs(const Iso230& axis, std::vector<std::string>& notes) {
     const int low = (*fewest).*count;
     const int high = (*most).*count;
     if (high == 0) return false;
-    if (low < kRuns) notes.push_back(fmt::format("fewer than 5 {} readings at a target ({})", name, low));
+    if (low < kRuns)
+      notes.push_back(fmt::format("fewer than 5 {} readings at a target (smallest number: {})", name, low));
     if (low != high)
       notes.push_back(fmt::format("targets differ between {} runs: {} to {} readings at a target", name, low, high));
     return true;

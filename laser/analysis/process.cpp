@@ -199,6 +199,10 @@ Result<Smooth> smooth(const std::vector<SidePoint>& side, const Window& window) 
   Smooth result;
   for (std::size_t i = 0; i < side.size(); ++i) {
     const Reach reach = reach_of(side, i, window);
+    if (side.size() < static_cast<std::size_t>(kFewestPoints))
+      return problem(ProblemKind::refused,
+                     fmt::format("the line has {} targets, smoothing needs {} or more: do not smooth it", side.size(),
+                                 kFewestPoints));
     if (reach.end - reach.begin < kFewestPoints)
       return problem(ProblemKind::refused,
                      fmt::format("the window contains {} points at {} mm, smoothing needs {} or more: widen it",

@@ -466,9 +466,10 @@ Result<MeasurementSet> read_columns(std::string_view text, const std::string& fi
   }
   if (findings.empty() && set.readings.empty())
     findings.add(0, 0,
-                 left_out > 0
-                     ? "expected numbers, found none"
-                     : fmt::format("expected rows after line {}, found none", std::max(0, mapping.skip_lines)));
+                 left_out > 0 ? "expected numbers, found none"
+                 : mapping.skip_lines > 0
+                     ? fmt::format("no row below line {} has the columns that were asked for", mapping.skip_lines)
+                     : "no row has the columns that were asked for: check their numbers and --delimiter");
   if (findings.empty()) refuse_tiny(set, plan, headings, table.rows.front().number, findings);
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
   if (!channel.empty()) set.metadata.push_back({"channel", channel});

@@ -309,8 +309,14 @@ extern const FileFormat kMeasurementCsv{
     .recognises = recognises_csv,
     .read =
         [](std::string_view text, const std::string& file_name, const ImportOptions& options) {
-          return options.approach_unknown ? set_with_approach_open(text, file_name)
-                                          : parse_measurement_set(text, file_name);
+          auto set = options.approach_unknown ? set_with_approach_open(text, file_name)
+                                              : parse_measurement_set(text, file_name);
+          const auto is_other = [&](const Reading& one) { return one.axis != *options.axis; };
+          if (set && options.axis && std::ranges::any_of(set->readings, is_other))
+            set->notes.push_back(
+                fmt::format("the axis {} that was given is ignored: the rows of this file state theirs",
+                            letter_of(*options.axis, options.rotary)));
+          return set;
         },
     .written_extensions = {".csv"},
     .write = [](const MeasurementSet& set, const std::string&) -> Result<std::string> { return to_csv(set); },

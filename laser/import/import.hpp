@@ -29,7 +29,7 @@ enum class Joining {
 
 /// What a file does not say and the caller knows.
 struct ImportOptions {
-  std::optional<Axis> axis;    ///< moving axis; wins over the file's own statement
+  std::optional<Axis> axis;    ///< moving axis; overrides an instrument file, not a measurement CSV
   bool rotary = false;         ///< … it turns about that direction: A, B, C; targets are in degrees
   bool takes_rotary = false;   ///< what is to be done with the readings suits rotary axes too; false: they are refused
   std::optional<Sense> sense;  ///< needed for .rta and .rts: pitch or yaw, vertical or horizontal is not in the file

@@ -63,39 +63,47 @@ std::optional<OddPass> farthest_run(const Observations& data, const VectorXd& re
   return farthest;
 }
 
-/// What the headline begins with where a run is bad or nearly explains what an effect does; "" where none does.
+/// The run that is bad, if one is: the headline begins with it.
 /// @param residual  of the model as given, um, a row a reading of `data`
-std::string bad_run_text(const Found& found, const Diagnosis& diagnosis, const Observations& data,
-                         const VectorXd& residual) {
-  const auto first = [](const std::string& what) { return what + ". Check that run first."; };
-  if (found.noisy) {
-    std::string words = words_for(*found.noisy, diagnosis.noise.unit);
+std::optional<DifferentRun> different_run(const Found& found, const Diagnosis& diagnosis, const Observations& data,
+                                          const VectorXd& residual) {
+  const auto of_run = [](int run, std::string words, bool is_shifted = true) {
     words.front() = 'R';
-    return first(words);
-  }
-  const auto of_step = [&](const StepOfRuns& step) {
-    return fmt::format(
-        "All readings {} by {:.2g} {} between runs {} and {}: the zero was changed, or something slipped. Check the "
-        "events between these runs first.",
-        step.height_um > 0.0 ? "rise" : "fall", std::abs(step.height_um), diagnosis.noise.unit, step.before,
-        step.after);
+    return DifferentRun{run, false, is_shifted, words + ". Check that run first."};
   };
+  const auto of_step = [&](const StepOfRuns& step) {
+    return DifferentRun{
+        step.after, true, true,
+        fmt::format(
+            "All readings {} by {:.2g} {} between runs {} and {}: the zero was changed, or something slipped. Check "
+            "the events between these runs first.",
+            step.height_um > 0.0 ? "rise" : "fall", std::abs(step.height_um), diagnosis.noise.unit, step.before,
+            step.after)};
+  };
+  if (found.noisy) return of_run(found.noisy->run, words_for(*found.noisy, diagnosis.noise.unit), found.noisy->shifted);
   if (found.step) return of_step(*found.step);
   if (found.odd_pass)
-    return first(fmt::format("Run {} differs from the other runs by {:.3g} in one approach", found.odd_pass->run,
-                             found.odd_pass->off_um));
+    return of_run(found.odd_pass->run, fmt::format("run {} differs from the other runs by {:.3g} in one approach",
+                                                   found.odd_pass->run, found.odd_pass->off_um));
   if (found.bad_run)
-    return first(fmt::format("Run {} differs from the other runs: its offset explains as much as any effect does",
-                             found.bad_run->run));
-  if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty() &&
-      diagnosis.where.front().variable == "run") {
-    if (const auto step = step_of_runs(data, residual, std::vector<bool>(data.size()))) return of_step(*step);
-    if (const auto run = farthest_run(data, residual))
-      return first(fmt::format("Run {} differs from the other runs by {:.2g} on average", run->run, run->off_um));
-  }
+    return of_run(found.bad_run->run,
+                  fmt::format("run {} differs from the other runs: its offset explains as much as any effect does",
+                              found.bad_run->run));
+  if (diagnosis.verdict != Verdict::unexplained_structure || diagnosis.where.empty() ||
+      diagnosis.where.front().variable != "run")
+    return std::nullopt;
+  if (const auto step = step_of_runs(data, residual, std::vector<bool>(data.size()))) return of_step(*step);
+  if (const auto run = farthest_run(data, residual))
+    return of_run(run->run,
+                  fmt::format("run {} differs from the other runs by {:.2g} on average", run->run, run->off_um));
+  return std::nullopt;
+}
+
+/// "An offset of run 3 …", where it nearly explains what an effect does; "" where none does.
+std::string run_note(const Found& found) {
   if (found.run_note.empty()) return "";
   std::string note = found.run_note;
-  note.front() = 'A';  // "an offset of run 3 …"
+  note.front() = 'A';
   return note + ".";
 }
 
@@ -310,9 +318,14 @@ Result<NamedCauses> names_alone(const ReportInput& in) {
   NamedCauses names{answer.verdict, {}, 1.0};
   for (const RankedCandidate& ranked : answer.order) {
     if (ranked.standing == Standing::possible) continue;
-    NamedCause cause{to_text(ranked.effect), ranked.probability,
-                     ranked.e_value,         false_naming_of(in.found, ranked.choice),
-                     ranked.p_value,         ranked.standing};
+    NamedCause cause{to_text(ranked.effect),
+                     ranked.probability,
+                     ranked.e_value,
+                     false_naming_of(in.found, ranked.choice),
+                     ranked.p_value,
+                     ranked.standing,
+                     {}};
+    for (const auto& rival : ranked.rivals) cause.rivals.push_back(to_text(rival));
     double alone = ranked.p_value_alone;
     if (ranked.standing == Standing::likely &&
         !noise_left(in.found, in.options))  // against noise alone it says nothing
@@ -401,7 +414,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.reservation = reservation_for(data);
   diagnosis.cannot_tell = cannot_tell;
   diagnosis.best_sum_leaves = !in.found.solution.chosen.empty() && leaves_structure(in.found, in.options);
-  diagnosis.headline = headline_for(diagnosis, data, bad_run_text(in.found, diagnosis, data, in.base.residual));
+  diagnosis.different_run = different_run(in.found, diagnosis, data, in.base.residual);
+  diagnosis.headline =
+      headline_for(diagnosis, data, diagnosis.different_run ? diagnosis.different_run->text : run_note(in.found));
   return diagnosis;
 }
 

@@ -132,6 +132,13 @@ struct ProposedFormula {
   double held_out_rms_before_um = 0.0, held_out_rms_um = 0.0;
 };
 
+/// A run, or all readings from one on, that differ from the others.
+struct DifferentRun {
+  int run = 0;
+  bool from_there_on = false;
+  bool is_shifted = true;  ///< false: it scatters more, about the same mean
+  std::string text;        ///< the sentences of the headline about it
+};
 struct Diagnosis {
   std::size_t observations = 0;
   double rms_um = 0.0;        ///< of what the model leaves
@@ -140,7 +147,8 @@ struct Diagnosis {
   std::optional<LackOfFit> lack_of_fit;        ///< of the model as it is
   std::optional<LackOfFit> lack_of_fit_after;  ///< with every effect of the answer
   Verdict verdict = Verdict::adequate;
-  std::string headline;          ///< the answer in words: a bad run, then what is wrong, how much and where
+  std::string headline;  ///< the answer in words: a bad run, then what is wrong, how much and where
+  std::optional<DifferentRun> different_run;
   std::string reservation;       ///< what these data cannot show at all, so that nothing found means little; else ""
   std::string cannot_tell;       ///< why that is the verdict; else ""
   bool best_sum_leaves = false;  ///< structure: the best sum of effects was fitted, and what it leaves is no noise
@@ -168,6 +176,7 @@ struct NamedCause {
   double false_naming = 1.0;
   double p_value = 1.0;  ///< beside the other causes
   Standing standing = Standing::proved;
+  std::vector<std::string> rivals;  ///< that these data cannot distinguish from it
 };
 struct NamedCauses {
   Verdict verdict = Verdict::adequate;

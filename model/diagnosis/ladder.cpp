@@ -17,6 +17,7 @@
 #include "model/fit/held_out.hpp"
 #include "model/fit/search.hpp"
 #include "model/regression/candidates.hpp"
+#include "model/regression/needs.hpp"
 
 namespace ecs::model {
 namespace {
@@ -158,6 +159,10 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
   const Regressors regressors(data);
   ECS_TRY(before, state_of(model, regressors));
   const auto places = places_for(model, data, request);
+  const std::string_view lacking = what_is_lacking(data.motions(), *request.id);
+  if (places.empty() && !lacking.empty())
+    return problem(ProblemKind::usage,
+                   fmt::format("{}: it needs {}, which these data do not have", name_of(request.id), lacking));
   if (places.empty())
     return problem(
         ProblemKind::usage,

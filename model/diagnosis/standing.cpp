@@ -356,9 +356,11 @@ std::string why_not_explained(const Found& found) {
   const auto most = std::ranges::max_element(
       found.after, [](const StructureTest& a, const StructureTest& b) { return a.minus_log_p < b.minus_log_p; });
   if (most == found.after.end()) return "structure remains after the best effects of the library";
+  constexpr double kLeastStated = 1e-60;
   return fmt::format(
-      "with the best effects of the library the residual still depends on {} (in noise alone: {:.2g} % of cases)",
-      most->variable, kPercent * found.structure_p_after);
+      "with the best effects of the library the residual still depends on {} (probability in noise alone: {})",
+      most->variable,
+      found.structure_p_after < kLeastStated ? "below 1e-60" : fmt::format("{:.2g}", found.structure_p_after));
 }
 
 Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise) {

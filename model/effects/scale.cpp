@@ -12,8 +12,8 @@ EffectDefinition scale() {
       .cause = "screw lead or scale factor wrong",
       .tells_apart = "grows with position; constant in time and temperature",
       .check =
-          "check the scale factor of the control, and the expansion coefficient and material temperature entered at "
-          "the laser",
+          "along the axis, check the scale factor of the control, and the expansion coefficient and material "
+          "temperature entered at the laser; across it, the alignment of the optics, then the squareness",
       .headline = "{where} with a {slope} of {um_per_m}",
       .parameters = {{"um_per_m", "um/m", "slope"}},
       .carrier = Carrier::error_map,

@@ -36,6 +36,8 @@ bool has_air(const Observations& data) {
 using Data = const Observations&;
 using Effect = const EffectInstance&;
 
+constexpr std::string_view kMachineFile = "a machine file";
+
 /// In the order of the notes.
 constexpr NeedFacts kNeeds[] = {
     {Need::time, "the column time_s", "time_s", [](Data data) { return data.time_s.empty(); },
@@ -98,6 +100,12 @@ void note(const Observations& data, std::string_view what, const Chosen& chosen,
 
 bool lacks_needs(const Observations& data, const EffectDefinition& definition) {
   return std::ranges::any_of(definition.needs, [&](Need need) { return facts_of(need).lacking(data); });
+}
+
+std::string_view what_is_lacking(const Observations& data, const EffectDefinition& definition) {
+  for (const NeedFacts& facts : kNeeds)
+    if (definition.has_need(facts.need) && facts.lacking(data)) return facts.what;
+  return definition.has_lever() && data.terms.count == 0 ? kMachineFile : "";
 }
 
 bool has_needs(const Observations& data, std::size_t k, const EffectInstance& effect) {
@@ -216,7 +224,7 @@ std::vector<std::string> untried_effects(const Observations& all) {
     notes.emplace_back("effects of the approach cannot be tried: they need readings of a known approach");
   if (data.terms.count == 0)
     note(
-        data, "a machine file", [](const EffectDefinition& definition) { return definition.has_lever(); }, notes);
+        data, kMachineFile, [](const EffectDefinition& definition) { return definition.has_lever(); }, notes);
   if (data.known.empty())
     note(
         data, facts_of(Need::known).what,

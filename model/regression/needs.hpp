@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "model/effects/definition.hpp"
@@ -10,6 +11,9 @@ namespace ecs::model {
 
 /// Whether the data set lacks what every instance of the effect needs.
 [[nodiscard]] bool lacks_needs(const Observations& data, const EffectDefinition& definition);
+
+/// What the data set lacks of that, as "the column load_kg" or "a machine file"; "" where nothing is lacking.
+[[nodiscard]] std::string_view what_is_lacking(const Observations& data, const EffectDefinition& definition);
 
 /// Whether row k has the cells that the effect needs.
 [[nodiscard]] bool has_needs(const Observations& data, std::size_t k, const EffectInstance& effect);

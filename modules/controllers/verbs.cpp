@@ -389,7 +389,7 @@ Result<Outcome> read(VerbContext& context, const ReadRequest& request) {
 const std::vector<Action> kExportReading{
     action("export read", "convert compensation tables of a control to a map CSV",
            "ecs export read x.comp y.comp z.comp --type 1 -o map.csv\n"
-           "ecs export read AX_EEC.INI NC_CEC.INI --params mill.toml --params-out read.toml -o map.csv",
+           "  ecs export read AX_EEC.INI NC_CEC.INI --params mill.toml --params-out read.toml -o map.csv",
            read, {.logged = Logged::when_written, .kind = "export", .logged_as = "export"})};
 
 }  // namespace

@@ -116,7 +116,7 @@ struct FleetDiagnoseRequest {
          Range{0, kMostThreads}},
         {"--blanks", &R::blanks, "number of simulated noise-only data sets that a finding must beat",
          Range{50, 20'000}},
-        {"--part", &R::part, "process only a share of the rows, for one host of many: 3/16"},
+        {"--part", &R::part, "process only this part of the rows, for one of many hosts: 3/16 is part 3 of 16"},
         {"--limit", &R::limit, "time limit for one machine [s]; the others continue", Range{0.1, 86'400.0}}};
   }
 };
@@ -188,9 +188,12 @@ Cell named_cell(const std::vector<NamedMachine>& machines, const char* title) {
   return list_cell(
       machines,
       [](const NamedMachine& one) {
-        return record_cell("  {id:<24} {cause:<36} {q_value:>10}  {type} {batch}\n", "id"_is(one.id),
-                           "cause"_is(one.cause), "q_value"_is(q_value_cell(one.q_value)),
-                           "type"_is(text_or_null(one.type), one.type), "batch"_is(text_or_null(one.batch), one.batch));
+        const std::string rivals =
+            one.rivals.empty() ? "" : fmt::format("    or {}: these data cannot tell\n", fmt::join(one.rivals, ", "));
+        return record_cell("  {id:<24} {cause:<36} {q_value:>10}  {type} {batch}\n{indistinguishable_from}",
+                           "id"_is(one.id), "cause"_is(one.cause), "q_value"_is(q_value_cell(one.q_value)),
+                           "type"_is(text_or_null(one.type), one.type), "batch"_is(text_or_null(one.batch), one.batch),
+                           "indistinguishable_from"_is(Json(one.rivals), rivals));
       },
       heading);
 }

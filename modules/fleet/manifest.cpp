@@ -35,8 +35,8 @@ std::string header_fault(const std::vector<laser::CsvField>& header, const Manif
       return fmt::format("unknown column {}: did you mean {}?", header[i].text, meant);
   }
   if (missing.empty()) return {};
-  return fmt::format("expected the columns {} in the first line, found no {}", fmt::join(columns.needed, ", "),
-                     fmt::join(missing, ", "));
+  return fmt::format("the first line lacks the column{} {}; a list of machines has the columns {}",
+                     missing.size() == 1 ? "" : "s", fmt::join(missing, ", "), fmt::join(columns.needed, ", "));
 }
 
 }  // namespace

@@ -182,7 +182,8 @@ FleetNames fleet_names(const std::vector<FleetResult>& results, double rate) {
       return p_value_of(a).value_or(2.0) < p_value_of(b).value_or(2.0);
     });
     for (auto cause = causes.begin(); cause != causes.end(); ++cause) {
-      NamedMachine one{answered[i]->id, cause->name, std::nullopt, answered[i]->type, answered[i]->batch};
+      NamedMachine one{answered[i]->id,   cause->name,        std::nullopt,
+                       answered[i]->type, answered[i]->batch, cause->rivals};
       const std::optional<double> p = p_value_of(*cause);
       if (p) one.q_value = cause == surest ? q[i] : std::max(q[i], std::min(1.0, tests_a_name * *p));
       if (one.q_value && *one.q_value <= rate)

@@ -29,7 +29,7 @@ std::string to_line(const FleetResult& result) {
   for (const FleetCause& cause : result.causes)
     causes.push_back(object_of("name"_is(cause.name), "probability"_is(cause.probability), "e_value"_is(cause.e_value),
                                "false_naming"_is(cause.false_naming), "p_value"_is(cause.p_value),
-                               "standing"_is(cause.standing)));
+                               "standing"_is(cause.standing), "indistinguishable_from"_is(cause.rivals)));
   return one_line(object_of("id"_is(result.id), "hash"_is(result.hash), "verdict"_is(result.verdict),
                             "p_value"_is(result.p_value), "causes"_is(std::move(causes)),
                             "type"_is(text_or_null(result.type)), "batch"_is(text_or_null(result.batch)),
@@ -62,6 +62,9 @@ std::optional<FleetResult> result_in(std::string_view line) {
     cause.false_naming = number_at(one, "false_naming").value_or(1.0);
     cause.p_value = number_at(one, "p_value");
     if (const std::string standing = text_at(one, "standing"); !standing.empty()) cause.standing = standing;
+    if (const auto rivals = one.find("indistinguishable_from"); rivals != one.end() && rivals->is_array())
+      for (const Json& rival : *rivals)
+        if (rival.is_string()) cause.rivals.push_back(rival.get<std::string>());
     result.causes.push_back(std::move(cause));
   }
   return result;

@@ -30,8 +30,9 @@ struct FleetCause {
   double probability = 0.0;
   std::optional<double> e_value;  ///< divided by the number of candidates tried; absent: no split shows it
   double false_naming = 1.0;
-  std::optional<double> p_value{};  ///< beside the other causes, for having been chosen; absent: older results
-  std::string standing = "proved";  ///< or "likely"
+  std::optional<double> p_value{};    ///< beside the other causes, for having been chosen; absent: older results
+  std::string standing = "proved";    ///< or "likely"
+  std::vector<std::string> rivals{};  ///< that the data cannot distinguish from it; also empty: older results
 
   friend bool operator==(const FleetCause&, const FleetCause&) = default;
 };
@@ -144,6 +145,7 @@ struct NamedMachine {
   std::string cause;
   std::optional<double> q_value;  ///< absent: no evidence that counts among many machines
   std::string type, batch;
+  std::vector<std::string> rivals{};  ///< as of FleetCause
 };
 
 /// A type or batch that shares a cause.

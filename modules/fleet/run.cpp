@@ -95,7 +95,7 @@ Result<FleetResult> diagnosed(const MachineSet& set, const std::string& hash, st
                      false,  names->p_value};
   for (const model::NamedCause& cause : names->causes)
     result.causes.push_back({cause.name, cause.probability, cause.e_value, cause.false_naming, cause.p_value,
-                             std::string(name_of(cause.standing))});
+                             std::string(name_of(cause.standing)), cause.rivals});
   return result;
 }
 

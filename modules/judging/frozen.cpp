@@ -9,6 +9,7 @@
 
 #include "base/clock.hpp"
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
@@ -196,9 +197,10 @@ Result<FrozenModel> parse_frozen_model(std::string_view text, const std::string&
     return problem_at(file, 0, 0,
                       fmt::format("expected a freeze of format {}, got {}", FrozenModel{}.freeze, frozen.freeze));
   } catch (const nlohmann::json::exception&) {
+    if (auto other = wrong_kind(FileKind::other, text, file)) return tl::unexpected(std::move(*other));
     return problem_at(file, 0, 0,
-                      "expected a file written by `ecs model freeze -o`, found a truncated file or another kind of "
-                      "file: use the original freeze");
+                      "expected a file written by `ecs model freeze -o`, found a truncated file or a file of another "
+                      "kind");
   }
 }
 

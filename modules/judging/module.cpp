@@ -22,7 +22,9 @@ cli::Fields<FreezeArguments> FreezeArguments::fields() {
                           {"--machine", &M::machine, kMachineHelp},
                           &M::import};
   return {{&R::of, of},
-          {"--limits", &R::limits, "acceptance limits of the held-out groups (.toml)", cli::Need::required},
+          {"--limits", &R::limits,
+           "acceptance limits of the held-out groups (.toml; modules/judging/README.md has an example)",
+           cli::Need::required},
           {"-o,--output", &R::output, "file for the frozen model, data and limits (.json)", cli::Need::required,
            cli::Is::output}};
 }

@@ -61,7 +61,9 @@ Result<Logbook> chosen_logbook(VerbContext& context, const LogChoice& choice) {
   if (choice.log.empty()) {
     ECS_TRY(set, logbook_setting());
     if (set.off)
-      return problem(ProblemKind::usage, "no logbook is kept (ECS_LOGBOOK or the setting is off): give one with --log");
+      return problem(ProblemKind::usage,
+                     "no logbook is kept, because ECS_LOGBOOK or `logbook` in the settings is off: name a logbook file "
+                     "with --log");
     setting = set;
     files = logbooks(setting);
   }

@@ -2,6 +2,7 @@
 // `decide`: an effect taken out, one kept without its alternatives. `history`: the steps as a table and as bars.
 
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -198,9 +199,18 @@ struct RemoveRequest {
   }
 };
 
+/// The order of EFFECT and MODEL is another than that of `model add`.
+Result<void> effect_comes_first(const std::string& effect, const std::string& model) {
+  if (!std::filesystem::exists(effect) || std::filesystem::exists(model)) return {};
+  return problem(
+      ProblemKind::usage,
+      fmt::format("EFFECT and MODEL are swapped: {} is a file; give the effect first, then the model", effect));
+}
+
 Result<Outcome> remove(VerbContext& context, const RemoveRequest& given) {
   const ModelArguments& request = given.common;
   const std::string output = given.output.empty() ? request.model : given.output;
+  ECS_DO(effect_comes_first(given.effect, request.model));
   ECS_DO(check_output_not_input(output, request.data));
   ECS_TRY(work, model_work(context.console, request));
   ECS_TRY(effect, effect_in(work.model, given.effect));
@@ -226,6 +236,7 @@ struct DecideRequest {
 };
 
 Result<Outcome> decide(VerbContext&, const DecideRequest& request) {
+  ECS_DO(effect_comes_first(request.effect, request.model));
   auto model = model::read_model(request.model);
   if (!model) return tl::unexpected(model.error());
   ECS_TRY(effect, effect_in(*model, request.effect));

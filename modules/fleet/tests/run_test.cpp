@@ -25,7 +25,7 @@ TEST_CASE("a manifest takes its columns in any order and leaves others alone") {
 }
 
 TEST_CASE("a manifest without a needed column or without rows is refused with its line") {
-  CHECK(contains(manifest_of("id,batch\nm1,b\n").error().message, "found no data"));
+  CHECK(contains(manifest_of("id,batch\nm1,b\n").error().message, "lacks the column data"));
   CHECK(contains(manifest_of("# x\nid,dta\nm1,a.csv\n").error().message, "did you mean data"));
   CHECK(manifest_of("# x\nid,dta\nm1,a.csv\n").error().line == 2);
   CHECK(contains(manifest_of("id,data,id\nm1,a,b\n").error().message, "found id twice"));

@@ -291,28 +291,21 @@ const paragraphOf = (text, begin) => {
   return found && element("p", {}, typeset(unwrapped(found[0])));
 };
 
-/** What lies between two runs, or in one, where the headline names it: the formula that describes it. */
-function formulaOfRuns(headline) {
-  const jump = /between runs \d+ and (\d+)/.exec(headline);
-  if (jump) return { name: "jump", text: `(run >= ${jump[1]})` };
-  const odd = /\bRun (\d+) (?:lies|differs)/.exec(headline);
-  return odd && { name: "odd run", text: `(run == ${odd[1]})` };
-}
-
-/** What the headline names of the runs: its sentences, and the button that adds it for all senses of the data. */
-function runsBox({ headline }) {
-  const found = formulaOfRuns(headline);
-  if (!found) return null;
-  const sentences = headline.split(/(?<=\.) (?=The residual is)/)[0];
-  const formulas = bench.senses.map((sense) => `${sense} = h${bench.senses.length > 1 ? `_${sense}` : ""} * ${found.text}`);
+/** A run, or all from one on, that differ: the sentences of the diagnosis, and the button that adds it for all senses of the data. */
+function runsBox(different) {
+  if (!different || !different.is_shifted) return null;
+  const { run, from_there_on, text } = different;
+  const name = from_there_on ? "jump" : "odd run";
+  const formulas = bench.senses.map((sense) =>
+    `${sense} = h${bench.senses.length > 1 ? `_${sense}` : ""} * (run ${from_there_on ? ">=" : "=="} ${run})`);
   return element("article", { class: "candidate", id: "runs" }, element("h3", {}, element("code", {}, formulas.join(", "))),
-    element("p", {}, typeset(sentences)), element("p", {}, element("button", { class: "main", type: "button", "data-add": `user:${found.name}`,
-      click: () => addFormula(found.name, formulas) },
+    element("p", {}, typeset(text)), element("p", {}, element("button", { class: "main", type: "button", "data-add": `user:${name}`,
+      click: () => addFormula(name, formulas) },
     "Add this to the model")));
 }
 
 function showMissing(said, library) {
-  const { candidates, left, formula, notes, where, headline, outliers } = said.answer;
+  const { candidates, left, formula, notes, where, different_run, outliers } = said.answer;
   const inAnswer = candidates.filter((one) => one.standing !== "possible");
   const possible = candidates.filter((one) => one.standing === "possible");
   const rows = possible.map((one) => [
@@ -320,7 +313,7 @@ function showMissing(said, library) {
     `${(100 * one.explained).toFixed(1)} %`,
     element("button", { type: "button", "data-add": one.name, "aria-label": `Add ${placeOf(one)} to the model`,
       click: () => addEffect(one.name, wordsOf(one), one) }, "Add")]);
-  const runs = runsBox(said.answer);
+  const runs = runsBox(different_run);
   const proposed = formula && element("article", { class: "candidate" },
     element("h3", {}, "A formula", element("code", {}, Object.values(formula.formula).join(", "))),
     element("p", {}, typeset(formula.why)),
@@ -376,11 +369,12 @@ function chooser(library) {
 }
 
 function ownFormula() {
-  return element("p", { class: "row" }, element("label", { for: "formula" }, "Formula"),
+  return element("div", {}, element("p", { class: "row" }, element("label", { for: "formula" }, "Formula"),
     element("input", { id: "formula", type: "text", autocomplete: "off", spellcheck: "false", placeholder: `${bench.senses[0]} = h * (run >= 5)` }),
     element("button", { id: "add-formula", type: "button",
       click: () => (byId("formula").value.trim() ? addFormula("own formula", [byId("formula").value]) : byId("formula").focus()) },
-    "Add the formula"));
+    "Add the formula")), element("p", { class: "soft" }, "A formula gives one component (EX, EY, EZ in µm; EA, EB, EC in µm/m) from "
+    + "the columns of the readings, such as x_mm, run, approach (+1 forward, −1 reverse) or time_s. Any other name is a constant that is fitted."));
 }
 
 /** Adds formulas, one for a sense, under a name that the model does not have yet. */
@@ -397,8 +391,6 @@ async function rankEffects() {
   const current = () => bench === asked && bench.changes === before && byId("suspect");
   const library = await effectLibrary();
   const ranked = new Map();
-  const lacks = new Map((asked.diagnosis ? asked.diagnosis.notes : []).map((note) => /^([^:]*) cannot be tried: (?:it|they) needs? (.*)$/.exec(note)).filter(Boolean)
-    .flatMap(([, names, what]) => names.split(/, | and /).map((name) => [name, `it needs ${what}`])));
   const inModel = new Set([...(await readText(bench.model)).matchAll(/^id = "(\w+)"/gm)].map(([, id]) => id));
   const candidates = asked.diagnosis ? asked.diagnosis.candidates.map((one) => one.effect) : [];
   for (const one of library.keys()) {
@@ -409,7 +401,7 @@ async function rankEffects() {
       const { answer } = await run("ecs", "model", "add", ...changing(one, []));
       ranked.set(one, { rms: answer.rms_after_um, place });
     } catch (error) {
-      ranked.set(one, { why: inModel.has(one) ? "it is in the model" : lacks.get(one) || error.message.replace(/^[^:]*(?::[A-Z]\w*)*: /, "").replace(/ \(`ecs [^)]*\)/, "") });
+      ranked.set(one, { why: inModel.has(one) ? "it is in the model" : error.message.replace(/^[^:]*(?::[A-Z]\w*)*: /, "").replace(/ \(`ecs [^)]*\)/, "") });
     }
   }
   if (!current()) return;
@@ -428,7 +420,9 @@ function showComparison(said, svg, residual) {
   const rows = said.text.split("\n").map((line) =>
     line.match(/^(\S+(?: \S+)?)\s+(\S+)\s{2,}(\S+(?: \S+)*)\s+(\d+)\s+(-?[\d.]+)\s+([\d.]+)\s+([\d.]+)\s{2,}(.*)$/));
   // The diagnosis states rms, noise and lack of fit; without it the comparison does.
+  const mostDrawn = 3;
   fill("figures", card("The model against the measurement", overAbscissa(svg, residual),
+    bench.lineCount > mostDrawn ? element("p", { class: "soft" }, `Drawn are the ${mostDrawn} of ${bench.lineCount} lines with the largest error.`) : null,
     byId("verdict").firstChild ? null : element("p", {}, typeset(unwrapped(said.text.split("\n\n")[0]))),
     table("the residual, reading − model, in µm (EA, EB and EC in µm/m)",
       ["sense", "axis", "direction", ">readings", ">bias", ">rms", ">peak", "lack of fit"],
@@ -762,7 +756,7 @@ function play(event) {
     for (const file of files) await write(file, await readBytes(`made/${file}`));
     await write("mine.toml", await readBytes("model.toml"));
     putOnBench({ game: true, seed, hinted: false, model: "mine.toml", machine: "machine.toml", data: ["data.csv"], lines: ["data.csv"],
-      sealed: ".", senses: (await run("ecs", "laser", "import", "data.csv")).answer.senses });
+      sealed: ".", ...countsOf(await run("ecs", "laser", "import", "data.csv")) });
     note(words.slice(0, -1).concat("case"), "ecs-emulator");
     bench.commands.push("cd case", "cp model.toml mine.toml");
     fill("about", element("h2", { tabindex: "-1", id: "case" }, `Case ${seed}`),
@@ -856,7 +850,11 @@ function reason(name, why) {
   return more.length ? element("details", {}, element("summary", {}, line), more.join("; ")) : line;
 }
 
-/** The lines that were measured, as `ecs laser import` lists them. */
+/** Senses and number of the lines that `ecs laser import` answered; null where there are only circles or diagonals. */
+const countsOf = (imported) => (imported ? { senses: imported.answer.senses, lineCount: imported.answer.lines.length }
+  : { senses: ["EX", "EY", "EZ"], lineCount: 0 });
+
+/** The lines that were measured, as `ecs laser import` lists them. On a narrow screen they are closed: the verdict comes first. */
 function linesTable({ lines }) {
   const number = (value) => (value === null || value === undefined ? "varies" : String(Number(value.toPrecision(6))));
   const rows = lines.map((line) => [line.axis, line.sense, Object.entries(line.parked_mm || {}).map(([axis, at]) => `${axis.toUpperCase()} ${number(at)}`).join(", "),
@@ -864,7 +862,9 @@ function linesTable({ lines }) {
     line.forward && line.reverse ? "both" : line.forward ? "forward" : line.reverse ? "reverse" : "unknown"]);
   const titles = ["axis", "sense", "parked", ">from", ">to", ">step", ">targets", ">runs", "approach"];
   const most = 6;
-  return [table("measured lines", titles, rows.slice(0, most)), rows.length > most ? element("details", {},
+  const wide = matchMedia("(min-width: 521px)").matches;
+  return [element("details", { open: wide }, element("summary", {}, rows.length > 1 ? `${rows.length} measured lines` : "The measured line"),
+    table("measured lines", titles, rows.slice(0, most))), rows.length > most ? element("details", {},
     element("summary", {}, `${rows.length - most} more lines`), table("more measured lines", titles, rows.slice(most))) : null];
 }
 
@@ -898,7 +898,7 @@ function analyse() {
       if (name !== machine && name !== model) unread.push([name, looks.find((one) => one.file === name).what]);
     const imported = lines.length ? await run("ecs", "laser", "import", ...lines, ...words) : null;
     putOnBench({ game: false, model: model || newModelName(names), machine, data, lines, importWords: words,
-      senses: imported ? imported.answer.senses : ["EX", "EY", "EZ"], sealed: sealed ? folderOf(sealed) || "." : null });
+      ...countsOf(imported), sealed: sealed ? folderOf(sealed) || "." : null });
     if (sealed) {  // its model stays as it is: the truth is compared with it
       bench.model = `${folderOf(model)}mine.toml`;
       await write(bench.model, await readBytes(model));

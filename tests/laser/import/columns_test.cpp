@@ -265,7 +265,7 @@ TEST_CASE("every bad row is named with line and column, and what to map is said"
   CHECK(contains(refused_table("0 1\n", by_columns("x_mm=1,run=2")), "expected one of reading"));
   CHECK(contains(refused_table("0 1\n", by_columns("x_mm=1[degC],reading=2")), "is no unit of it"));
   CHECK(contains(refused_table("0 1\n", by_columns("x_mm=1,reading=2[mrad]")), "is no unit of it"));
-  CHECK(contains(refused_table("x e\n", by_columns("x_mm=1,reading=2")), "expected rows"));
+  CHECK(contains(refused_table("x e\n", by_columns("x_mm=1,reading=2")), "no row has the columns"));
 }
 
 TEST_CASE("an empty cell is named with its line and column") {
