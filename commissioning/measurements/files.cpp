@@ -403,7 +403,7 @@ Result<MeasurementSet> joined(const std::vector<MeasurementSet>& sets) {
   if (unnamed)
     all.notes.push_back(
         "not all of these files name their machine: the same line in several files counts as runs on one machine, and "
-        "what differs between them as noise");
+        "their differences count as noise");
   const auto parked = laser::metadata_value(all, kParked);
   if (std::any_of(sets.begin(), sets.end(),
                   [&](const MeasurementSet& set) { return laser::metadata_value(set, kParked) != parked; }))

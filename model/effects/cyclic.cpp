@@ -167,10 +167,10 @@ EffectDefinition cyclic() {
       .columns_of_place =
           [](double p_mm, double searched, std::span<double> row) {
             const double angle = 2.0 * std::numbers::pi * p_mm / searched;
-            for (std::size_t j = 0; j + 1 < row.size(); j += 2) {
-              const double harmonic = static_cast<double>(j / 2 + 1);
-              row[j] = sine_of(harmonic * angle);
-              row[j + 1] = cosine_of(harmonic * angle);
+            for (std::size_t h = 0; 2 * h + 1 < row.size(); ++h) {
+              const double harmonic = static_cast<double>(h + 1);
+              row[2 * h] = sine_of(harmonic * angle);
+              row[2 * h + 1] = cosine_of(harmonic * angle);
             }
           },
       .column_sets = {{0, 1}, {0, 1, 2, 3}},

@@ -189,7 +189,7 @@ Cell named_cell(const std::vector<NamedMachine>& machines, const char* title) {
       machines,
       [](const NamedMachine& one) {
         const std::string rivals =
-            one.rivals.empty() ? "" : fmt::format("    or {}: these data cannot tell\n", fmt::join(one.rivals, ", "));
+            one.rivals.empty() ? "" : fmt::format("    or {}: these data cannot distinguish them\n", fmt::join(one.rivals, ", "));
         return record_cell("  {id:<24} {cause:<36} {q_value:>10}  {type} {batch}\n{indistinguishable_from}",
                            "id"_is(one.id), "cause"_is(one.cause), "q_value"_is(q_value_cell(one.q_value)),
                            "type"_is(text_or_null(one.type), one.type), "batch"_is(text_or_null(one.batch), one.batch),

@@ -99,7 +99,8 @@ TEST_CASE("no sentence contradicts its own numbers in the answers of hidden case
 }
 
 TEST_CASE("an effect that a wander explains as well does not take another effect with it") {
-  const model::Diagnosis found = answer_for(case_of(request_for(5, CaseKind::single)));  // three outliers beside a slope
+  const auto slope_with_three_outliers = request_for(5, CaseKind::single);
+  const model::Diagnosis found = answer_for(case_of(slope_with_three_outliers));
   CHECK(found.verdict == model::Verdict::likely_effect);
   REQUIRE_FALSE(found.candidates.empty());
   CHECK(to_text(found.candidates.front().effect) == "scale:Z:EX");
