@@ -38,14 +38,20 @@ constexpr GlossaryRow kGlossary[] = {
     {"dead path",
      "laser path from interferometer to reflector when the reading is set to zero; its air is not corrected"},
     {"diagnosis|diagnose", "the search for effects that the model lacks, with evidence"},
-    {"e-value", "evidence from held-out readings: noise alone reaches 100 at most once in 100 cases"},
+    {"e-value",
+     "evidence from held-out readings: noise alone reaches 100 at most once in 100 cases; not valid where the zero "
+     "wanders slowly"},
     {"held out|held-out", "readings that were not used for the fit and therefore test it"},
     {"integration mode|integration|integrating",
      "the unit accepts parameters, maps and commands; relays are open and compensation is off"},
     {"lack of fit", "residual of the means that is larger than the scatter of repeated readings explains (F test)"},
     {"likely", "noise alone looks as good at most once in 100 cases, but another cause is not excluded"},
-    {"marker", "the index pulse of the transducer, once a revolution or at one place; with the switch it is the datum"},
-    {"parked", "position of the other axes while one was measured: angles act by the distance to it"},
+    {"marker",
+     "the index pulse of the transducer, once a revolution or at one place; together with the switch it "
+     "defines the datum"},
+    {"parked",
+     "position of the other axes while one was measured: an angular error acts in proportion to the distance "
+     "from it"},
     {"pitch", "travel per turn of a screw, or distance between the lines of a scale: errors repeat with it"},
     {"proved", "shown by held-out readings with an e-value of at least 100"},
     {"referenced", "the axis has found its datum since power-up: its positions are true machine coordinates"},

@@ -213,7 +213,7 @@ async function during(text, work) {
 
 // --- cards
 
-const parts = ["about", "guess", "verdict", "ladder", "missing", "take", "figures", "sealed", "iso", "explained", "terminal"];
+const parts = ["about", "guess", "verdict", "take", "ladder", "missing", "figures", "sealed", "iso", "explained", "terminal"];
 function fill(part, ...children) {
   byId(part).replaceChildren(...children.flat().filter(Boolean));
   explainWords(byId(part));
