@@ -118,15 +118,17 @@ using model::Verdict;
 constexpr double kFarAboveNoise = 2.0;
 
 std::string summary(const Diagnosis& d) {
-  std::string text = fmt::format("{} readings. The residual is {:.3f} {} rms; the noise of one reading is {}. ",
-                                 d.observations, d.rms_um, d.noise.unit, noise_text(d.noise));
+  std::string text =
+      fmt::format("{} readings. The residual is {:.3f} {} rms{}; the noise of one reading is {}. ", d.observations,
+                  d.rms_um, d.noise.unit, d.outliers.empty() ? "" : ", outliers included", noise_text(d.noise));
   if (d.verdict != Verdict::adequate && d.rms_after_um < d.rms_um)
     text += fmt::format("With {}: rms {:.3f} {}. ", d.add ? "the proved or likely effects" : "the named effects",
                         d.rms_after_um, d.noise.unit);
   const std::string lack_of_fit = lack_of_fit_cell(d.lack_of_fit).text;
   text += "Lack-of-fit test: " + lack_of_fit;
-  if (d.rms_um > kFarAboveNoise * d.noise.noise_um && lack_of_fit.ends_with("the model fits"))
-    text += ", but this means little: the error changes between repeats, which differ as much as the residual";
+  if (d.rms_um > kFarAboveNoise * d.noise.noise_um && (d.outliers.empty() || d.verdict != Verdict::adequate) &&
+      lack_of_fit.ends_with("the model fits"))
+    text += ", but this means little: repeats in different runs differ as much as the residual";
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)
     text += fmt::format("; afterwards {}", lack_of_fit_cell(d.lack_of_fit_after).text);
   return paragraph(text + ".");
@@ -225,7 +227,10 @@ Cell candidate_cell(const Candidate& c) {
           c.indistinguishable_from,
           details(!rivals.empty(), fmt::format("cannot be distinguished from: {}", fmt::join(rivals, ", ")))),
       "because"_is(c.because, details(!c.because.empty(), "because: " + c.because)),
-      "next_measurement"_is(c.next_measurement, details(!c.next_measurement.empty(), "next: " + c.next_measurement)));
+      "next_measurement"_is(
+          c.next_measurement,
+          details(!c.next_measurement.empty() && (c.decide.empty() || !rivals.empty()),
+                  (c.decide.empty() ? "next: " : "then, to separate the rivals: ") + c.next_measurement)));
   if (!c.effect.curve.empty()) fields.push_back("curve"_is(curve_json(c.effect.curve)));
   return {
       object_of(fields),
@@ -244,7 +249,7 @@ std::string closest_text(const Diagnosis& d) {
     if (closest.size() < kMostShown)
       closest.push_back({to_text(candidate.effect), candidate.probability, place_text(candidate.effect)});
   if (closest.empty()) return {};
-  return "\n" + paragraph("closest candidates, with their probability compared with noise: " + set_text(closest), 0, 2);
+  return "\n" + paragraph("closest candidates, with the probability of each against noise: " + set_text(closest), 0, 2);
 }
 
 /// What adding the likely effects would do, and how.
@@ -330,14 +335,13 @@ Cell left_cell(const Diagnosis& d) {
       withheld.push_back(one.property);
     else
       left.text += paragraph(fmt::format("{}: {}{}", one.property, one.is,
-                                         said.insert(one.because).second ? ", because " + one.because : ""),
+                                         said.insert(one.because).second ? "; evidence: " + one.because : ""),
                              2, 4);
     if (!one.measure.empty()) measure.insert(one.measure);
   }
   if (!withheld.empty())
-    left.text += paragraph(
-        fmt::format("no property can be established: {}. {}", fmt::join(withheld, ", "), fmt::join(measure, " ")), 2,
-        4);
+    left.text +=
+        paragraph(fmt::format("not established: {}. {}", fmt::join(withheld, ", "), fmt::join(measure, " ")), 2, 4);
   return left;
 }
 
@@ -370,12 +374,9 @@ Json different_run_json(const Diagnosis& d) {
 
 std::string outliers_text(const Diagnosis& d) {
   if (d.outliers.empty()) return {};
-  return "\n" +
-         paragraph(
-             fmt::format(
-                 "outliers: rows {} ({} of {} readings) differ; they have little weight and are included in every rms",
-                 rows_text(d.outliers), d.outliers.size(), d.observations),
-             0, 2);
+  return "\n" + paragraph(fmt::format("outliers: rows {} ({} of {} readings), of little weight, included in every rms",
+                                      rows_text(d.outliers), d.outliers.size(), d.observations),
+                          0, 2);
 }
 
 }  // namespace
@@ -399,8 +400,8 @@ std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) 
 
 Cell diagnosis_cell(const Diagnosis& d) {
   const std::string tried =
-      paragraph(fmt::format("{} candidates were tried on these readings, and on {} simulated data sets with noise "
-                            "alone at the same positions and conditions",
+      paragraph(fmt::format("candidates tried: {}, on these readings and on {} simulated data sets with noise alone at "
+                            "the same positions and conditions",
                             d.candidates_tried, d.noise_replicates));
   return record_cell("{headline}\n{summary}{candidates}{where}{left}{formula}{outliers}\n{blanks}{notes}",
                      "observations"_is(d.observations), "rms_um"_is(d.rms_um), "noise_um"_is(d.noise.noise_um),

@@ -64,7 +64,7 @@ std::vector<EffectFact> facts_of(const model::EffectDefinition& effect) {
           {"cause", std::string(effect.cause)},
           {"distinguished by", std::string(effect.tells_apart)},
           {"check", std::string(effect.check)},
-          {"compensated", fmt::format("{}; {}", carrier_text(effect.carrier), effect.how)}};
+          {"compensated", fmt::format("{} ({})", carrier_text(effect.carrier), effect.how)}};
 }
 
 std::vector<EffectFact> details_of(const model::Candidate& candidate) {

@@ -164,7 +164,7 @@ void note_doubts(RepairAnswer& answer, const std::vector<std::string>& steps) {
   std::vector<std::string> doubts;
   for (const CauseCost& cost : answer.causes) {
     const auto look = [&](std::string_view quantity, const Remaining& one) {
-      if (one.left.share < kLikely) doubts.push_back(doubt(cost, quantity, "left", one.left));
+      if (one.left.share < kLikely) doubts.push_back(doubt(cost, quantity, "unchanged", one.left));
       if (one.compensated.share < kLikely) doubts.push_back(doubt(cost, quantity, "compensated", one.compensated));
       if (one.repaired.share < kLikely) doubts.push_back(doubt(cost, quantity, "repaired", one.repaired));
     };
@@ -176,7 +176,7 @@ void note_doubts(RepairAnswer& answer, const std::vector<std::string>& steps) {
   std::string note;
   if (!steps.empty())
     note = fmt::format(
-        "{}: its position is decisive, and these readings do not determine it; measure there in fine steps. ",
+        "{}: its position is decisive, and these readings do not determine it. Measure there in fine steps. ",
         fmt::join(steps, ", "));
   note += "Uncertain (probability of being right within 10 % or 1 um): ";
   const std::size_t more = doubts.size() > kMost ? doubts.size() - kMost : 0;
@@ -403,14 +403,14 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
                    [](const CauseCost& a, const CauseCost& b) { return largest_cost_um(a) > largest_cost_um(b); });
   if (!fit.undetermined.empty())
     answer.notes.push_back(
-        fmt::format("{}: these readings do not determine them, and the prediction may be far off; first make the "
+        fmt::format("{}: these readings do not determine them, and the prediction may be far off. First make the "
                     "measurement that separates them (ecs model next)",
                     fmt::join(fit.undetermined, "; ")));
   note_doubts(answer, steps);
   if (unseen)
     answer.notes.emplace_back(
-        "volume and circle are computed for a machine at rest, unloaded, at constant temperature: effects of a "
-        "condition appear in the readings only");
+        "volume and circle are computed for a machine at rest, unloaded, at constant temperature: effects of "
+        "feed, load, time or temperature appear in the readings only");
   return answer;
 }
 

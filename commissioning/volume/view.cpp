@@ -91,7 +91,7 @@ Cell size_cell(std::string_view name, const volume::VolumeSize& size, const Volu
 
 /// Below the sizes of what is left: what may be there, by the uncertainty of the map.
 std::string bound_row(const VolumeWork& work) {
-  return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   95 % (uncertainty of the map)\n", "after, at most",
+  return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   95 % (uncertainty of the map alone)\n", "after, at most",
                      work.uncertainty.largest_95_um, "-", work.uncertainty.rms_95_um);
 }
 
@@ -139,11 +139,11 @@ std::string bound_text(const VolumeWork& work) {
     if (shares.size() < 3)
       shares.push_back(
           fmt::format("{} {:.0f} %", one.rotary.empty() ? name_of(one.component) : one.rotary, 100.0 * one.share));
-  return paragraph(
-      fmt::format("With the uncertainty of the map{} the remaining error is at most {:.1f} um anywhere and {:.1f} um "
-                  "rms (95 %; 50 %: {:.1f} and {:.1f} um). Largest contribution: {}.",
-                  work.prepared.machine.rotary ? " and of the rotary axes" : "", u.largest_95_um, u.rms_95_um,
-                  u.largest_50_um, u.rms_50_um, fmt::join(shares, ", ")));
+  return paragraph(fmt::format(
+      "With the uncertainty of the map{} the remaining error is at most {:.1f} um anywhere and {:.1f} um "
+      "rms (95 %; 50 %: {:.1f} and {:.1f} um). Errors that the map lacks come on top. Largest contribution: {}.",
+      work.prepared.machine.rotary ? " and of the rotary axes" : "", u.largest_95_um, u.rms_95_um, u.largest_50_um,
+      u.rms_50_um, fmt::join(shares, ", ")));
 }
 
 Cell side_of_place_cell(const PlaceAnswer& at, std::size_t side) {

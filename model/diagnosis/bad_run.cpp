@@ -120,15 +120,12 @@ std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorX
     sum += r;
     squares += r * r;
   }
-  worst->off_um = sum / count;
-  worst->shifted = 2.0 * count * worst->off_um * worst->off_um > squares;
+  worst->shifted = 2.0 * sum * sum > count * squares;
   return worst;
 }
 
-std::string words_for(const NoisyRun& run, std::string_view unit) {
-  if (run.shifted)
-    return fmt::format("run {} lies {:+.2g} {} off the model, {:.2g} times as far as the others", run.run, run.off_um,
-                       unit, run.ratio);
+std::string words_for(const NoisyRun& run) {
+  if (run.shifted) return fmt::format("run {} lies apart from the other runs", run.run);
   return fmt::format("run {} scatters {:.2g} times as much as the others", run.run, run.ratio);
 }
 

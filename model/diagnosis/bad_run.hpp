@@ -24,11 +24,10 @@ struct RunOffset {
 struct NoisyRun {
   int run = 0;
   double ratio = 1.0;    ///< of its mean absolute residual to that of the other runs, um
-  double off_um = 0.0;   ///< its mean residual
   bool shifted = false;  ///< the mean is more of it than the scatter about the mean
 };
-/// "run 5 scatters 3 times as much as the others", or "run 5 lies -3.9 um off the model, …" where it is shifted.
-[[nodiscard]] std::string words_for(const NoisyRun& run, std::string_view unit);
+/// "run 5 scatters 3 times as much as the others", or "run 5 lies apart from the other runs" where it is shifted.
+[[nodiscard]] std::string words_for(const NoisyRun& run);
 /// The run of three or more that scatters more than the others, far beyond what chance does.
 /// Both residuals must show it: whitening may mistake one run, correlated noise the other.
 /// @param whitened  with everything found absorbed  @param residual  um or um/m  @param left_out  outliers, not counted

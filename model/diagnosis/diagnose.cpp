@@ -63,6 +63,16 @@ std::optional<OddPass> farthest_run(const Observations& data, const VectorXd& re
   return farthest;
 }
 
+/// Mean residual of a run less that of all other runs.
+double off_the_others(const Observations& data, const VectorXd& residual, int run) {
+  double sum[2]{}, count[2]{};
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    sum[data.run[k] == run] += residual(static_cast<Index>(k));
+    ++count[data.run[k] == run];
+  }
+  return sum[1] / count[1] - sum[0] / count[0];
+}
+
 /// The run that is bad, if one is: the headline begins with it.
 /// @param residual  of the model as given, um, a row a reading of `data`
 std::optional<DifferentRun> different_run(const Found& found, const Diagnosis& diagnosis, const Observations& data,
@@ -80,11 +90,15 @@ std::optional<DifferentRun> different_run(const Found& found, const Diagnosis& d
             step.height_um > 0.0 ? "rise" : "fall", std::abs(step.height_um), diagnosis.noise.unit, step.before,
             step.after)};
   };
-  if (found.noisy) return of_run(found.noisy->run, words_for(*found.noisy, diagnosis.noise.unit), found.noisy->shifted);
+  if (found.noisy && !found.noisy->shifted) return of_run(found.noisy->run, words_for(*found.noisy), false);
+  if (found.noisy)
+    return of_run(found.noisy->run,
+                  fmt::format("run {} lies {:+.3g} {} from the other runs on average", found.noisy->run,
+                              off_the_others(data, residual, found.noisy->run), diagnosis.noise.unit));
   if (found.step) return of_step(*found.step);
   if (found.odd_pass)
-    return of_run(found.odd_pass->run, fmt::format("run {} differs from the other runs by {:.3g} in one approach",
-                                                   found.odd_pass->run, found.odd_pass->off_um));
+    return of_run(found.odd_pass->run, fmt::format("run {} differs from the other runs by {:.3g} {} in one approach",
+                                                   found.odd_pass->run, found.odd_pass->off_um, diagnosis.noise.unit));
   if (found.bad_run)
     return of_run(found.bad_run->run,
                   fmt::format("run {} differs from the other runs: its offset explains as much as any effect does",
@@ -94,8 +108,8 @@ std::optional<DifferentRun> different_run(const Found& found, const Diagnosis& d
     return std::nullopt;
   if (const auto step = step_of_runs(data, residual, std::vector<bool>(data.size()))) return of_step(*step);
   if (const auto run = farthest_run(data, residual))
-    return of_run(run->run,
-                  fmt::format("run {} differs from the other runs by {:.2g} on average", run->run, run->off_um));
+    return of_run(run->run, fmt::format("run {} differs from the other runs by {:.2g} {} on average", run->run,
+                                        run->off_um, diagnosis.noise.unit));
   return std::nullopt;
 }
 
@@ -265,9 +279,9 @@ Diagnosis too_few(const Observations& data, const Base& base) {
   diagnosis.rms_um = diagnosis.rms_after_um = rms_of(base.residual);
   diagnosis.noise = base.core.noise.pure;
   diagnosis.notes.push_back(
-      fmt::format("{} readings for {} fitted parameters: too few to decide whether an effect is missing; measure more "
-                  "targets and repeats",
-                  data.size(), base.core.rank));
+      fmt::format("{} reading{} for {} fitted parameter{}: too few to decide whether an effect is missing. Measure "
+                  "more targets and repeats",
+                  data.size(), data.size() == 1 ? "" : "s", base.core.rank, base.core.rank == 1 ? "" : "s"));
   diagnosis.verdict = Verdict::cannot_tell;
   diagnosis.cannot_tell = diagnosis.notes.back();
   diagnosis.reservation = diagnosis.notes.back() + ".";

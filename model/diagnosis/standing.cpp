@@ -344,7 +344,7 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
 std::string why_not_explained(const Found& found) {
   if (!found.objection.empty()) return found.objection;
   if (!found.doubt.empty()) return found.doubt;
-  if (found.noisy) return words_for(*found.noisy, found.noise.pure.unit) + ": check that run first";
+  if (found.noisy) return words_for(*found.noisy) + ": check that run first";
   if (found.odd_pass)
     return fmt::format("run {} differs from the other runs by {:.3g} in one approach: check that run first",
                        found.odd_pass->run, found.odd_pass->off_um);

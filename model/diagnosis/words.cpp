@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include <fmt/args.h>
 #include <fmt/format.h>
@@ -367,6 +369,13 @@ std::string readings_word(Sense sense, std::optional<Axis> axis, bool rotary) {
 
 std::string reservation_for(const Observations& data) {
   std::string text;
+  std::map<Axis, std::set<double>> targets_mm;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!data.on_path(k)) targets_mm[data.axis[k]].insert(data.position_mm[k][index_of(data.axis[k])]);
+  for (const auto& [axis, targets] : targets_mm)
+    if (targets.size() == 1)
+      text += fmt::format("{}All readings along {} are at one target: errors over the position cannot be detected.",
+                          text.empty() ? "" : " ", data.letter(axis));
   for (const EvenTargets& one : even_targets(data)) {
     if (one.pitch_known && one.hidden_pitches.empty()) continue;
     text += fmt::format(
@@ -386,8 +395,12 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
   switch (d.verdict) {
     case Verdict::adequate:
       add(d.reservation);
-      add(d.reservation.empty() ? "The model is adequate: its residual is noise."
-                                : "No other effect is missing: the residual of the model is noise.");
+      add(fmt::format("{}: {}{} is noise.",
+                      d.reservation.empty() ? "The model is adequate" : "No other effect is missing",
+                      d.outliers.empty()
+                          ? ""
+                          : fmt::format("without {} outlier{} ", d.outliers.size(), d.outliers.size() == 1 ? "" : "s"),
+                      d.reservation.empty() ? "its residual" : "the residual of the model"));
       break;
     case Verdict::missing_effect:
     case Verdict::partly_explained:

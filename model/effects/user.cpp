@@ -9,7 +9,7 @@ EffectDefinition user() {
   return {
       .id = "user",
       .title = "Written by the user",
-      .formula = "formulas of the model file",
+      .formula = "formulas and their parameters",
       .cause = "as the user says",
       .tells_apart = "as the user says",
       .check = "check the cause described by the formula",

@@ -415,9 +415,9 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
          candidate.e_value.value_or(0.0) < kProved ||
          std::ranges::any_of(candidate.parameters, [](const ParameterEstimate& one) { return one.undetermined; })))
       return std::nullopt;
-  return "No further measurement is needed: the named cause is proved, and no other effect of the library fits these "
-         "data as well. Add it to the model, compensate, and measure the same lines again." +
-         (diagnosis.reservation.empty() ? "" : " These data cannot show: " + diagnosis.reservation);
+  return "No further measurement is needed to find the cause: it is proved, and no other effect of the library fits "
+         "these data as well. Add it to the model, compensate, and measure the same lines again to confirm it." +
+         (diagnosis.reservation.empty() ? "" : " " + diagnosis.reservation);
 }
 
 NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis,

@@ -159,7 +159,8 @@ Result<void> add_model(VerbContext& context, const ReportArguments& arguments, c
 
 namespace {
 
-constexpr double kMostlyScatter = 0.7;  ///< of the band
+constexpr double kMostlyScatter = 0.7;  ///< of the band: R, four standard deviations, is wider than few readings are
+constexpr double kSystematic = 0.5;     ///< of the band: E, the part that a map can remove
 constexpr double kWorse = 0.9;          ///< ratio before over after
 constexpr double kSurprise = 2.0;       ///< achieved over predicted rms; repeatability after over before
 
@@ -185,7 +186,8 @@ std::string named(const TableRow& row) { return fmt::format("{} ({})", row.plann
 
 /// What is left after compensation is scatter for the most part.
 bool is_scatter(const TableRow& row) {
-  return row.after->iso.R && *row.after->iso.R >= kMostlyScatter * band_after(row);
+  const auto& iso = row.after->iso;
+  return iso.R && iso.E && *iso.R >= kMostlyScatter * band_after(row) && *iso.E < kSystematic * band_after(row);
 }
 
 /// The repeatability is worse than before compensation: something changed.
@@ -203,8 +205,8 @@ std::string scatter_sentence(const TableRow& row) {
   if (is_scatter(row))
     return fmt::format(" It is mostly scatter, which no map removes (repeatability R = {}, four standard deviations).",
                        quantity(row, *iso.R));
-  return fmt::format(" The systematic part of it is E = {}, the repeatability R = {}.", quantity(row, *iso.E),
-                     quantity(row, *iso.R));
+  return fmt::format(" Its systematic part is E = {}. The repeatability R is {} (four standard deviations).",
+                     quantity(row, *iso.E), quantity(row, *iso.R));
 }
 
 std::string worst_sentence_of(const TableRow& row) {
@@ -219,7 +221,7 @@ std::string worst_sentence_of(const TableRow& row) {
 std::string sentence_of(const ReportContent& content, const Judgement& j) {
   if (j.after == 0) return "Measured before compensation only: the effect of compensation is not known yet.";
   if (j.judged == 0)
-    return fmt::format("{} measured after compensation; the plan states no limits for them.",
+    return fmt::format("{} measured after compensation. No limits are known.",
                        counted(j.after, "component was", "components were"));
   if (j.within == j.judged)
     return j.judged == 1 ? "The one measurement with a limit is within it."
@@ -228,6 +230,7 @@ std::string sentence_of(const ReportContent& content, const Judgement& j) {
   for (const TableRow& row : content.rows)
     if (verdict_of(row) == RowVerdict::above || (row.after && row.exceeds_published()))
       above.push_back(row.planned.name);
+  if (j.judged == 1) return fmt::format("The one measurement with a limit is above it: {}.", above.front());
   return fmt::format("{} of {} measurements {} above the limit: {}.", j.judged - j.within, j.judged,
                      j.judged - j.within == 1 ? "is" : "are", fmt::join(above, ", "));
 }

@@ -369,7 +369,7 @@ ReportSection map_section(const ReportContent& content) {
   Markup body = facts_of({{"SHA-256 of the file", content.map->sha256},
                           {"block check in the unit (CRC-32, with these parameters)",
                            content.map->check ? fmt::format("{:08X}", *content.map->check)
-                                              : "needs the unit's serial number: its state was not given"},
+                                              : "not computed: the unit's serial number was not given"},
                           {"date of the map", header.date},
                           {"configuration", header.configuration},
                           {"squareness", squareness_text(content)}});

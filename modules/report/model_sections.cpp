@@ -103,7 +103,7 @@ Markup evidence_table(const ReportedDiagnosis& d, bool named) {
   if (table.empty()) return {};
   if (left_out == 0) return table.markup();
   return table.markup() +
-         paragraph_of(fmt::format("{} not shown.", counted(left_out, "one more is", "more are")), "class=\"small\"");
+         paragraph_of(fmt::format("{} not shown.", counted(left_out, "more is", "more are")), "class=\"small\"");
 }
 
 Markup details(const ReportedDiagnosis& d) {

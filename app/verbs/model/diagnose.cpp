@@ -214,7 +214,7 @@ Cell check_cell(const PlanCheck& check, double noise_um, std::size_t readings) {
   for (const std::string& one : check.undetermined) undetermined += paragraph("undetermined: " + one, 0, 2);
   for (const std::string& one : check.assumed) assumed += paragraph("assumed: " + one, 0, 2);
   return record_cell(
-      "{determines}\n{readings} readings, noise {noise_um} um, condition {condition}\n\n{effects}"
+      "{determines}\n{readings} readings, noise {noise_um} um, condition number {condition}\n\n{effects}"
       "{undetermined}{assumed}",
       "determines"_is(check.determines, "The plan determines every parameter of the model.",
                       "The plan does not determine the model."),

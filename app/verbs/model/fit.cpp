@@ -111,7 +111,7 @@ Cell fit_cell(const Fit& fit, std::size_t readings, bool rotary, const std::stri
       "peak_um"_is(fit.peak_um, 3), "noise_um"_is(fit.noise.noise_um), "noise_from_repeats"_is(fit.noise.from_repeats),
       "lack_of_fit"_is(lack_of_fit), "fitted_parameters"_is(fit.fitted_parameters),
       "condition"_is(fit.condition,
-                     paragraph(fmt::format("noise of one reading {}; lack of fit: {}; condition {}",
+                     paragraph(fmt::format("noise of one reading {}; lack of fit: {}; condition number {}",
                                            noise_text(fit.noise), lack_of_fit.text, few_digits(fit.condition)))),
       "effects"_is(effects_cell(fit)), "correlations"_is(correlations_cell(fit)),
       "undetermined"_is(fit.undetermined, undetermined), "outliers"_is(fit.outliers, outliers_text(fit)),
@@ -278,12 +278,12 @@ Result<model::Fit> fit_of(const ModelWork& work, bool refit) {
   if (!fit) return fit;
   std::string fitted;
   for (const model::EffectFit& effect : fit->effects) {
-    if (effect.effect.traits().fixed_size) continue;
+    if (effect.effect.traits().fixed_size || effect.readings == 0) continue;
     if (const auto& all = effect.parameters; std::any_of(all.begin(), all.end(), [](const auto& p) { return !p.held; }))
       fitted += (fitted.empty() ? "" : ", ") + to_text(effect.effect);
   }
   if (!fitted.empty())
-    fit->notes.push_back(fmt::format("fitted to these data, since the model has no values for it: {}", fitted));
+    fit->notes.push_back(fmt::format("fitted to these data, because the model has no values for: {}", fitted));
   return fit;
 }
 

@@ -98,7 +98,8 @@ TEST_CASE("a bad run is the first thing that is said") {
   const Diagnosis found =
       diagnosed(straight(), measured({}, kNoise_um, [](const laser::Reading& r) { return r.run == 2 ? 3.0 : 0.0; }));
   CHECK(found.verdict == Verdict::unexplained_structure);
-  CHECK_MESSAGE(found.headline.starts_with("Run 2 "), found.headline);
+  CHECK_MESSAGE(found.headline.starts_with("Run 2 lies +3"), found.headline);  // 3 um, as it was made
+  CHECK_MESSAGE(contains(found.headline, " um from the other runs"), found.headline);
 }
 
 TEST_CASE("too few readings, or even targets without a pitch, are said in place of adequate") {
@@ -110,6 +111,8 @@ TEST_CASE("too few readings, or even targets without a pitch, are said in place 
   const auto found = must(diagnose(straight(), observations_of(set, straight(), std::nullopt)));
   CHECK(found.verdict == Verdict::adequate);
   CHECK_MESSAGE(found.headline.starts_with("Periods shorter than 50 mm along X cannot be detected"), found.headline);
+  for (laser::Reading& r : set.readings) r.position_mm[0] = 100.0;
+  CHECK(contains(diagnosed(straight(), set).headline, "All readings along X are at one target"));
 }
 
 TEST_CASE("two causes of which each needs the other are proved together") {
