@@ -392,6 +392,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
       const Doubt doubt = doubt_about(order[i], in.found, noise_left(in.found, in.options));
       candidate.but = doubt.but;
       candidate.decide = doubt.decide;
+      if (candidate.rivals.empty()) candidate.next_measurement = doubt.decide + ".";
     }
     diagnosis.candidates.push_back(std::move(candidate));
   }

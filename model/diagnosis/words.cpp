@@ -397,9 +397,7 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
       add(d.reservation);
       add(fmt::format("{}: {}{} is noise.",
                       d.reservation.empty() ? "The model is adequate" : "No other effect is missing",
-                      d.outliers.empty()
-                          ? ""
-                          : fmt::format("without {} outlier{} ", d.outliers.size(), d.outliers.size() == 1 ? "" : "s"),
+                      d.outliers.empty() ? "" : "apart from outliers ",
                       d.reservation.empty() ? "its residual" : "the residual of the model"));
       break;
     case Verdict::missing_effect:

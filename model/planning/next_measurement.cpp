@@ -430,8 +430,9 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
   NextMeasurement next = next_measurement(model, data, diagnosis, times);
   if (next.proposals.empty() || diagnosis.candidates.empty() || !diagnosis.candidates.front().in_answer()) return next;
   const OpenGroup group = open_group(diagnosis);
-  for (Candidate& candidate : diagnosis.candidates)
-    if (std::ranges::any_of(group.rivals,
+  for (Candidate& candidate : diagnosis.candidates)  // what decides a doubt comes before what separates
+    if ((candidate.decide.empty() || !candidate.rivals.empty()) &&
+        std::ranges::any_of(group.rivals,
                             [&](const EffectInstance& rival) { return same_candidate(rival, candidate.effect); }))
       candidate.next_measurement = next.proposals.front().sentence;
   return next;
