@@ -102,7 +102,7 @@ std::optional<AveragedRatio> ratio_beside_wander(const Evidence& on, const Matri
   const MatrixXd null = independent_columns(columns, on.left_out);
   const MatrixXd null_fitted = independent_columns(null, hidden_judged);
   const MatrixXd shown = columns_beyond(null_fitted, own.of, hidden_judged);
-  if (own.of.cols() > 0 && shown.cols() == 0) return std::nullopt;
+  if (shown.cols() < own.of.cols()) return std::nullopt;
   const MatrixXd effect = beside(null, shown), effect_fitted = beside(null_fitted, shown), none(null.rows(), 0);
   const auto fitted_readings = static_cast<double>(std::ranges::count(hidden_judged, false));
   if (fitted_readings < static_cast<double>(effect_fitted.cols()) + kSpareInHalf) return std::nullopt;

@@ -42,8 +42,6 @@ constexpr double kFreedomOfTests = 0.6;
 /// Structure that a named effect may leave: this share of what it explains, for the shapes of the library are not
 /// exact, and at most this many squares of the noise. Choices.
 constexpr double kLeftOfExplained = 0.02, kMostLeft = 0.2;
-/// Below this e-value readings that an effect was not fitted to speak against it rather than for it.
-constexpr double kSpeaksAgainst = 1.0;
 /// Tests of structure are held against this many times the replicates that are searched: they are cheap, and their
 /// limit is further out.
 constexpr std::size_t kStructureReplicates = 2;
@@ -53,6 +51,8 @@ constexpr std::size_t kMostLooks = 2;
 constexpr double kMostSquareOfAll = 2.0;
 /// Odds from which evidence for one of two hypotheses is positive (Kass and Raftery 1995, JASA 90, 773).
 constexpr double kPositive = 3.0;
+/// Below this e-value readings that an effect was not fitted to speak against it.
+constexpr double kSpeaksAgainst = 1.0 / kPositive;
 /// Candidates shown where nothing is found; refined where the size of the noise is open, for the best under noise that
 /// is too large is the simplest.
 constexpr std::size_t kClosest = 3, kRefinedBesideNoise = 8;
