@@ -350,6 +350,21 @@ Result<NamedCauses> names_alone(const ReportInput& in) {
   return names;
 }
 
+/// What looks the same as an effect of the answer, a curve that keeps its slope, where its lever is the same everywhere
+/// and no curve without slope is a rival of it.
+std::optional<std::string> slope_note(const Candidate& one, const Regressors& regressors) {
+  const auto is_curve = [](const EffectInstance& effect, bool keeps_slope) {
+    return effect.traits().is_curve && effect.traits().keeps_slope == keeps_slope;
+  };
+  if (!one.in_answer() || !is_curve(one.effect, true) || regressors.lever_varies(one.effect) ||
+      std::ranges::any_of(one.rivals, [&](const EffectInstance& rival) { return is_curve(rival, false); }))
+    return std::nullopt;
+  return fmt::format(
+      "{} has the same shape in these readings as two errors of the position together, a slope and a curve: measure a "
+      "second line at another distance",
+      place_text(one.effect));
+}
+
 Result<Diagnosis> reported(const ReportInput& in) {
   const Observations& data = in.regressors.data();
   const VectorXd before = told_residual(in.model, data, in.options.plain, in.base.residual);
@@ -404,6 +419,8 @@ Result<Diagnosis> reported(const ReportInput& in) {
     put_run_first(diagnosis.where, data, in.found, in.base.residual, kTellingChance);
   diagnosis.notes = untried_effects(data);
   if (const auto note = even_targets_note(data)) diagnosis.notes.push_back(*note);
+  for (const Candidate& candidate : diagnosis.candidates)
+    if (const auto note = slope_note(candidate, in.regressors)) diagnosis.notes.push_back(*note);
   if (!in.found.run_note.empty()) diagnosis.notes.push_back(in.found.run_note);
   const bool structure = diagnosis.verdict == Verdict::unexplained_structure ||
                          diagnosis.verdict == Verdict::partly_explained ||

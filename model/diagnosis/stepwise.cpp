@@ -263,6 +263,12 @@ bool may_stand_for_both(const EffectInstance& both, const EffectInstance& one, c
   return both.definition().place == Place::set_up && one.sense != other.sense;
 }
 
+/// Whether a curve that keeps its slope may be what a curve without it and a slope are together: the same shape.
+bool may_be_curve_and_slope(const EffectInstance& whole, const EffectInstance& curve) {
+  return whole.traits().is_curve && whole.traits().keeps_slope && whole.axis == curve.axis && curve.traits().is_curve &&
+         !curve.traits().keeps_slope;
+}
+
 /// One effect in the place of two of which each is a part of it, where that is as good. Slopes of both senses that are
 /// nearly equal and opposite are a rotation of the set-up, which hardly anybody avoids, and beside it the small rest of
 /// one of them: the same readings, and no coincidence.
@@ -275,12 +281,16 @@ Solution merged(const Search& search, Solution best, const StepwiseOptions& opti
       const Solution rest = search.solution(without_member(without_member(best.chosen, j), i), best.own);
       for (std::size_t f = 0; f < search.candidates(); ++f) {
         const EffectInstance& both = search.families()[f].effect;
-        if (!may_stand_for_both(both, instance(best.chosen[i]), instance(best.chosen[j]))) continue;
+        const EffectInstance &one = instance(best.chosen[i]), &other = instance(best.chosen[j]);
+        const bool is_shape = may_be_curve_and_slope(both, one) || may_be_curve_and_slope(both, other);
+        if (!is_shape && !may_stand_for_both(both, one, other)) continue;
         const Choice choice = search.refined_choice(rest.space, f, best.chosen[i].nonlinear);
         Solution tried = search.refined(with(rest.chosen, choice), rest.own);
+        if (is_shape && choice.gain > 0.0 && tried.score() >= best.score() - kIndistinguishable)
+          return merged(search, std::move(tried), options);
         if (choice.gain > 0.0 && worth(search, tried, options) >= worth(search, best, options))
           return merged(search, std::move(tried), options);
-        if (both.definition().place != Place::set_up || instance(best.chosen[i]).definition().place == Place::set_up ||
+        if (both.definition().place != Place::set_up || one.definition().place == Place::set_up ||
             choice.gain < kMostOfBoth * (rest.space.chi2() - best.space.chi2()))
           continue;
         const std::size_t kept = best.chosen[i].gain < best.chosen[j].gain ? i : j;  // what it is beside the rotation

@@ -418,11 +418,12 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
     default:
       add(structure_text(d));
       if (const std::string proved = findings_text(d, data, false); !proved.empty())
-        add(fmt::format(
-            "{}: that is proved, but {}.", proved,
-            explainable_share(d.rms_um, d.rms_after_um, d.noise.noise_um) < kPartExplained
-                ? "it is the lesser part"
-                : "the waves are only the first terms of a repeating shape, and the residual contains more"));
+        add(fmt::format("{}: that is proved, but {}.", proved,
+                        explainable_share(d.rms_um, d.rms_after_um, d.noise.noise_um) < kPartExplained
+                            ? "it is the lesser part"
+                        : names_a_wave(d)
+                            ? "the waves are only the first terms of a repeating shape, and the residual contains more"
+                            : "the residual contains more"));
       add(likely_text(d, data));
   }
   return text;

@@ -177,3 +177,33 @@ TEST_CASE(
   }
   CHECK(told > 5);
 }
+
+TEST_CASE("a curve of seven targets measured twice is likely, though no half of them shows all of it") {
+  const Plan few{.step_mm = 150.0, .targets = 7, .runs = 2, .both_ways = false};
+  const auto bends = [](const Reading& r) {
+    constexpr double um[] = {-2.2, -0.1, 4.1, 1.7, -1.8, -2.9, 1.3};
+    return um[std::lround(p(r) / 150.0)];
+  };
+  for (const unsigned seed : {1U, 2U, 3U, 4U, 5U}) {
+    const Diagnosis found = diagnosed(straight(), measured(few, 0.3, bends, seed));
+    CHECK_MESSAGE(found.verdict == Verdict::likely_effect, found.headline);
+    REQUIRE_FALSE(found.candidates.empty());
+    CHECK_MESSAGE(contains(found.headline, "progressive:X:EX"), found.headline);
+  }
+}
+
+TEST_CASE("an angle that acts through one lever is one cause, and a note says that a slope and a curve look the same") {
+  Plan off_the_line;
+  off_the_line.parked_mm = {0.0, -300.0, -500.0};
+  const auto set = measured(off_the_line, kNoise_um, [](const Reading& r) {
+    return 30.0 * p(r) / 1000.0 + std::sin(3.0 * p(r) / 1000.0) + std::cos(7.0 * p(r) / 1000.0);
+  });
+  Model level;
+  level.effects = {effect(effects::offset, Axis::X, Sense::EX)};
+  const Diagnosis found = diagnosed(level, set);
+  CHECK(found.verdict == Verdict::missing_effect);
+  REQUIRE(named_causes(found) == 1);
+  CHECK(found.candidates.front().effect.traits().keeps_slope);
+  CHECK(std::ranges::count_if(found.notes,
+                              [](const std::string& note) { return contains(note, "a slope and a curve"); }) == 1);
+}
