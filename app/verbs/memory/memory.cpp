@@ -70,7 +70,7 @@ struct WriteRequest {
     return {{"ADDRESS", &R::address, "first address, decimal or 0x…", Need::required},
             {"BYTES", &R::words, "bytes as hexadecimal digits, two per byte"},
             {"--file", &R::file, "write the bytes of this file"},
-            {"--yes", &R::yes, "confirm that these bytes are overwritten"}};
+            {"--yes", &R::yes, "confirm that the bytes at ADDRESS are overwritten"}};
   }
 };
 

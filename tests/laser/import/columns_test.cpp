@@ -291,7 +291,7 @@ TEST_CASE("a wrong mapping is refused rule by rule") {
 
 TEST_CASE("a table that nothing else reads is described, with the option that imports it") {
   const auto why = must_fail(parse_any("My gauge\npos;dev\n0;1,5\n10;2,5\n", "gauge.txt", {}));
-  check_holds(why.message, {"2 rows and 2 columns between semicolons is in lines 3 to 4", "1 \"pos\", 2 \"dev\"",
+  check_holds(why.message, {"2 rows and 2 columns, separated by semicolons, in lines 3 to 4", "1 \"pos\", 2 \"dev\"",
                             "--columns", "--skip 2"});
 }
 
