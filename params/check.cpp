@@ -271,7 +271,7 @@ void check_switch(const DatumParameters& d, Axis axis, Findings& findings) {
   const bool wanted = rule->same == d.switch_initially_active;
   if (d.switch_finally_active != wanted)
     findings.error({final_key, initial_key, key_of(axis, "datum.kind")},
-                   fmt::format("is {}, but {}: with the initial state {} it must be {}, or the routine always fails",
+                   fmt::format("it is {}, but {}: with the initial state {} it must be {}, or the routine always fails",
                                state_word(d.switch_finally_active), rule->why, state_word(d.switch_initially_active),
                                state_word(wanted)));
   if (d.switch_initially_active)
@@ -308,7 +308,7 @@ void check_approach_direction(const DatumParameters& d, Axis axis, const Machine
   if (away)
     findings.warning(
         {key_of(axis, "datum.approach_direction")},
-        fmt::format("leads away from the datum at the {} end of the travel ({} mm): the unit would wait for "
+        fmt::format("it leads away from the datum at the {} end of the travel ({} mm): the unit would wait for "
                     "the switch in the wrong direction; a recorded datum sequence shows the right one",
                     part < 0.5 ? "lower" : "upper", shortest(on.datum_mm)));
 }

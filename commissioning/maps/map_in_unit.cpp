@@ -71,8 +71,8 @@ const laser::MapTable* same_table(const laser::ErrorMap& map, const laser::MapTa
 }
 
 std::string name_of_table(const laser::MapTable& table) {
-  return fmt::format(table.approach == Approach::unknown ? "{} (both approaches)" : "{} {}", name_of(table.component),
-                     word_for(table.approach));
+  return fmt::format("{} {}{}", name_of(table.component), word_for(table.approach),
+                     table.approach == Approach::unknown ? " approaches" : "");
 }
 
 MapDifference of_table(const laser::MapTable& table, const std::string& what) {

@@ -475,11 +475,7 @@ Result<GivenFiles> given_files(const std::vector<std::string>& words, bool with_
     }
     std::sort(taken.begin(), taken.end());
     if (taken.empty())
-      return problem_at(
-          word, 0, 0,
-          fmt::format("expected a measurement file, found a directory; none of its {} files is of a known "
-                      "format",
-                      others));
+      return problem_at(word, 0, 0, "expected a measurement file, found a directory without files of a known format");
     for (const std::string& path : taken) names.push_back(fs::path(path).filename().string());
     given.notes.push_back(fmt::format("{}: a folder; its measurement files are {}{}", word, fmt::join(names, ", "),
                                       others > 0 ? fmt::format("; {} other files are ignored", others) : ""));

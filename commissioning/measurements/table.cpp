@@ -253,8 +253,8 @@ Cell table_cell(const std::vector<TableRow>& rows) {
                                      "unit", " published", "  measured", "A", "E", "x"));
   table.text += fmt::format("\n{}:\n{}", laser::kBandDefinition, slopes_text(rows));
   table.text +=
-      "A, E: accuracy and systematic deviation (ISO 230-2) after compensation (before, if\nonly that was measured); x: "
-      "ratio of the measured bands; ! more than published.\n";
+      "A, E: accuracy and systematic deviation (ISO 230-2) after compensation (before,\nif only that was measured); x: "
+      "ratio of the bands; ! more than published.\n";
   for (const TableRow& row : rows)
     for (const Problem& p : row.problems) table.text += fmt::format("{}: {}\n", row.planned.name, to_text(p));
   return table;

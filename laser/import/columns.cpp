@@ -482,7 +482,7 @@ Result<MeasurementSet> read_columns(std::string_view text, const std::string& fi
 
 extern const FileFormat kMappedColumns{
     .id = "mapped_columns",
-    .title = "table, read by its columns",
+    .title = "table of columns",
     .sample = "gauge.txt",
     .read = read_columns,
     .units = ErrorUnits::fixed,

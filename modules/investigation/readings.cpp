@@ -295,7 +295,7 @@ Cell investigation_cell(const Investigation& investigation) {
   std::string text = laid_out("{verdict}{causes}", fields);
   if (verdict)
     text +=
-        paragraph(laid_out("measured in {minutes} min; for comparison, {programme}", fields)) +
+        paragraph(laid_out("measured in {minutes} min; for comparison: {programme}", fields)) +
         paragraph(laid_out(investigation.rms_compensated_um
                                ? "error: {rms_before_um} rms before, {rms_compensated_um} with the new map, measured "
                                  "again in {compensated_minutes} min"

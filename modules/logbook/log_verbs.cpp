@@ -425,7 +425,7 @@ Result<WrittenCertificate> certified(VerbContext& context, const ExportLogReques
 Cell certificate_cell(const std::optional<WrittenCertificate>& written, const std::string& file) {
   if (!written) return null_cell();
   return record_cell(
-      "certificate {identifier} written to {file}, measured lines: {lines}; DCC {schema_version}, {validated_text}, "
+      "certificate {identifier} written to {file}: measured lines {lines}, DCC {schema_version}, {validated_text}, "
       "SHA-256 {sha256}\n{remarks}",
       "file"_is(file), "identifier"_is(written->certificate.identifier),
       "schema_version"_is(written->certificate.schema_version), "validated"_is(!written->schema.empty()),

@@ -184,7 +184,7 @@ TEST_CASE("a direction away from a datum at the end of the travel is found, one 
   machine.axes[0]->datum_mm = 0.0;
   machine.axes[0]->travel_mm = {-4100.0, 0.0};
   expect(kWarning, {{"axis.X.datum.approach_direction", "reverse"}}, "axis.X.datum.approach_direction",
-         "leads away from the datum at the upper end", &machine);
+         "it leads away from the datum at the upper end", &machine);
   machine.axes[0]->travel_mm = {-4100.0, 500.0};
   const UnitParameters inside = with({{"axis.X.datum.approach_direction", "reverse"}});
   CHECK(!contains(to_text(check(inside, &machine)), "approach_direction"));

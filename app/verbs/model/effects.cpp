@@ -27,7 +27,8 @@ using model::ParameterDefinition;
 Cell parameter_cell(const ParameterDefinition& parameter) {
   const auto& limits = parameter.limits;
   const AnswerFields fields = described(
-      "name"_is(parameter.name), "unit"_is(parameter.unit, parameter.unit.empty() ? "" : " [" + parameter.unit + "]"),
+      "name"_is(parameter.name),
+      "unit"_is(parameter.unit, parameter.unit.empty() ? std::string() : fmt::format(" [{}]", parameter.unit)),
       "least"_is(limits ? Cell{limits->least, fmt::format(", {} to ", shortest(limits->least))} : null_cell()),
       "greatest"_is(limits ? Cell{limits->greatest, shortest(limits->greatest)} : null_cell()),
       "searched"_is(parameter.coding == model::Coding::searched, " (searched)", ""), "meaning"_is(parameter.meaning));
