@@ -86,7 +86,7 @@ const std::vector<RequestOption> kSurveyOptions{
     {"--step", number, "step of the grid [mm]"},
     {"--approach", integer, "1 or -1"},
     {"--with-scatter", flag, "include the scatter"},
-    {"-o,--output", path},
+    {"-o,--output", path, "CSV file to write"},
     kForceOption,
 };
 const std::vector<RequestOption> kComponentsOptions{
