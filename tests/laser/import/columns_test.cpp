@@ -216,7 +216,7 @@ TEST_CASE("rows of one channel: lines between them state the targets, other line
   CHECK(*set.readings[3].time_s == Approx(4.5));
   CHECK(metadata_value(set, "channel") == "A");
   CHECK(says(set.notes, "error = value - target"));
-  CHECK(says(set.notes, "2 lines that are not rows"));
+  CHECK(says(set.notes, "lines that are not rows are ignored: 2"));
   CHECK(says(set.notes, "1 values that are not numbers"));
   options.parked_mm = {1.0, 2.0, 3.0};
   options.channel = "B";
