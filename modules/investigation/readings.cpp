@@ -245,11 +245,11 @@ std::string verdict_text(const Investigation& investigation) {
 }  // namespace
 
 std::string ledger_numbers_head() {
-  return fmt::format("{:>2} {:>6} {:>6} {:>8} {:>6}", "", "min", "total", "rms um", "causes");
+  return fmt::format("{:>2} {:>5} {:>6} {:>7} {:>6}", "", "min", "total", "rms um", "causes");
 }
 
 std::string ledger_numbers(std::size_t number, const InvestigationStep& step, double total_minutes) {
-  return fmt::format("{:>2} {:>6.1f} {:>6.1f} {:>8.3f} {:>6}", number, step.minutes, total_minutes, step.rms_um,
+  return fmt::format("{:>2} {:>5.1f} {:>6.1f} {:>7.3f} {:>6}", number, step.minutes, total_minutes, step.rms_um,
                      step.set.size());
 }
 
