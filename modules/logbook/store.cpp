@@ -348,7 +348,7 @@ Result<Logbook> Logbook::open_to_read(const fs::path& path) {
   const std::int64_t application = pragma(file, "application_id");
   if (application == -1 && sqlite3_errcode(file) != SQLITE_NOTADB) return tl::unexpected(sqlite_fault(path, file));
   if (application != kApplication || pragma(file, "user_version") != kFormat)
-    return tl::unexpected(file_fault(path, ProblemKind::bad_input, "is no logbook of ECS, or of another format"));
+    return tl::unexpected(file_fault(path, ProblemKind::bad_input, "not a logbook of ECS, or of another format"));
   if (auto changed = schema_fault(path, file)) return tl::unexpected(std::move(*changed));
   return book;
 }
