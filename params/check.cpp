@@ -116,10 +116,11 @@ void check_squareness(const UnitParameters& p, Findings& findings) {
                                         "4.848 um/m) or a wrong decimal point",
                                         shortest(um_per_m)));
     if (sound && um_per_m != 0.0 && !used.contains(component))
-      findings.warning({key, "compensation.scope"},
-                       fmt::format("{} um/m is given, but this scope with these axes does not use {}: widen the scope "
-                                   "or set it to 0",
-                                   shortest(um_per_m), name_of(component)));
+      findings.warning(
+          {key, "compensation.scope"},
+          fmt::format("{0} um/m is given, but this scope with these axes does not use {1}: widen the scope "
+                      "or set {1} to 0",
+                      shortest(um_per_m), name_of(component)));
   }
 }
 
@@ -269,11 +270,10 @@ void check_switch(const DatumParameters& d, Axis axis, Findings& findings) {
   const std::string initial_key = key_of(axis, "datum.switch_initially_active");
   const bool wanted = rule->same == d.switch_initially_active;
   if (d.switch_finally_active != wanted)
-    findings.error(
-        {final_key, initial_key, key_of(axis, "datum.kind")},
-        fmt::format(
-            "{}, so from the initial state {} the final state is {}: set this value, or the routine always fails",
-            rule->why, state_word(d.switch_initially_active), state_word(wanted)));
+    findings.error({final_key, initial_key, key_of(axis, "datum.kind")},
+                   fmt::format("it is {}, but {}: with the initial state {} it must be {}, or the routine always fails",
+                               state_word(d.switch_finally_active), rule->why, state_word(d.switch_initially_active),
+                               state_word(wanted)));
   if (d.switch_initially_active)
     findings.warning({initial_key, key_of(axis, "datum.switch_polarity")},
                      "the switch would be active before the axis reaches it: if it is wired to open on the cam, set "
@@ -306,16 +306,17 @@ void check_approach_direction(const DatumParameters& d, Axis axis, const Machine
   const bool away = (part < kAtTheEnd && d.approach_direction == Approach::forward) ||
                     (part > 1.0 - kAtTheEnd && d.approach_direction == Approach::reverse);
   if (away)
-    findings.warning({key_of(axis, "datum.approach_direction")},
-                     fmt::format("away from the datum, which is at the {} end of the travel ({} mm): the unit would "
-                                 "wait for the switch in the wrong direction; a recorded datum sequence shows it",
-                                 part < 0.5 ? "lower" : "upper", shortest(on.datum_mm)));
+    findings.warning(
+        {key_of(axis, "datum.approach_direction")},
+        fmt::format("it leads away from the datum at the {} end of the travel ({} mm): the unit would wait for "
+                    "the switch in the wrong direction; a recorded datum sequence shows the right one",
+                    part < 0.5 ? "lower" : "upper", shortest(on.datum_mm)));
 }
 
 void check_transducer(const AxisParameters& a, Axis axis, const MachineAxis& on, Findings& findings) {
   if (a.transducer != on.transducer)
     findings.error({key_of(axis, "transducer")},
-                   "differs from the machine file: the axis module would not fit the signals; correct the wrong one");
+                   "differs from the machine file: the axis module would not fit the signals; correct the wrong file");
   if (std::abs(a.position_scale_um_per_count) != on.resolution_um)
     findings.warning({key_of(axis, "position_scale_um_per_count")},
                      fmt::format("{} um/count, but the machine file states {} um: positions would have the wrong "
@@ -346,14 +347,14 @@ void check_datum(const UnitParameters& p, Axis axis, Findings& findings) {
 void check_against(const UnitParameters& p, const Machine& machine, Findings& findings) {
   if (configuration_of(p) != machine.configuration)
     findings.error({"configuration.chain"}, fmt::format("\"{}\", but the machine file states \"{}\": angular errors "
-                                                        "would act over the wrong levers; correct the wrong one",
+                                                        "would act over the wrong levers; correct the wrong file",
                                                         configuration_of(p), machine.configuration));
   for (const Axis axis : kAllAxes) {
     const auto& on = machine.axes[index_of(axis)];
     const bool present = p.axis_present[index_of(axis)];
     if (present != on.has_value())
       findings.error({"configuration.axes"},
-                     fmt::format("axis {} is {} here, but the machine file {}: correct the wrong one", letter_of(axis),
+                     fmt::format("axis {} is {} here, but the machine file {}: correct the wrong file", letter_of(axis),
                                  present ? "present" : "absent", on ? "has it" : "has none"));
     if (!present || !on) continue;
     check_transducer(p.axes[index_of(axis)], axis, *on, findings);
@@ -394,7 +395,7 @@ std::vector<std::string> defaults_taken(const ParametersFile& file) {
   std::vector<std::string> lines;
   for (const std::string& key : file.defaulted) {
     const Field& field = *field_named(key);
-    lines.push_back(fmt::format("not given, default: {} = {}{}{}", key, text_of(field, file.parameters),
+    lines.push_back(fmt::format("{} is not given: the default {}{}{} is used", key, text_of(field, file.parameters),
                                 field.unit.empty() ? "" : " ", field.unit));
   }
   return lines;
@@ -427,7 +428,8 @@ bool has_errors(const std::vector<Finding>& findings) {
 std::string to_text(const std::vector<Finding>& findings) {
   std::string text;
   for (const Finding& f : findings)
-    text += fmt::format("{}: {}: {}\n", name_of(f.severity), fmt::join(f.keys, ", "), f.message);
+    text += fmt::format("{}: {}{}{}\n", name_of(f.severity), fmt::join(f.keys, ", "), f.keys.empty() ? "" : ": ",
+                        f.message);
   return text;
 }
 

@@ -32,7 +32,7 @@ struct Finding {
 /// What the file itself leaves open: no closing line, or an axis of which it gives nothing (an error: it may have lost
 /// its end).
 [[nodiscard]] std::vector<Finding> check_file(const ParametersFile& file);
-/// "not given, default: axis.X.deadband_um = 5 um", one line a key that the file leaves out.
+/// "axis.X.deadband_um is not given: the default 5 um is used", one line a key that the file leaves out.
 [[nodiscard]] std::vector<std::string> defaults_taken(const ParametersFile& file);
 
 [[nodiscard]] bool has_errors(const std::vector<Finding>& findings);

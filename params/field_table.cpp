@@ -135,13 +135,13 @@ Field plane_field() {
 }
 
 void add_configuration(std::vector<Field>& table) {
-  Field chain = row(
-      {"configuration.chain", Group::configuration,
-       "How the machine is built: letters after T are the axes on the tool side, letters before it those on the "
-       "workpiece side, both from the base outward. TXYZ = moving column mill, XYTZ = compound table; a lathe is XTYZ "
-       "without axis X. Follow the axes from the bed to the tool and to the table and write them down in order.",
-       "axis configuration"},
-      FieldType::text);
+  Field chain =
+      row({"configuration.chain", Group::configuration,
+           "How the machine is built: letters after T are the axes on the tool side, letters before it those on the "
+           "workpiece side, both from the base outward. TXYZ = moving column mill, XYTZ = compound table. A lathe is "
+           "TZX, or XTYZ without axis X, with Y as its cross slide. Write the axes down in order from the bed outward.",
+           "axis configuration"},
+          FieldType::text);
   chain.accepts = "one T and different letters of XYZ, such as \"TXYZ\"";
   chain.get_text = [](const UnitParameters& p) { return std::string(configuration_of(p)); };
   chain.put_text = put_chain;
@@ -201,8 +201,8 @@ void add_compensation(std::vector<Field>& table) {
       {"nearest", "linear"}, [](auto& p) -> auto& { return p.interpolation; }));
   table.push_back(choice(
       {"compensation.convention", group,
-       "Signs and terms of the error model: iso for every chain; as_printed = the thesis equations "
-       "as printed, only for maps made with them, and squareness then in the printed signs too.",
+       "Signs and terms of the error model: iso for every chain. as_printed = the equations as the thesis prints them, "
+       "only for maps that were made with them; squareness then has the printed signs too.",
        ""},
       {"iso", "as_printed"}, [](auto& p) -> auto& { return p.convention; }));
   table.push_back(number(

@@ -142,7 +142,7 @@ std::string range_text(const Field& field) {
   const std::string most = shortest(field.most);
   if (field.zero_allowed) return with_unit(shortest(field.least) + " to " + most, field);
   if (field.type == FieldType::integer) return shortest(field.least) + " or " + most;
-  if (field.least < 0.0) return with_unit(shortest(field.least) + " to " + most, field) + ", not 0";
+  if (field.least < 0.0) return with_unit(shortest(field.least) + " to " + most, field) + " except 0";
   return "above 0, up to " + with_unit(most, field);
 }
 

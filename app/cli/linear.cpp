@@ -73,9 +73,10 @@ class LineDialogue {
   static std::string question_for(const ShownArgument& argument) {
     std::string question = fmt::format("{}, {}", argument.names.back(), argument.help);
     if (!argument.choices.empty()) question += fmt::format(" ({})", fmt::join(argument.choices, ", "));
-    if (argument.many) question += "; several with blanks between them";
-    if (argument.flag) question += "; y for yes";
-    if (!argument.required) question += argument.preset.empty() ? "; empty: not given" : "; empty: " + argument.preset;
+    if (argument.many) question += ", several separated by blanks";
+    if (argument.flag) question += " (y for yes)";
+    if (!argument.required)
+      question += argument.preset.empty() ? " (Enter: omit)" : " (Enter: " + argument.preset + ")";
     return question;
   }
 
@@ -106,7 +107,7 @@ class LineDialogue {
     const auto asked_always = [](const ShownArgument& argument) { return argument.required || argument.by_place; };
     for (const ShownArgument& argument : verb.arguments)
       if (asked_always(argument) && !take(argument, words)) return;
-    const auto more = answer("set options too? y: ask for each of them; empty: run");
+    const auto more = answer("set options too? (y: ask for each of them, Enter: run)");
     if (!more) return;
     if (lower(*more) == "y" || lower(*more) == "yes")
       for (const ShownArgument& argument : verb.arguments)

@@ -31,8 +31,9 @@ void ask_to_reference(VerbContext& context, const UnitLink& unit, std::string_vi
   context.console.note(fmt::format("reference {} at the control now", axes));
   if (unit.workshop().empty()) return;
   const auto emulator = emulator_program();
-  context.console.note("from another terminal: " + shell_command({emulator ? emulator->string() : "ecs-emulator",
-                                                                  "workshop", unit.workshop(), "reference"}));
+  context.console.note(
+      "to reference the emulated machine, run in another terminal: " +
+      shell_command({emulator ? emulator->string() : "ecs-emulator", "workshop", unit.workshop(), "reference"}));
 }
 
 protocol::ProgressCallback progress_bar(VerbContext& context, std::string label) {

@@ -43,8 +43,8 @@ Result<PreparedMap> prepared_map(const std::string& map_file, const std::string&
   if (!image.changed.empty() && !options.accept_resampling) {
     std::vector<std::string> why = image.changed;
     why.front() +=
-        "; more than the resolution of the unit's memory: give the table evenly spaced points, or send it "
-        "with --accept-resampling";
+        ", more than the resolution of the unit's memory; not sent. Space the points evenly, or give "
+        "--accept-resampling";
     return tl::unexpected(std::move(*refused_map(why, map_file)));
   }
   std::vector<std::string> remarks =
@@ -71,7 +71,8 @@ const laser::MapTable* same_table(const laser::ErrorMap& map, const laser::MapTa
 }
 
 std::string name_of_table(const laser::MapTable& table) {
-  return fmt::format("{} {}", name_of(table.component), word_for(table.approach));
+  return fmt::format("{} {}{}", name_of(table.component), word_for(table.approach),
+                     table.approach == Approach::unknown ? " approaches" : "");
 }
 
 MapDifference of_table(const laser::MapTable& table, const std::string& what) {
@@ -161,7 +162,7 @@ std::vector<MapDifference> beyond_resolution(const laser::ErrorMap& file, const 
     const LargestDifference at = largest_between(table, *other);
     if (at.difference() <= laser::resolution_for(other->compensation)) continue;
     out.push_back({at.component, at.approach, at.position_mm, at.expected, at.found,
-                   fmt::format("{} at {:.6g} mm: the file's curve {:.2f} {}, unit {:.2f}", name_of_table(table),
+                   fmt::format("{} at {:.6g} mm: curve of the file {:.2f} {}, unit {:.2f}", name_of_table(table),
                                at.position_mm, at.expected, unit_of(at.component), at.found)});
   }
   return out;

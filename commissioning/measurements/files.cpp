@@ -204,11 +204,11 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
   using F = cli::Fields<A>;
   using cli::Range, cli::Words;
   return {
-      {"--axis", &A::axis, "moving axis; overrides an instrument file, not a measurement CSV",
+      {"--axis", &A::axis, "moving axis; replaces that in the file of an instrument, but not that in a measurement CSV",
        Words{"X", "Y", "Z", "A", "B", "C"}},
       {sense_option, &A::sense, "measured component, if the file does not state it",
        Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
-      {"--parked", &A::parked, "position of the other axes, as in y=-1400,z=0 [mm]"},
+      {"--parked", &A::parked, "position of the other axes, if the file does not state it, as in y=-1400,z=0 [mm]"},
       {"--columns", &A::columns,
        "read a table: FIELD=COLUMN[unit]*factor, as in x_mm=1[in],reading=3*0.001,run=2,approach=4"},
       {"--profile", &A::profile, "use the import options saved under this name or path"},
@@ -229,7 +229,8 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
          Words{"point", "comma"}},
         {"--values", &A::values, "meaning of the readings of the table; error if not given",
          Words{"error", "actual", "compensation"}},
-        {"--keep-set-up", &A::keep_set_up, "keep shift and rotation of the set-up in measured_x_mm, ..."}}
+        {"--keep-set-up", &A::keep_set_up,
+         "do not remove shift and rotation of the set-up from measured_x_mm, measured_y_mm, ..."}}
           .under("With --columns"),
       F{{"--channel", &A::channel, "channel to read from a log with several"},
         {"--channels", &A::channels, "channels to join by time, as in x_mm=ENC[mm],reading=AI1[um]"},
@@ -237,7 +238,7 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
          Words{"linear", "nearest", "previous"}},
         {"--max-gap", &A::max_gap_s, "largest gap over which channels are joined [s]; default: 5 usual intervals"},
         {"--at-rest", &A::at_rest_mm, "use only rows whose position is constant within this range [mm]"},
-        {"--average", &A::average, "average the readings at rest to one"},
+        {"--average", &A::average, "average the readings of each rest into one"},
         {"--environment", &A::environment,
          "file with air data and temperatures over time: .pos, or a table with headings"},
         {"--environment-every", &A::environment_every_s,
@@ -296,7 +297,7 @@ std::string set_answer(ImportArguments& arguments, const std::string& name, cons
 }
 
 void note_what_was_read(MessageSink& messages, const std::string& file, const laser::Imported& imported) {
-  messages.note(fmt::format("{}: {}", file, imported.format->title));
+  messages.note(fmt::format("{}: read as {}", file, imported.format->title));
   for (const std::string& note : imported.set.notes) messages.note(fmt::format("{}: {}", file, note));
 }
 
@@ -403,7 +404,7 @@ Result<MeasurementSet> joined(const std::vector<MeasurementSet>& sets) {
   if (unnamed)
     all.notes.push_back(
         "not all of these files name their machine: the same line in several files counts as runs on one machine, and "
-        "their differences count as noise");
+        "their differences count as noise. Give files of different machines one by one");
   const auto parked = laser::metadata_value(all, kParked);
   if (std::any_of(sets.begin(), sets.end(),
                   [&](const MeasurementSet& set) { return laser::metadata_value(set, kParked) != parked; }))
@@ -473,12 +474,8 @@ Result<GivenFiles> given_files(const std::vector<std::string>& words, bool with_
         ++others;
     }
     std::sort(taken.begin(), taken.end());
-    if (taken.empty()) {
-      auto refused = read_file(word);  // names the files of the folder
-      if (refused) return problem(ProblemKind::bad_input, word + ": expected a file or a folder");
-      refused.error().message += "; none of them is a known measurement file";
-      return tl::unexpected(std::move(refused.error()));
-    }
+    if (taken.empty())
+      return problem_at(word, 0, 0, "expected a measurement file, found a directory without files of a known format");
     for (const std::string& path : taken) names.push_back(fs::path(path).filename().string());
     given.notes.push_back(fmt::format("{}: a folder; its measurement files are {}{}", word, fmt::join(names, ", "),
                                       others > 0 ? fmt::format("; {} other files are ignored", others) : ""));

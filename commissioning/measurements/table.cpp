@@ -124,9 +124,13 @@ Result<laser::Group> line_for(const PlannedMeasurement& planned, bool compensate
         group.compensated.value_or(compensated) == compensated)
       fitting.push_back(group);
   if (fitting.size() == 1) return fitting.front();
-  return unfit(file, fmt::format("expected one line of {} along {}, {} compensation, found {}", name_of(planned.sense),
-                                 letter_of(planned.axis), compensated ? "with" : "without",
-                                 lines_of_set(fitting.empty() ? all : fitting)));
+  const bool exchanged = fitting.empty() && std::ranges::any_of(all, [&](const laser::Group& group) {
+                           return group.axis == planned.axis && group.sense == planned.sense;
+                         });
+  return unfit(file, fmt::format("expected one line of {} along {}, {} compensation, found {}{}",
+                                 name_of(planned.sense), letter_of(planned.axis), compensated ? "with" : "without",
+                                 lines_of_set(fitting.empty() ? all : fitting),
+                                 exchanged ? "; perhaps --before and --after are exchanged" : ""));
 }
 
 Result<MeasuredPhase> measured(const PlannedMeasurement& planned, const std::filesystem::path& folder,
@@ -249,8 +253,8 @@ Cell table_cell(const std::vector<TableRow>& rows) {
                                      "unit", " published", "  measured", "A", "E", "x"));
   table.text += fmt::format("\n{}:\n{}", laser::kBandDefinition, slopes_text(rows));
   table.text +=
-      "A, E: ISO 230-2 of the same readings, after compensation (before, if only\nthat was measured); x: ratio of the "
-      "measured bands; ! more than published.\n";
+      "A, E: accuracy and systematic deviation (ISO 230-2) after compensation (before,\nif only that was measured); x: "
+      "ratio of the bands; ! more than published.\n";
   for (const TableRow& row : rows)
     for (const Problem& p : row.problems) table.text += fmt::format("{}: {}\n", row.planned.name, to_text(p));
   return table;

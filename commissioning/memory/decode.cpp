@@ -336,7 +336,7 @@ Cell memory_cell(const MemoryDump& dump, const DecodedMemory& memory, bool with_
   return record_cell(
       dump.taken.empty()
           ? "{faults}{regions}{commits}{images}{status}"
-          : "unit {serial_number}, taken {taken}\nover {link}\n{faults}{regions}{commits}{images}{status}",
+          : "dump of unit {serial_number}, taken {taken}\nover {link}\n{faults}{regions}{commits}{images}{status}",
       "taken"_is(text_cell(dump.taken)), "link"_is(text_cell(dump.link)),
       "serial_number"_is(text_cell(dump.serial_number)), "sound"_is(memory.sound()),
       "faults"_is(lines_cell(memory.faults, "FAULT: ")), "regions"_is(regions_cell(dump)),

@@ -94,7 +94,7 @@ Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test) {
 
 AnswerFields fields_of(const ParameterEstimate& p) {
   std::string sigma = p.sigma ? few_digits(*p.sigma, 2) : "-";
-  if (p.held) sigma = "held";
+  if (p.held) sigma = "fixed";
   if (p.undetermined) sigma = "undetermined";
   int digits = 5;
   if (!p.held && !p.undetermined && p.sigma && *p.sigma >= 1e-9)

@@ -307,6 +307,9 @@ std::string what_if_summary(const model::WhatIf& what, const model::Model& model
       "Compensation by the unit would reduce the rms of the readings from {:.3f} to {:.3f} {} (peak {:.3f} {}), noise "
       "included.",
       what.rms_now_um, what.rms_after_um, unit, what.peak_after_um, unit);
+  if (std::ranges::none_of(what.shares, &model::WhatIf::Share::carried))
+    text = fmt::format("The unit can compensate no effect of this model: the rms of the readings stays at {:.3f} {}.",
+                       what.rms_now_um, unit);
   std::vector<std::string> machine, measurement;
   for (const model::WhatIf::Share& share : what.shares)
     if (!share.carried)

@@ -256,7 +256,7 @@ Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vect
     if (path && files.size() > 1 && !path->notes.empty())
       return problem_at(
           file, 0, 0,
-          path->notes.front() + "; together with other files its readings need their true position: add that line");
+          path->notes.front() + "; together with other files its readings need their true position: add these lines");
     if (!path) {
       ECS_TRY(imported, measurements_in(bytes, file, any_axis));
       sets.push_back(std::move(imported.set));
@@ -328,8 +328,7 @@ Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& argum
 std::string usual_in_words(const model::Observations& data) {
   if (!data.through_chain.empty())
     return "the position of the ball, the location errors of the rotary axes that it shows, and their backlash where "
-           "both "
-           "approaches were measured";
+           "both approaches were measured";
   return data.rotary ? "offset of each measured line, backlash where both approaches were measured"
                      : "offset and slope of each measured line, backlash where both approaches were measured";
 }

@@ -144,7 +144,8 @@ Result<DatumRecording> parse_recording(std::string_view text, const std::string&
     } else if (const auto sample = sample_in(row)) {
       recording.samples.push_back(*sample);
     } else {
-      problems.push_back(bad_row(name, line, fmt::format("expected {}, found \"{}\"", kColumns, row.substr(0, 80))));
+      problems.push_back(
+          bad_row(name, line, fmt::format("expected six numbers ({}), found \"{}\"", kColumns, row.substr(0, 80))));
     }
   }
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));

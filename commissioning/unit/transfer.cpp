@@ -23,8 +23,8 @@ void take_difference(std::vector<std::string>& objections, const Stated& ours, c
 }
 
 constexpr std::string_view kWhoseMap =
-    "its machine cannot be checked; `ecs map build` writes these lines. If the map is for this unit, give "
-    "--other-machine";
+    "its machine cannot be checked. `ecs map build` writes these lines. If you are sure that the map is for this unit, "
+    "--other-machine skips the check";
 constexpr std::string_view kMapSerial = "the map was made for serial number";
 constexpr std::string_view kOfParameters = "[identity] of the parameters";
 
@@ -238,8 +238,8 @@ std::vector<std::string> other_identity(std::span<const std::uint8_t> image, con
   const auto parameters = ImageView(image).parameters();
   if (parameters && unit.configuration != 0 && configuration_hash(*parameters) != unit.configuration)
     objections.push_back(fmt::format(
-        "the parameters are of configuration {:08X} ({}), the map in the unit is of {:08X}: configuration, "
-        "axes present or convention differ; {}",
+        "the parameters are for the configuration {1} (code {0:08X}), the map in the unit for another (code {2:08X}): "
+        "chain, axes present or convention differ; {3}",
         configuration_hash(*parameters), configuration_of(*parameters), unit.configuration, kTakeTheRightOne));
   return objections;
 }

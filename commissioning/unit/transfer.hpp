@@ -21,7 +21,7 @@ namespace ecs::commissioning {
 
 /// What to do about a file that is for another machine.
 inline constexpr std::string_view kTakeTheRightOne =
-    "use the right file, or confirm the other machine by --other-machine";
+    "use the right file, or confirm the other machine with --other-machine";
 
 /// Every objection of findings_for(), and each squareness that the map's header says was measured while the parameters
 /// hold 0 (the value lives in the parameters: `map build --params-out` writes it there).

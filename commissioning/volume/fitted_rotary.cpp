@@ -76,7 +76,8 @@ Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& 
     const bool location = place == model::Place::location;
     const bool motion = place == model::Place::axis_and_sense && effect.rotary;
     if (!location && !motion) {
-      out.left_out.push_back(fmt::format("{}: no error of a rotary axis", place_text(effect)));
+      out.left_out.push_back(
+          fmt::format("{}: neither a location error nor an error motion of a rotary axis", place_text(effect)));
       continue;
     }
     if (effect.undetermined) {

@@ -110,9 +110,13 @@ Result<void> cut(const std::string& plane, VolumeWork& work) {
   const auto exists = [&](const std::optional<Axis>& axis) {
     return axis && machine.travel_mm[index_of(*axis)].has_value();
   };
-  if (!exists(across) || !exists(up) || across == up)
+  if (!exists(across) || !exists(up) || across == up) {
+    std::string axes;
+    for (const Axis axis : kAllAxes)
+      if (exists(axis)) axes += letter_of(axis);
     return problem(ProblemKind::usage,
-                   fmt::format("--slice: expected two axes of the machine, such as XY, got \"{}\"", plane));
+                   fmt::format("--slice: expected two axes of the machine, which has {}; got \"{}\"", axes, plane));
+  }
   ECS_TRY(slice, slice_of(machine, work.answer.before.all.at_mm, index_of(*across), index_of(*up), kColumns, kRows));
   work.slice = std::move(slice);
   return {};

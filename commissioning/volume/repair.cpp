@@ -232,8 +232,10 @@ Cell remaining_cell(std::string_view name, const Remaining& one) {
 }
 
 Cell cause_cell(const CauseCost& cost, bool has_circle) {
-  const std::string head = paragraph(
-      fmt::format("{}: {} ({})", name_with_alternatives(cost.effect), remedy_text(cost.remedy), cost.how), 0, 2);
+  const std::string head =
+      paragraph(fmt::format("{}: {} ({}{})", name_with_alternatives(cost.effect), remedy_text(cost.remedy),
+                            cost.remedy == Remedy::repair ? "to confirm it first, " : "", cost.how),
+                0, 2);
   Cell circle = remaining_cell("circle G", cost.circle);
   if (!has_circle) circle = null_cell();
   return record_cell("{head}{readings_rms}{volume_largest}{volume_rms}{circle}\n", "head"_shown(head),

@@ -167,7 +167,7 @@ Cell at_cell(const std::optional<PlaceAnswer>& at, const std::optional<volume::R
     if (rotary->travel_deg[r]) heading += fmt::format(", {} {:g} deg", "ABC"[r], at -> angles_deg[r]);
   const Vector3& u = at->standard_uncertainty_um;
   return record_cell(
-      "{sides}  of the compensation, k = 2: {expanded_uncertainty_um} um\n",
+      "{sides}  expanded uncertainty of the compensation (k = 2): {expanded_uncertainty_um} um\n",
       "position_mm"_is(vector_json(at->position_mm)),
       "sides"_is(list_cell(
           std::array{1U, 0U}, [&](std::size_t side) { return side_of_place_cell(*at, side); }, heading + ":\n")),
@@ -231,11 +231,11 @@ Cell between_cell(const VolumeWork& work) {
                      "approach"_is(static_cast<int>(size.approach)));
   };
   const volume::ErrorSize &before = work.between->before, &after = work.between->after;
-  return {
-      {{"before", json(before)}, {"after", json(after)}},
-      paragraph(fmt::format("Between the positions, on lines along each axis through the largest: {:.1f} um before "
-                            "({}), {:.1f} um after ({}).",
-                            before.largest_um, place_text(before, work), after.largest_um, place_text(after, work)))};
+  return {{{"before", json(before)}, {"after", json(after)}},
+          paragraph(
+              fmt::format("Between the positions, on lines along each axis through the position of the largest error: "
+                          "{:.1f} um before ({}), {:.1f} um after ({}).",
+                          before.largest_um, place_text(before, work), after.largest_um, place_text(after, work)))};
 }
 
 Json travel_json(const volume::Travels& travel_mm) {

@@ -104,8 +104,8 @@ void note_rotary(VolumeWork& work) {
   const auto& rotary = work.prepared.machine.rotary;
   if (!rotary) return;
   work.notes.push_back(
-      "the unit compensates X, Y and Z as with the rotary axes at 0: errors of the rotary axes, and the effects of "
-      "rotations of linear axes through them, remain");
+      "the unit compensates X, Y and Z as if the rotary axes were at 0. The errors of the rotary axes remain, and so "
+      "do the effects of angular errors of X, Y and Z at other angles");
   std::vector<std::string> missing;
   for (const kinematics::ChainJoint& one : rotary->machine.chain) {
     if (!is_rotary(one.joint)) continue;
@@ -143,9 +143,11 @@ std::string rotary_in_words(const VolumeWork& work) {
       travels.push_back(fmt::format("{} {} … {}", rotary_letter(r), shortest((*travel)[0]), shortest((*travel)[1])));
       angles.push_back(fmt::format("{} {:.4g}", rotary_letter(r), rotary->angles_deg[r]));
     }
-  return fmt::format("rotary axes {} deg, {} settings; the largest error before, slice and picture at {} deg ({})",
-                     fmt::join(travels, ", "), work.answer.settings.size(), fmt::join(angles, ", "),
-                     kinematics::iso_notation(rotary->machine.chain));
+  return fmt::format(
+      "rotary axes {} deg, {} settings; chain {}; slice and picture at {} deg, the place of the largest "
+      "error before compensation",
+      fmt::join(travels, ", "), work.answer.settings.size(), kinematics::iso_notation(rotary->machine.chain),
+      fmt::join(angles, ", "));
 }
 
 namespace {
@@ -240,7 +242,7 @@ void note_missing(VolumeWork& work) {
     if (is_squareness(z.component)) zero.emplace_back(name_of(z.component));
   if (!missing.empty())
     work.notes.push_back(
-        fmt::format("{} {} neither in the map nor declared zero: assumed to be zero, the volume is incomplete",
+        fmt::format("{} {} neither in the map nor declared zero: assumed to be zero. The true error can be larger",
                     fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are"));
   if (!zero.empty())
     work.notes.push_back(fmt::format("{} {} declared zero: standard uncertainty {:g} um or um/m (--zero-uncertainty)",
@@ -314,8 +316,8 @@ cli::Fields<VolumeArguments> VolumeArguments::fields() {
       {"--instrument", &S::instrument_um_per_m, "standard uncertainty of positioning [um/m]", Range{0.0}},
       {"--temperature", &S::temperature_degC,
        "standard uncertainty of the scale temperature during the measurement [degC]", Range{0.0}},
-      {"--expansion", &S::expansion_um_per_m_degC, "expansion coefficient that converts it to a length [um/m/degC]",
-       Range{0.0}},
+      {"--expansion", &S::expansion_um_per_m_degC,
+       "expansion coefficient that converts --temperature to a length [um/m/degC]", Range{0.0}},
       {"--zero-uncertainty", &S::declared_zero, "standard uncertainty of a component declared zero [um, um/m]",
        Range{0.0}},
       {"--square-uncertainty", &S::squareness_um_per_m, "standard uncertainty of the squareness reference [um/m]",
@@ -342,7 +344,7 @@ cli::Fields<VolumeArguments> VolumeArguments::fields() {
       {"--slice", &A::plane, "also show the error in a plane through the position of the largest error, as numbers",
        cli::Words{"XY", "XZ", "YZ"}},
       {"--between", &A::between,
-       "also search for the largest error between the positions, on lines along each axis through the largest"},
+       "also search between the positions, on lines along each axis through the position of the largest error"},
       {"-o,--output", &A::picture, "picture to write (.svg or .png)", Is::output},
       {"--values", &A::values, "CSV file for every value of the map with its standard uncertainty", Is::output},
       {&A::settings, uncertainty}};
@@ -365,7 +367,7 @@ PreparedVolume prepared_volume(const laser::ErrorMap& map, const UnitParameters&
     return out;
   }
   if (const auto lacking = unknown_to(*model, out.machine); !lacking.empty()) {
-    out.remark = fmt::format("The error model was not used: it has no effect for {}, which {} compensated.",
+    out.remark = fmt::format("The error model was not used: none of its effects describes {}, which {} compensated.",
                              fmt::join(lacking, ", "), lacking.size() == 1 ? "is" : "are");
     return out;
   }

@@ -160,7 +160,7 @@ std::optional<double> not_negative_in(Arguments& arguments, const char* key) {
 template <class Plan>
 bool component_in(Arguments& arguments, Plan& plan) {
   const auto axis = arguments.axis("axis");
-  if (!axis) arguments.complain("axis: expected X, Y or Z");
+  if (!axis && arguments.word("axis").empty()) arguments.complain("axis: expected X, Y or Z");
   const auto sense = arguments.sense(true);
   plan.instrument = arguments.instrument();
   if (axis) plan.axis = *axis;

@@ -62,7 +62,7 @@ const std::vector<RequestOption> kMeasureOptions = with_settings(
         {"--beam-broken-at", integer, "number of the reading before which the beam is interrupted"},
         {"--date", word, "date in the metadata"},
         {"--engineer", word, "engineer in the metadata"},
-        {"--plan-name", word},
+        {"--plan-name", word, "name of the measurement in the plan, for the metadata"},
         {"-o,--output", paths, "files: .csv, .rtl, .rta, .rts, .ren, .pos, .dat, .env.pos"},
         kForceOption,
     });
@@ -86,7 +86,7 @@ const std::vector<RequestOption> kSurveyOptions{
     {"--step", number, "step of the grid [mm]"},
     {"--approach", integer, "1 or -1"},
     {"--with-scatter", flag, "include the scatter"},
-    {"-o,--output", path},
+    {"-o,--output", path, "CSV file to write"},
     kForceOption,
 };
 const std::vector<RequestOption> kComponentsOptions{
@@ -369,7 +369,7 @@ const std::vector<Action>& workshop_verbs() {
       request("run", "run a part program", "run exx.nc --axis X --sense EX -o exx.csv", kRunOptions),
       request("mdi", "one block of a part program", "mdi \"G01 X-100 F2000\"",
               {{"BLOCK", word, "one block: \"G01 X-100 F2000\"", Need::required}}),
-      request("capture", "the display at a constant rate", "capture --axis X --sense EX --seconds 10 -o run.rtx",
+      request("capture", "record the display at a constant rate", "capture --axis X --sense EX --seconds 10 -o run.rtx",
               kCaptureOptions),
       request("circle", "circular test (ISO 230-4) with a ball bar", "circle --plane XY --radius 100 -o circle.csv",
               kCircleOptions),
@@ -386,7 +386,7 @@ const std::vector<Action>& workshop_verbs() {
   return verbs;
 }
 
-extern const Action kPlan = action("workshop plan", "every measurement of a plan",
+extern const Action kPlan = action("workshop plan", "make every measurement of a plan",
                                    "ecs-emulator workshop shop.sock plan PLAN.toml --phase before -o DIR", follow_plan);
 
 cli::Argument argument_of(const RequestOption& option) {

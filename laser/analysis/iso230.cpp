@@ -45,7 +45,7 @@ void note_closing(const Iso230& axis, std::vector<std::string>& notes) {
     return t.mean ? t.mean : t.mean_forward ? t.mean_forward : t.mean_reverse;
   };
   if (closes && mean(first) && mean(last))
-    notes.push_back(fmt::format("a full turn: the same place at {:g} and {:g} deg differs by {:+.3g} um/m",
+    notes.push_back(fmt::format("the readings at {:g} and {:g} deg, the same position, differ by {:+.3g} um/m",
                                 first.position_mm, last.position_mm, *mean(last) - *mean(first)));
 }
 
@@ -79,8 +79,7 @@ void note_runs(const Iso230& axis, std::vector<std::string>& notes) {
     const int low = (*fewest).*count;
     const int high = (*most).*count;
     if (high == 0) return false;
-    if (low < kRuns)
-      notes.push_back(fmt::format("fewer than 5 {} readings at a target (smallest number: {})", name, low));
+    if (low < kRuns) notes.push_back(fmt::format("fewer than 5 {} readings at some targets (as few as {})", name, low));
     if (low != high)
       notes.push_back(fmt::format("targets differ between {} runs: {} to {} readings at a target", name, low, high));
     return true;
@@ -89,7 +88,7 @@ void note_runs(const Iso230& axis, std::vector<std::string>& notes) {
   const bool reverse = side("reverse", &Iso230Target::n_reverse);
   if (forward != reverse)
     notes.push_back(fmt::format("{} approach only: no bidirectional values", forward ? "forward" : "reverse"));
-  if (!forward && !reverse) notes.emplace_back("approach unknown: no values of one or of both directions");
+  if (!forward && !reverse) notes.emplace_back("the approach is unknown: no unidirectional or bidirectional values");
 }
 
 void note_left_out(const Iso230& axis, std::vector<std::string>& notes) {

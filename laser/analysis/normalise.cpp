@@ -145,9 +145,10 @@ Result<double> temperature_of(const Reading& reading, const Normalisation& how) 
   if (!found) {
     const auto sensor = reading.sensors_degC.find(how.sensor);
     if (sensor == reading.sensors_degC.end())
-      return problem(ProblemKind::refused, fmt::format("{}: expected the temperature of the material in {}, found "
-                                                       "none: select another sensor or give one temperature for all",
-                                                       place_of(reading), how.sensor));
+      return problem(ProblemKind::refused,
+                     fmt::format("{}: expected the temperature of the material in {}, found "
+                                 "none: name another column with --material-sensor, or give --material",
+                                 place_of(reading), how.sensor));
     found = sensor->second;
   }
   if (*found >= -50.0 && *found <= 150.0) return *found;
@@ -172,19 +173,20 @@ double spread_of_sensors_degC(const MeasurementSet& set) {
 
 void add_notes(Normalised& done, const Normalisation& how) {
   done.notes.push_back(fmt::format(
-      "coefficient {} um/(m degC) from {}; material temperature {:.2f} to {:.2f} degC{}; position {} mm is fixed",
+      "coefficient {} um/(m degC), applied to {}; material temperature {:.2f} to {:.2f} degC{}; position {} mm is "
+      "fixed",
       shortest(how.coefficient_um_per_m_degC),
-      done.instrument_um_per_m_degC == 0.0
-          ? std::string("errors as measured")
-          : fmt::format("the {} that the instrument applied", shortest(done.instrument_um_per_m_degC)),
+      done.instrument_um_per_m_degC == 0.0 ? std::string("the errors as measured")
+                                           : fmt::format("errors from which the {} of the instrument is removed",
+                                                         shortest(done.instrument_um_per_m_degC)),
       done.least_degC, done.most_degC, how.material_degC ? " (one value for all readings)" : "",
       shortest(how.fixed_mm)));
   done.notes.push_back(
       fmt::format("a coefficient error of 1 um/(m degC) causes up to {:.3f} um here", done.per_coefficient_um));
   done.notes.push_back(
       "one coefficient is used for the whole machine: if scale, screw, bed and column differ in material or "
-      "temperature, it can be grossly wrong (thesis 6.3.1). For a machine that works at this temperature the map may "
-      "better be measured without it");
+      "temperature, it can be grossly wrong (thesis 6.3.1). For a machine that works at this temperature it may be "
+      "better to measure the map without normalisation");
   const double spread_degC = spread_of_sensors_degC(done.set);
   if (spread_degC > 0.5)
     done.notes.push_back(fmt::format(
@@ -204,7 +206,7 @@ std::optional<double> instrument_coefficient(const MeasurementSet& set) {
 
 Result<Normalised> normalised(const MeasurementSet& set, const Normalisation& how) {
   if (is_normalised(set))
-    return problem(ProblemKind::refused, "the readings are already normalised to 20 degC: undo that first");
+    return problem(ProblemKind::refused, "the readings are already normalised to 20 degC: undo that first with --back");
   Normalised done;
   done.set = set;
   done.instrument_um_per_m_degC =

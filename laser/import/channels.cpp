@@ -65,8 +65,8 @@ class JoinedChannel {
     const char* const how = joining_ == Joining::linear    ? "linear between its values"
                             : joining_ == Joining::nearest ? "the nearest value"
                                                            : "the value before";
-    return fmt::format("{}: joined by time, {}, over {:.3g} s at most{}", name_, how, greatest_s_,
-                       std::isfinite(limit_s_) ? fmt::format(" (limit {:.3g} s, --max-gap)", limit_s_) : "");
+    return fmt::format("{}: joined by time, {}; largest gap {:.3g} s{}", name_, how, greatest_s_,
+                       std::isfinite(limit_s_) ? fmt::format(" (--max-gap allows {:.3g} s)", limit_s_) : "");
   }
 
  private:

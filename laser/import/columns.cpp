@@ -311,7 +311,7 @@ void note_left_out(MeasurementSet& set, const ImportOptions& options, const Tabl
     note(fmt::format("{} rows below line {} are not read, as requested", table.left, table.rows.back().number));
   if (table.comments > 0) note(fmt::format("{} comments between the rows are ignored", table.comments));
   if (!mapping.row_begins.empty() && !table.passed_over.empty())
-    note(fmt::format("{} lines that are not rows are ignored", table.passed_over.size()));
+    note(fmt::format("lines that are not rows are ignored: {}", table.passed_over.size()));
   else if (!table.passed_over.empty())
     note(fmt::format("{} lines without a number in the requested columns are ignored: lines {}",
                      table.passed_over.size(), numbers_text(table.passed_over)));
@@ -323,7 +323,7 @@ void note_rows(MeasurementSet& set, const ImportOptions& options, const TableLin
     set.notes.push_back(table.rows.back().target
                             ? "lines such as 3mm are the targets: error = value - target"
                             : "no line states a target: readings are the values, not deviations from targets");
-  if (options.reading_unit) set.notes.push_back(fmt::format("readings read as {}", options.reading_unit->name));
+  if (options.reading_unit) set.notes.push_back(fmt::format("the readings are in {}", options.reading_unit->name));
   note_left_out(set, options, table);
   if (left_out > 0) set.notes.push_back(fmt::format("{} values that are not numbers are ignored", left_out));
 }
@@ -482,7 +482,7 @@ Result<MeasurementSet> read_columns(std::string_view text, const std::string& fi
 
 extern const FileFormat kMappedColumns{
     .id = "mapped_columns",
-    .title = "table by a mapping of columns",
+    .title = "table of columns",
     .sample = "gauge.txt",
     .read = read_columns,
     .units = ErrorUnits::fixed,

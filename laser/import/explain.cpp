@@ -422,9 +422,9 @@ std::string column_advice(std::string_view text, const TableShape& shape, bool k
     if (const auto advice = growth_advice(columns, shape)) return *advice;
   }
   if (std::ranges::none_of(columns, [](const auto& column) { return column.is_number(); }))
-    return "expected columns with a number in every row, found none: fill the empty cells";
+    return "Expected columns with a number in every row, found none: fill the empty cells";
   return fmt::format(
-      "expected targets with their errors, found the columns {}; if two of them are targets and errors, assign them: "
+      "Expected targets with their errors, found the columns {}. If two of them are targets and errors, assign them: "
       "x_mm=N[mm],reading=M[um] with their numbers after --columns{}, and --values actual if M contains positions",
       columns_named(columns), row_options(shape));
 }
@@ -505,8 +505,8 @@ std::string_view delimiter_name(char delimiter) {
 }
 
 std::string table_text(const TableShape& shape) {
-  std::string text = fmt::format("a table of {} rows and {} columns between {} is in lines {} to {}: {}", shape.rows,
-                                 shape.columns, delimiter_name(shape.delimiter), shape.first_row_line,
+  std::string text = fmt::format("a table of {} rows and {} columns, separated by {}, in lines {} to {}: {}",
+                                 shape.rows, shape.columns, delimiter_name(shape.delimiter), shape.first_row_line,
                                  shape.last_row_line, in_quotes(shape.first_row));
   if (shape.lines_between > 0) text += fmt::format(", with {} other lines between", shape.lines_between);
   if (shape.is_mixed)
@@ -533,7 +533,7 @@ std::string list_text(std::string_view text) {
   }
   if (count < kLeast) return {};
   return fmt::format(
-      "; {} lines from line {} contain one number each: add the position to each line, then --columns "
+      ". {} lines from line {} contain one number each: add the position to each line, then --columns "
       "\"x_mm=1[mm],reading=2[um]\" imports them",
       count, first);
 }
@@ -542,20 +542,20 @@ std::string list_text(std::string_view text) {
 
 Problem explanation_of(std::string_view text, const std::string& file_name) {
   const auto recognised = recognised_in(text);
-  std::string why = "not a known measurement file: ";
+  std::string why = "not a known measurement file";
   const std::string advice = recognised && recognised->known->becomes_map ? advice_on(kTableOfControl) : "";
-  why += recognised ? fmt::format("it seems to be {}{}", recognised->known->is,
-                                  advice.empty() ? "" : fmt::format(" ({})", advice))
-                    : "it contains no mark of a known format";
+  if (recognised)
+    why +=
+        fmt::format(": it seems to be {}{}", recognised->known->is, advice.empty() ? "" : fmt::format(" ({})", advice));
   const auto shape = is_json_lines(text) ? std::nullopt : table_shape(text);
   const bool has_table = shape && shape->rows >= 2;
   if (has_table)
-    why += fmt::format("; {}; {}", table_text(*shape), column_advice(text, *shape, recognised.has_value()));
+    why += fmt::format(". It contains {}. {}", table_text(*shape), column_advice(text, *shape, recognised.has_value()));
   else
-    why += "; no table of numbers was found in it" + list_text(text);
-  if (!has_table && !recognised) why += "; other files can be read if each line has a target and its error";
+    why += ". It contains no table of numbers" + list_text(text);
+  if (!has_table && !recognised) why += ". Other files can be read if each line has a target and its error";
   if (!recognised) {
-    why += "; looked for: ";
+    why += ". Known formats: ";
     std::vector<std::string_view> titles;
     for (const FileFormat* format : file_formats())
       if (format->recognises) titles.push_back(format->title);

@@ -72,7 +72,7 @@ Result<Imported> rescaled(Result<Imported> imported, const ImportOptions& option
   }
   if (options.target_unit) imported->set.notes.push_back(fmt::format("targets read as {}", options.target_unit->name));
   if (options.reading_unit)
-    imported->set.notes.push_back(fmt::format("readings read as {}", options.reading_unit->name));
+    imported->set.notes.push_back(fmt::format("the readings are in {}", options.reading_unit->name));
   return imported;
 }
 

@@ -225,7 +225,7 @@ Result<std::array<MatrixAxis, 2>> matrix_axes(std::string_view text) {
 
 extern const FileFormat kMappedMatrix{
     .id = "mapped_matrix",
-    .title = "matrix of values by its layout",
+    .title = "matrix of values",
     .sample = "bed_mesh.cfg",
     .read = read_matrix,
     .units = ErrorUnits::fixed,

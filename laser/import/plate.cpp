@@ -55,7 +55,8 @@ Result<MeasurementSet> read_plate(std::string_view text, const std::string& file
   }
   if (findings.empty() && set.readings.empty()) findings.add(0, 0, "expected holes below the heading, found none");
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
-  set.notes.push_back("each hole is a reading of X in EX and of Y in EY at its nominal position; approach unknown");
+  set.notes.push_back(
+      "each hole gives its X deviation as EX and its Y deviation as EY at its nominal position; approach unknown");
   set.notes.push_back("the errors include shift and rotation of the plate on the measuring machine");
   if (differing > 0)
     set.notes.push_back(

@@ -141,7 +141,7 @@ Result<MeasurementSet> read_dynamic(std::string_view bytes, const std::string& f
   }
   if (step > 1) set.notes.push_back(fmt::format("every {}. of {} samples is kept", step, capture.count));
   if (capture.feed_mm_min)
-    set.notes.push_back(fmt::format("Velocity {} has no unit in the head: not used as feed", *capture.feed_mm_min));
+    set.notes.push_back(fmt::format("Velocity {} has no unit in the header: not used as feed", *capture.feed_mm_min));
   set.notes.push_back("readings are displacements from the origin of the capture, not deviations from targets");
   number_rows(set);
   return set;

@@ -67,7 +67,7 @@ namespace {
 constexpr std::size_t kFewestPoints = 3;  ///< two show a straight line, whatever the curve does between them
 constexpr double kApart = 0.75;           ///< of a spacing: ends further apart differ by a point
 constexpr double kApartAndRefused = 1.5;  ///< of a spacing: from here findings_for() objects
-constexpr std::string_view kBeyondTheEnds = "beyond its ends a table keeps its end value";
+constexpr std::string_view kBeyondTheEnds = "the unit keeps the end value of a table beyond its end";
 
 struct Span {
   double first_mm = 0.0;
@@ -125,7 +125,7 @@ void warn_of_travel(Component c, const Pair& pair, const Span& travel, bool of_m
   const double covered_mm =
       std::max(0.0, std::min(span.last_mm, travel.last_mm) - std::max(span.first_mm, travel.first_mm));
   const char axis = letter_of(moving_axis(c));
-  findings.push_back({false, fmt::format("{} covers {:.6g} of {:.6g} mm of {} ({:.6g} to {:.6g}): {}", name_of(c),
+  findings.push_back({false, fmt::format("{} covers only {:.6g} of {:.6g} mm of {} ({:.6g} to {:.6g}): {}", name_of(c),
                                          covered_mm, travel.length_mm(),
                                          of_machine ? fmt::format("the travel of {}", axis)
                                                     : fmt::format("the common range of the tables of {}", axis),

@@ -177,10 +177,11 @@ void check_closed(std::vector<double> angles_deg, bool clockwise, int run, Findi
       widest = angles_deg[k] - from;
     }
   if (widest > kWidestGap_deg)
-    findings.add(0, 0,
-                 "{}, run {}: the circle is open: no reading from {:.6g} to {:.6g} degrees; expected one "
-                 "every {:g} degrees at least",
-                 contouring_name(clockwise), run, from, folded_deg(from + widest), kWidestGap_deg);
+    findings.add(
+        0, 0,
+        "{}, run {}: the circle is open: no reading between {:.6g} and {:.6g} degrees, a gap of {:.6g} degrees; "
+        "expected a gap of {:g} degrees at most",
+        contouring_name(clockwise), run, from, folded_deg(from + widest), widest, kWidestGap_deg);
 }
 
 }  // namespace

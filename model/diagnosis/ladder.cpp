@@ -132,7 +132,8 @@ Result<AddRequest> parse_add_request(std::string_view text) {
       request.axis = axis->axis;
       request.rotary = axis->rotary;
       if (axis->rotary && !id->traits.on_rotary_axes)
-        return problem(ProblemKind::usage, fmt::format("{}: no effect of a rotary axis {}", id->id, part));
+        return problem(ProblemKind::usage,
+                       fmt::format("{} applies to linear axes only: {} is a rotary axis", id->id, part));
     } else if (const auto coded = code_named(id, part); coded && coded->axis) {
       request.axis = coded->axis;
       request.rotary = true;

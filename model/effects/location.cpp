@@ -39,13 +39,13 @@ EffectDefinition location() {
       .id = "location",
       .title = "Location error of a rotary axis",
       .formula = "XOC, YOC, AOC, BOC, COC through the chain",
-      .cause = "axis line of a rotary axis not at the position or squareness assumed by the control",
+      .cause = "position or squareness of the axis of rotation other than the control assumes",
       .tells_apart =
           "the same at all angles of its axis in the directions of the part that does not turn; a displaced ball turns "
           "with the workpiece",
       .check =
-          "compare the pivot and the offsets of the rotary axis among the machine data of the control with a ball or a "
-          "test bar: turn the axis by 180 degrees and halve the difference",
+          "check pivot and offsets of the rotary axis in the machine data of the control with a ball or a test bar: "
+          "turn the axis by 180 degrees and halve the difference",
       .headline = "Axis line of {axis} off by {um} ({code})",
       .parameters = {{"um", "um", "position of the axis line; for AO., BO., CO. its direction or zero, um_per_m"}},
       .carrier = Carrier::none,

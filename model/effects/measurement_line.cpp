@@ -11,7 +11,7 @@ EffectDefinition measurement_line() {
       .title = "Abbe offset of the measurement",
       .formula = "c eps_known(p)",
       .cause = "the map was measured on a different line from the present one",
-      .tells_apart = "has the shape of an angular error known from elsewhere",
+      .tells_apart = "has the shape of an angular error that was measured separately",
       .check = "compare the measurement line in the unit's parameters with the position of the optics",
       .headline = "{where} measured {lever_mm} off the line of the map, which shows the angle {code}",
       .parameters = {{"lever_mm", "mm", "distance between the lines"}},

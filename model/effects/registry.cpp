@@ -90,7 +90,7 @@ bool is_carried(const EffectInstance& effect, const params::Machine& machine) {
 
 std::string how_compensated(const EffectInstance& effect, const params::Machine& machine) {
   if (effect.rotary && effect.definition().is_carried())
-    return "a table of the control for this axis: the unit has X, Y and Z";
+    return "use a table of the control for this axis, since the unit has X, Y and Z only";
   if (const auto axis = missing_axis(effect, machine))
     return fmt::format("the machine has no axis {} that could correct it", letter_of(*axis));
   return std::string(effect.definition().how);

@@ -111,7 +111,7 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
   std::vector<const EffectInstance*> carried;
   for (const EffectInstance& effect : fitted.effects) {
     if (effect.undetermined && effect.undetermined->empty()) {
-      out.not_carried.push_back(fmt::format("{}: the fitted readings do not show it", to_text(effect)));
+      out.not_carried.push_back(fmt::format("{}: the fitted readings do not determine it", to_text(effect)));
       continue;
     }
     const auto component = table_of_effect(effect);

@@ -268,7 +268,7 @@ void complete(TomlReader& reader, const toml::table& table, EffectInstance& effe
   const bool needs_axis =
       definition.place != Place::sense && definition.place != Place::squareness && definition.place != Place::map;
   if (needs_axis) want(effect.axis.has_value(), "axis = \"X\", \"Y\" or \"Z\", of a rotary axis \"A\", \"B\" or \"C\"");
-  want(!effect.rotary || definition.traits.on_rotary_axes, "a linear axis: it is no effect of a rotary one");
+  want(!effect.rotary || definition.traits.on_rotary_axes, "a linear axis: it does not apply to a rotary one");
   if (definition.has_lever() || definition.place == Place::map) return;
   if (effect.axis && !effect.sense)
     effect.sense = static_cast<Sense>(index_of(*effect.axis) + (effect.rotary ? kAxes : 0));

@@ -248,8 +248,9 @@ void CaptureRun::typed(const std::string& line, double now_s) {
   const auto value = number_in(word);
   if (value && !setup_.source) return take(*value, now_s);
   if (word.empty() || word == "?") return tell(CaptureNews::Kind::note, help());
-  tell(CaptureNews::Kind::warning, value ? "readings come from " + setup_.source->name() + ": press Enter to take one"
-                                         : fmt::format("\"{}\" is neither a value nor a command. {}", line, help()));
+  tell(CaptureNews::Kind::warning,
+       value ? "readings come from " + setup_.source->name() + ": press Enter to take one"
+             : fmt::format("\"{}\" is neither a value (with a decimal point) nor a command. {}", line, help()));
 }
 
 namespace {

@@ -185,7 +185,7 @@ Result<ControllerExport> etalon_export(const ExportSource& source, const EtalonO
   say_what_is_lost(source, reversal_um, made);
   made.settings = {fmt::format("chain of the control: {} (tool side after T, workpiece side before it)",
                                configuration_of(source.parameters)),
-                   "TwinCAT: vol_comp[i].max_records of at least the number of rows; X, Y, Z as they were measured"};
+                   "TwinCAT: vol_comp[i].max_records of at least the number of rows; X, Y and Z are the measured axes"};
   made.notes = {"values are errors; a control that adds them must negate them (TwinCAT: negate)"};
   if (source.parameters.tool_offset_mm != Vector3{})
     made.notes.push_back("the tool offset of the parameters is not in the file: the control adds that of its tool");

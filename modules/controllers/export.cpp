@@ -164,10 +164,10 @@ Cell table_cell(const controllers::ExportedTable& t) {
 }
 
 Cell tables_cell(const std::vector<controllers::ExportedTable>& tables) {
-  Cell list = list_cell(tables, table_cell,
-                        fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8} {:>8}  {}\n", "", "table", "points", "of",
-                                    "largest", "off unit", "unit"));
-  list.text += "of: points in the map; off unit: largest difference from the compensation of the unit\n";
+  Cell list = list_cell(
+      tables, table_cell,
+      fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8} {:>8}\n", "", "table", "points", "in map", "largest", "off unit"));
+  list.text += "off unit: largest difference from the compensation by the ECS unit\n";
   return list;
 }
 
@@ -217,8 +217,8 @@ Cell residual_cell(const ExportReport& report) {
   const PerAxis<bool>& present = report.work.source.parameters.axis_present;
   const Cell rows = list_cell(
       report.residuals, [&](const controllers::ResidualRow& row) { return residual_row_cell(row, present); },
-      fmt::format("{:<10} {:<6}  {:>16}  {:>16}  {:>16}\n", "", "along", "not compensated", "whole map, unit",
-                  "this export"));
+      fmt::format("{:<10} {:<6}  {:>16}  {:>16}  {:>16}\n", "", "along", "not compensated", "with ECS unit",
+                  "with this export"));
   Cell cell = record_cell(
       "remaining error, predicted from {from}: largest / rms, um\n{rows}both approaches; relative to the reference "
       "point, as with a work offset\n",

@@ -177,7 +177,7 @@ int add_kinematics_entries(Axis axis, const std::vector<ComColumn>& columns, Con
                                     name_of(column.component)));
   if (!entries.empty())
     made.settings.push_back(
-        fmt::format("kinematics table, on the lines above MachAxis {}: {}; {} is the table they name", letter_of(axis),
+        fmt::format("kinematics table: insert above the line MachAxis {}: {}, each with the table {}", letter_of(axis),
                     fmt::join(entries, ", "), table_name(axis)));
   return static_cast<int>(entries.size());
 }

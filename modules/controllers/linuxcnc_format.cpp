@@ -137,8 +137,10 @@ Result<ControllerExport> linuxcnc_export(const ExportSource& source, const Linux
   made.notes = {
       "BACKLASH of these joints is ignored by LinuxCNC once they have a COMP_FILE: the reversal is in the two columns",
       "beyond the ends of a file LinuxCNC uses the end values, as the unit does",
-      "joints are numbered as in trivkins; with other kinematics move the lines to the joint that moves the axis",
-      "a wrong file is not reported: read joint.N.backlash-filt back (modules/controllers/README.md)"};
+      "joints are numbered as in trivkins; with other kinematics put COMP_FILE into the section of the joint that "
+      "moves the axis",
+      "LinuxCNC does not report a wrong file: compare the pin joint.N.backlash-filt with the table "
+      "(modules/controllers/README.md)"};
   return made;
 }
 

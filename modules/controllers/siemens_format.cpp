@@ -470,10 +470,11 @@ const FormatOption kEncoder{.name = "encoder",
                             .help = "measuring system 0 or 1 of $AA_ENC_COMP; default 0",
                             .fallback = "0",
                             .range = IntegerRange{0, 1}};
-const FormatOption kCecSign{.name = "cec-sign",
-                            .help = "use of a cross value by the control; default: subtracts, as with encoder values",
-                            .fallback = "subtracts",
-                            .words = {"subtracts", "adds"}};
+const FormatOption kCecSign{
+    .name = "cec-sign",
+    .help = "whether the control subtracts or adds a CEC value; default: subtracts, as with encoder values",
+    .fallback = "subtracts",
+    .words = {"subtracts", "adds"}};
 
 }  // namespace
 
@@ -500,7 +501,7 @@ Result<ControllerExport> siemens_export(const ExportSource& source, const Siemen
   made.notes.push_back("changing MD18342 or MD38000 reformats the memory of the control: save its data first");
   made.notes.push_back(
       "signs: the manual gives that of ENC_COMP; that of CEC is assumed to be the same. Check one CEC table on the "
-      "machine; --cec-sign adds writes the other (modules/controllers/README.md)");
+      "machine. If its sign is wrong, export again with `--cec-sign adds` (modules/controllers/README.md)");
   ECS_DO(take_back(made, options));
   return made;
 }

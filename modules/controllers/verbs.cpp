@@ -89,8 +89,9 @@ void note_silent_directions(ExportWork& work, const std::vector<controllers::Res
     const std::size_t d = index_of(axis);
     const controllers::ResidualRow& volume = residuals.back();
     if (volume.before.largest_um[d] == 0.0 && volume.unit.largest_um[d] > 0.0)
-      work.notes.push_back(fmt::format("{} has no error along {}: the remaining error there is the added compensation",
-                                       work.errors_from, letter_of(axis)));
+      work.notes.push_back(fmt::format(
+          "{} does not describe the error along {}: the remaining error there is only the added compensation",
+          work.errors_from, letter_of(axis)));
   }
 }
 

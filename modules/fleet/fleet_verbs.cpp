@@ -21,12 +21,13 @@ struct BatchRequest {
   int lines = kUsualLines;
   static Fields<BatchRequest> fields() {
     using R = BatchRequest;
-    return {{"PLAN", &R::plan,
-             "plan file (TOML) or table (.csv) with the columns id, link, params, serial_number, map, arm_code",
-             Need::required},
-            {"--dry-run", &R::dry_run, "check everything, write nothing"},
-            {"--lines", &R::lines, "number of links used at the same time", Range{1, kMostLines}},
-            {"-o,--output", &R::output, "report to write, one line of JSON per unit", Is::output}};
+    return {
+        {"PLAN", &R::plan,
+         "plan file (TOML) or table (.csv) with the columns id, link, params, serial_number, map, arm_code",
+         Need::required},
+        {"--dry-run", &R::dry_run, "check everything, write nothing"},
+        {"--lines", &R::lines, "number of links (serial or network lines) used at the same time", Range{1, kMostLines}},
+        {"-o,--output", &R::output, "report to write, one line of JSON per unit", Is::output}};
   }
 };
 
@@ -67,7 +68,7 @@ Result<Outcome> batch(VerbContext& context, const BatchRequest& request) {
   BatchWatch watch;
   watch.started = [&context](const PlannedUnit& unit) {
     context.console.message_prefix = unit.link.is_emulator() ? "EMULATOR: " : "";
-    context.console.note(fmt::format("{}: {}", unit.name, to_text(unit.link)));
+    context.console.note(fmt::format("{}: link {}", unit.name, to_text(unit.link)));
     context.console.message_prefix.clear();
   };
   watch.progress = [&context](const BatchProgress& now) {
@@ -154,7 +155,7 @@ Result<Outcome> fleet_diagnose(VerbContext& context, const FleetDiagnoseRequest&
   context.console.end_progress();
   if (!report) return tl::unexpected(report.error());
   const Cell answer = record_cell(
-      "{machines} machines: {diagnosed} diagnosed, {skipped} done before, {error_count} with errors; {processor_s} s "
+      "{machines} machines: {diagnosed} diagnosed, {skipped} diagnosed before, {error_count} failed; {processor_s} s "
       "of processor time\n{verdicts}{stopped}",
       "manifest"_is(request.manifest), "output"_is(request.output), "machines"_is(report->machines),
       "diagnosed"_is(report->diagnosed), "skipped"_is(report->skipped), "error_count"_is(report->errors.size()),
@@ -188,8 +189,9 @@ Cell named_cell(const std::vector<NamedMachine>& machines, const char* title) {
   return list_cell(
       machines,
       [](const NamedMachine& one) {
-        const std::string rivals =
-            one.rivals.empty() ? "" : fmt::format("    or {}: these data cannot distinguish them\n", fmt::join(one.rivals, ", "));
+        const std::string rivals = one.rivals.empty() ? ""
+                                                      : fmt::format("    or {}: these data cannot distinguish them\n",
+                                                                    fmt::join(one.rivals, ", "));
         return record_cell("  {id:<24} {cause:<36} {q_value:>10}  {type} {batch}\n{indistinguishable_from}",
                            "id"_is(one.id), "cause"_is(one.cause), "q_value"_is(q_value_cell(one.q_value)),
                            "type"_is(text_or_null(one.type), one.type), "batch"_is(text_or_null(one.batch), one.batch),
@@ -240,7 +242,7 @@ Result<Outcome> fleet_merge(VerbContext& context, const FleetMergeRequest& reque
   AnswerFields fields =
       described("machines"_is(names.machines), "errors"_is(errors, fmt::format("{}", errors.size())),
                 "conflicts"_is(gathered.conflicts), "fdr"_is(request.rate, fmt::format("{:g}", 100.0 * request.rate)),
-                "count"_shown(names.named.size()), "named"_is(named_cell(names.named, "named (q-value)")),
+                "count"_shown(names.named.size()), "named"_is(named_cell(names.named, "causes named (q-value)")),
                 "unconfirmed"_is(named_cell(
                     names.unconfirmed, "not confirmed: among this number of machines, chance may have named these")),
                 "unexplained"_is(names.unexplained,
@@ -250,7 +252,8 @@ Result<Outcome> fleet_merge(VerbContext& context, const FleetMergeRequest& reque
                                                    names.unexplained.size())),
                 "groups"_is(groups_cell(names.groups)));
   std::string layout =
-      "{machines} machines, {errors} without an answer; {count} names, of which at most {fdr} % are false on average\n"
+      "{machines} machines, {errors} without an answer; {count} causes named, on average at most {fdr} % of them "
+      "wrongly\n"
       "{named}{unconfirmed}{unexplained}{groups}";
   if (!request.previous.empty()) {
     ECS_TRY(before, previously_named(request.previous, request.rate));

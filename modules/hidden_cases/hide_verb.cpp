@@ -160,7 +160,7 @@ std::string line_about(const HiddenCase& c) {
     const std::string line = fmt::format("{} over {}", name_of(stop.sense), letter_of(stop.axis));
     if (lines.find(line) == std::string::npos) lines += (lines.empty() ? "" : ", ") + line;
   }
-  return fmt::format("{} readings of {}; {} run{}; {}{}; truth sealed", c.readings.size(), lines, runs,
+  return fmt::format("{} readings of {}; {} run{}; {}{}; the truth is in truth.sealed", c.readings.size(), lines, runs,
                      runs == 1 ? "" : "s", c.scene.machine.configuration, c.scene.map.empty() ? "" : "; map active");
 }
 
@@ -267,11 +267,12 @@ struct HideRequest {
             {"--kind", &R::kind, "kind of hidden error; random if not given",
              Words{"blank", "single", "pair", "out-of-library", "confounded"}},
             {"--effect", &R::effect, "effect to hide (id in docs/physics.md); for a pair, one of the two"},
-            {"--snr", &R::snr, "ratio of the rms that the base model cannot absorb to the sigma of one reading"},
+            {"--snr", &R::snr,
+             "rms of the hidden effect after a fit of the base model, divided by the sigma of one reading"},
             {{"--readings", {}, "approximate number of readings, 100 to 20000"}, readings},
             {"--count", &R::count, "number of cases, with consecutive seeds, in DIR/0001 …", cli::Range{1, 9999}},
             {"--free-base", &R::free_base,
-             "allow any effect in the base model, without given periods, positions and time constants"},
+             "allow any effect in the base model, without giving its periods, positions and time constants"},
             {"--noise", &R::noise, "distribution of the noise for --kind blank (usual)",
              Words{kNoiseLaws.words.begin(), kNoiseLaws.words.end()}},
             {"--case", &R::printed_case,

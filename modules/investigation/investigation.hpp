@@ -165,7 +165,7 @@ struct Investigation {
   std::vector<std::string> notes;    ///< what was left out, and why
 };
 
-/// " #    min in all   rms um left", and the numbers of a step below it.
+/// " #   min  total  rms um causes", and the numbers of a step below it.
 /// @param number  of the step, from 1 @param total_minutes  up to and with this step
 [[nodiscard]] std::string ledger_numbers_head();
 [[nodiscard]] std::string ledger_numbers(std::size_t number, const InvestigationStep& step, double total_minutes);

@@ -245,11 +245,11 @@ std::string verdict_text(const Investigation& investigation) {
 }  // namespace
 
 std::string ledger_numbers_head() {
-  return fmt::format("{:>2} {:>6} {:>6} {:>8} {:>4}", "", "min", "in all", "rms um", "left");
+  return fmt::format("{:>2} {:>5} {:>6} {:>7} {:>6}", "", "min", "total", "rms um", "causes");
 }
 
 std::string ledger_numbers(std::size_t number, const InvestigationStep& step, double total_minutes) {
-  return fmt::format("{:>2} {:>6.1f} {:>6.1f} {:>8.3f} {:>4}", number, step.minutes, total_minutes, step.rms_um,
+  return fmt::format("{:>2} {:>5.1f} {:>6.1f} {:>7.3f} {:>6}", number, step.minutes, total_minutes, step.rms_um,
                      step.set.size());
 }
 
@@ -294,12 +294,13 @@ Cell investigation_cell(const Investigation& investigation) {
       "notes"_is(investigation.notes, notes_text(investigation.notes)));
   std::string text = laid_out("{verdict}{causes}", fields);
   if (verdict)
-    text += paragraph(laid_out("{minutes} min in all; {programme}", fields)) +
-            paragraph(laid_out(investigation.rms_compensated_um
-                                   ? "error: {rms_before_um} rms before, {rms_compensated_um} with the new map "
-                                     "({compensated_minutes} min of measuring again)"
-                                   : "error: {rms_before_um} rms before, {rms_compensated_um} with the new map",
-                               fields));
+    text +=
+        paragraph(laid_out("measured in {minutes} min; for comparison: {programme}", fields)) +
+        paragraph(laid_out(investigation.rms_compensated_um
+                               ? "error: {rms_before_um} rms before, {rms_compensated_um} with the new map, measured "
+                                 "again in {compensated_minutes} min"
+                               : "error: {rms_before_um} rms before, {rms_compensated_um} with the new map",
+                           fields));
   return {object_of(fields), text + laid_out("{notes}", fields)};
 }
 

@@ -269,8 +269,8 @@ Result<std::vector<GroupRows>> groups_to_judge(const FrozenModel& frozen, const 
         if (!limit)
           return problem_at(file, groups.line, 0,
                             part.group.beyond
-                                ? fmt::format("{} {} lies beyond the fitted range ({}), and there is no limit for "
-                                              "that: give one, or extend [inside]",
+                                ? fmt::format("{} {} lies beyond the fitted range ({}), and the file has no limit for "
+                                              "that: add `beyond` to its [[group]], or extend [inside]",
                                               groups.by, value, fmt::join(part.group.conditions, ", "))
                                 : fmt::format("{} {} lies inside the fitted range, and there is no limit for that",
                                               groups.by, value));

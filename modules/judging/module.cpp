@@ -53,11 +53,12 @@ Result<Outcome> freeze_verb(VerbContext& context, const FreezeArguments& request
       "machine"_is(file_cell(frozen.machine)), "map"_is(file_cell(frozen.map)),
       "data"_is(list_cell(frozen.data, file_cell)), "limits"_is(file_cell(frozen.limits)),
       "readings"_is(frozen.readings), "rms_um"_is(frozen.rms_um, 3),
-      "to_prove"_is(to_prove, to_prove.empty()
-                                  ? ""
-                                  : paragraph(fmt::format("must predict better than the model without it: {}",
-                                                          fmt::join(to_prove, "; ")),
-                                              0, 2))));
+      "to_prove"_is(to_prove,
+                    to_prove.empty()
+                        ? ""
+                        : paragraph(fmt::format("each of these must predict better than the model without it: {}",
+                                                fmt::join(to_prove, "; ")),
+                                    0, 2))));
 }
 
 struct JudgeRequest {
@@ -130,7 +131,7 @@ std::string opened_text(const Judgement& judgement) {
                      0, 2);
     for (const RecordedUse& one : *judgement.openings) text += use_cell(one, judgement).text;
   }
-  if (judgement.seen->empty()) return text + "The logbook has no use of these files before the freeze.\n";
+  if (judgement.seen->empty()) return text + "The logbook records no use of these files before the freeze.\n";
   text += "Used before the freeze:\n";
   for (const RecordedUse& one : *judgement.seen) text += use_cell(one, judgement).text;
   return text;
@@ -147,18 +148,19 @@ Cell judgement_cell(const Judgement& judgement) {
   for (const JudgedGroup& one : judgement.groups) width = std::max(width, columns_of(group_name(one)) + 2);
   const Cell groups = list_cell(
       judgement.groups, [width](const JudgedGroup& one) { return group_cell(one, width); },
-      fmt::format("{:<{}}{:<8}{:>8}{:>10}{:>10}{:>10}{:>10}\n", "group", width, "kind", "readings", "rms", "limit",
-                  "largest", "limit"));
-  const Cell effects = judgement.effects.empty() ? Cell{Json::array(), ""}
-                                                 : list_cell(judgement.effects, judged_effect_cell,
-                                                             fmt::format("\n{:<30}{:>10}{:>10}{:>11}{:>10}\n", "effect",
-                                                                         "without", "with", "stretches", "chance"));
+      fmt::format("{:<{}}{:<8}{:>8}{:>10}{:>10}{:>10}{:>10}\n", "group [" + unit + "]", width, "kind", "readings",
+                  "rms", "limit", "largest", "limit"));
+  const Cell effects = judgement.effects.empty()
+                           ? Cell{Json::array(), ""}
+                           : list_cell(judgement.effects, judged_effect_cell,
+                                       fmt::format("\n{:<30}{:>10}{:>10}{:>11}{:>10}\n", "effect [" + unit + "]",
+                                                   "without", "with", "stretches", "p-value"));
   const bool undecided =
       !judgement.holds() && std::ranges::all_of(judgement.groups, [](const JudgedGroup& one) { return one.holds(); }) &&
       std::ranges::all_of(judgement.effects,
                           [](const JudgedEffect& one) { return one.readings == 0 || one.better() || one.helps(); });
   const std::string beside =
-      fmt::format(" in the hold-out ({}{}).\n", unit, judgement.zero_of_each_run ? ", about the mean of each run" : "");
+      fmt::format(" in the hold-out{}.\n", judgement.zero_of_each_run ? " (about the mean of each run)" : "");
   const auto number = judgement.openings ? Json(judgement.openings->size() + 1) : Json();
   return record_cell(
       "{holds}{zero}\n{groups}{effects}\n{opened}{notes}", "opened"_is(number, opened_text(judgement)),
@@ -177,7 +179,7 @@ Result<Outcome> judge_verb(VerbContext& context, const JudgeRequest& request) {
 }
 
 const std::vector<Action> kJudging{
-    action("model freeze", "freeze a model with its acceptance limits, before a hold-out is opened",
+    action("model freeze", "freeze a model with its acceptance limits, before it is tested on held-out readings",
            "ecs model freeze model.toml --data data.csv --machine machine.toml --limits limits.toml -o frozen.json",
            freeze_verb, {.logged = Logged::always, .kind = "model"}),
     action(kJudgeVerb, "test a frozen model on readings that were not used for its fit",

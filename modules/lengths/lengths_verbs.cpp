@@ -278,15 +278,15 @@ cli::Fields<LengthsPlanAsked> LengthsPlanAsked::fields() {
            {"--instrument-um", &S::instrument_um, "standard deviation of a reading [um]", Range{0.001}},
            {"--scatter-um", &S::scatter_um, "standard deviation of a stop of the machine, each axis and direction [um]",
             Range{0.0}},
-           {"--scatter-um-per-m", &S::scatter_um_per_m, "standard deviation of its angles at a stop [um/m]",
+           {"--scatter-um-per-m", &S::scatter_um_per_m, "standard deviation of the machine's angles at a stop [um/m]",
             Range{0.0}},
            {"--scale", &S::scale_um_per_m, "standard uncertainty of the scale of each set-up [um/m]", Range{0.0}},
            {"--ball-bar-mm", &S::ball_bar_mm, "radius of a ball bar [mm]", Range{1.0}},
            {"--bar-um", &S::bar_um, "standard uncertainty of a ball bar's length [um]; 0: not known", Range{0.0}},
            {"--bar-lowest-deg", &S::bar_lowest_deg, "lowest elevation that the post of the ball permits",
             Range{-90.0, 0.0}},
-           {"--targets", &S::targets_an_interval, "number of targets of a line between two knots (and four more)",
-            Range{0.1, 10.0}},
+           {"--targets", &S::targets_an_interval,
+            "number of targets between two knots of a line; every line has four more", Range{0.1, 10.0}},
            {"--feed", &S::feed_mm_min, "feed between targets [mm/min]", Range{1.0}},
            {"--dwell", &S::dwell_s, "dwell before each reading [s]", Range{0.0}}}},
       {"--set-up-minutes", &A::set_up_minutes, "time to move the instrument to another station or line", Range{0.0}},
@@ -379,13 +379,15 @@ std::vector<std::string> without_effect(const model::Identification& found) {
 std::string idle_text(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? text : fmt::format("  {}: they act only through a tool offset, and none was used\n", text);
+  return text.empty()
+             ? text
+             : fmt::format("  not determined: {}. They act only through a tool offset, and none was used\n", text);
 }
 
 Cell single_cell(const model::SingleSetUps& single, double U_um, double minutes) {
   return record_cell(
-      "single set-ups for {wanted} um: {set_ups} of {runs} runs of {targets} targets{not_reached}, {minutes} minutes; "
-      "ratio {ratio}\n",
+      "single set-ups for {wanted} um: {set_ups} of them, {runs} runs of {targets} targets each{not_reached}, "
+      "{minutes} minutes; this plan needs {ratio} of that time\n",
       "wanted"_shown(U_um, 3), "set_ups"_is(single.set_ups), "runs"_is(single.runs), "targets"_is(single.targets),
       "minutes"_is(single.minutes, 1), "volume_U_um"_is(single.volume_U_um, 3), "reached"_is(single.reached),
       "ratio"_is(minutes / single.minutes, 3), "not_reached"_shown(single.reached ? "" : " (not reached)"));
@@ -402,8 +404,8 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
   return record_cell(
       "{file}: {readings} lengths, {unknowns} unknowns, {degrees_of_freedom} degrees of freedom\n"
       "{components}{squareness}{without_effect}{not_determined}"
-      "  single reading {residual_um} um (alone {white_um}, a stop {stop_um} um and {stop_um_per_m} um/m, a pass "
-      "{pass_um} um and {pass_um_per_m} um/m; repeats {repeat_um})\n"
+      "  scatter of a single reading {residual_um} um: reading {white_um} um, stop {stop_um} um and {stop_um_per_m} "
+      "um/m, pass {pass_um} um and {pass_um_per_m} um/m; from repeated poses {repeat_um} um\n"
       "  error vector over the volume: U = {volume_U_um} um (root mean square, 95 %)\n"
       "{set_ups}{outliers}{notes}{map}{params_out}",
       "file"_is(work.test.source), "machine"_is(work.machine_name), "readings"_is(found.readings),
@@ -433,7 +435,7 @@ Cell lengths_plan_cell(const model::LengthPlan& plan, double wanted_U_um, const 
       "{reached_text}: U = {volume_U_um} um over the volume and the tools (wanted {wanted_U_um}), {first_tool_U_um} um "
       "with the first tool\n"
       "{minutes} minutes, {set_up_minutes} of them set-ups: {set_ups} set-ups, {paths} paths, {readings} poses\n"
-      "{stations}{notes}{single}  with the first tool alone: {single_first_tool}{plan}",
+      "{stations}{notes}for comparison, {single}  with the first tool alone, {single_first_tool}{plan}",
       "reached_text"_shown(plan.reached ? "reached" : "NOT REACHED with three runs of every path"),
       "reached"_is(plan.reached), "wanted_U_um"_is(wanted_U_um, 3), "volume_U_um"_is(plan.volume_U_um, 3),
       "first_tool_U_um"_is(plan.first_tool_U_um, 3), "minutes"_is(plan.minutes, 1),
@@ -475,7 +477,8 @@ extern const std::vector<Action> kLengths{
            "ecs lengths fit lengths.csv --machine machine.toml --params parameters.toml -o map.csv --params-out "
            "measured.toml",
            fit_lengths),
-    action("lengths plan", "plan the lengths that need the fewest minutes for a required uncertainty of the volume",
+    action("lengths plan",
+           "plan the lengths that reach a required uncertainty of the error in the volume in the fewest minutes",
            "ecs lengths plan --machine machine.toml --volume-um 2 -o plan.csv", plan_the_lengths)};
 
 }  // namespace ecs::app

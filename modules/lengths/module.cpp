@@ -51,7 +51,7 @@ std::optional<std::string> plan_in(const FormValues& values) {
 
 FormEntry lengths_entry() {
   return {
-      "all 21 components from lengths; undetermined ones",
+      "all 21 components from lengths, and which are undetermined",
       {.verb = "lengths fit",
        .title = "LENGTHS",
        .asks = "Which lengths, of which machine?",
@@ -85,14 +85,15 @@ const Module& lengths_module() {
       "tracker tracking interferometer ball bar diagonal multilateration squareness identify 21";
   constexpr const char* kPlanSought =
       "tracker tracking interferometer ball bar diagonal multilateration fewest minutes";
-  static const Module module{.menus = {{"lengths", "PROCESS LASER DATA: all components from lengths"}},
-                             .verbs = {{"laser", &kLengths}},
-                             .forms = lengths_forms,
-                             .synonyms = {{"LENGTHS", kLengthsSought},
-                                          {"PLAN OF LENGTHS", kPlanSought},
-                                          {"lengths fit", kLengthsSought},
-                                          {"lengths plan", kPlanSought}},
-                             .advice = {{name_of(FileKind::lengths), "ecs lengths fit {} --machine MACHINE.toml"}}};
+  static const Module module{
+      .menus = {{"lengths", "PROCESS LASER DATA: all components from lengths"}},
+      .verbs = {{"laser", &kLengths}},
+      .forms = lengths_forms,
+      .synonyms = {{"LENGTHS", kLengthsSought},
+                   {"PLAN OF LENGTHS", kPlanSought},
+                   {"lengths fit", kLengthsSought},
+                   {"lengths plan", kPlanSought}},
+      .advice = {{name_of(FileKind::lengths), "use `ecs lengths fit {} --machine MACHINE.toml`"}}};
   return module;
 }
 

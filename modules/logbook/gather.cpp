@@ -106,7 +106,7 @@ CertifiedLine line_of(const LineToCertify& measured, const LogFile& file) {
   if (const std::string targets = text_at(line, "unit_of_targets"); !targets.empty())
     one.position_unit = dsi_unit(targets);
   if (measured.square)
-    one.values.push_back({fmt::format("squareness {}, from the slope of the line; the error of the square is in it",
+    one.values.push_back({fmt::format("squareness {}, from the slope of the line; it includes the error of the square",
                                       std::filesystem::path(file_name).stem().string()),
                           "iso230-1_squareness",
                           measured.square->um_per_m,
@@ -296,7 +296,7 @@ Result<Certificate> certificate_of(const Logbook& book, const CertificateWishes&
                                  [](const CertifiedValue& value) { return value.expanded.has_value(); });
            }))
     certificate.remarks.emplace_back(
-        "The contributions to the uncertainty are those of positioning: other lines are stated without it.");
+        "The contributions to the uncertainty apply to positioning only: other lines are stated without uncertainty.");
   if (wishes.country.empty()) certificate.remarks.emplace_back("The country was not given: the code ZZ means unknown.");
   return certificate;
 }

@@ -80,7 +80,7 @@ Result<Logbook> chosen_logbook(VerbContext& context, const LogChoice& choice) {
     if (!choice.machine.empty() && !is_of(*owner, choice.machine, wanted)) {
       if (!choice.log.empty())
         return problem_at(choice.log, 0, 0,
-                          fmt::format("is the logbook of {}, not of {}", in_words(*owner), choice.machine));
+                          fmt::format("this is the logbook of {}, not of {}", in_words(*owner), choice.machine));
       continue;
     }
     if (!chosen)
@@ -90,8 +90,9 @@ Result<Logbook> chosen_logbook(VerbContext& context, const LogChoice& choice) {
   }
   if (!chosen) return none_found(setting, choice.machine);
   if (!others.empty() && choice.machine.empty())
-    context.console.note(fmt::format("{} is the last logbook written of {}: --machine selects another one",
-                                     chosen->path().string(), others.size() + 1));
+    context.console.note(
+        fmt::format("{} is the one of {} logbooks that was written last: --machine selects another one",
+                    chosen->path().string(), others.size() + 1));
   return std::move(*chosen);
 }
 
@@ -261,7 +262,8 @@ Result<Outcome> instrument(VerbContext&, const InstrumentRequest& request) {
   ECS_TRY(found, read_instrument(request.file.empty() ? in_use : request.file));
   if (request.interval > 0) found.calibration_interval_days = request.interval;
   if (request.use) {
-    ECS_DO(spared({in_use}, request.force, {request.file}));
+    if (!request.force && would_overwrite(in_use, {request.file}))
+      return problem(ProblemKind::usage, in_use + " contains the instrument in use: --force replaces it");
     std::error_code error;
     std::filesystem::create_directories(std::filesystem::path(in_use).parent_path(), error);
     ECS_DO(write_file(in_use, to_toml(found)));
@@ -288,7 +290,7 @@ struct GivenUncertainty {
         {"--instrument-um", &U::instrument_um, "expanded uncertainty of the instrument, constant part"},
         {"--misalignment-mm", &U::misalignment_mm, "lateral offset between beam and axis over the measured length"},
         {"--environment-um", &U::environment_um, "environmental variation error EVE: range of a drift test"},
-        {"--temperature-range", &U::temperature_range, "range of the error of the machine's temperature [degC]"},
+        {"--temperature-range", &U::temperature_range, "range of the error of the measured machine temperature [degC]"},
         {"--off-20", &U::off_20, "machine temperature minus 20 degC"},
         {"--expansion", &U::expansion, "expansion coefficient of the correction [um/m/degC]"},
         {"--expansion-range", &U::expansion_range, "range of the expansion coefficient [um/m/degC]"}}
@@ -366,7 +368,7 @@ Result<void> check_words(const ExportLogRequest& request) {
   const std::string& country = request.country;
   if (!country.empty() &&
       (country.size() != 2 || country.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") != std::string::npos))
-    return problem(ProblemKind::usage, fmt::format("--country: expected two capitals such as DE, found {}", country));
+    return problem(ProblemKind::usage, fmt::format("--country: expected two capitals such as DE, got \"{}\"", country));
   if (!request.signer.empty() && request.sign.empty())
     return problem(ProblemKind::usage, "--signer: give the key with --sign");
   return {};
@@ -423,8 +425,8 @@ Result<WrittenCertificate> certified(VerbContext& context, const ExportLogReques
 Cell certificate_cell(const std::optional<WrittenCertificate>& written, const std::string& file) {
   if (!written) return null_cell();
   return record_cell(
-      "certificate {identifier} with {lines} lines written to {file}: DCC {schema_version}, {validated_text}, SHA-256 "
-      "{sha256}\n{remarks}",
+      "certificate {identifier} written to {file}: measured lines {lines}, DCC {schema_version}, {validated_text}, "
+      "SHA-256 {sha256}\n{remarks}",
       "file"_is(file), "identifier"_is(written->certificate.identifier),
       "schema_version"_is(written->certificate.schema_version), "validated"_is(!written->schema.empty()),
       "validated_text"_shown(written->schema.empty() ? "NOT VALIDATED" : "valid by its schema"),
@@ -460,7 +462,7 @@ Result<Outcome> export_log(VerbContext& context, const ExportLogRequest& request
   const std::string entries_text =
       request.output.empty() ? "" : fmt::format("{} entries written to {}\n", count, request.output);
   const std::string files_text =
-      names.empty() ? "" : fmt::format("{} files written to {}\n", names.size(), request.folder);
+      names.empty() ? "" : fmt::format("files written to {}: {}\n", request.folder, names.size());
   return outcome_of(record_cell("{entries_text}{files_text}{certificate}", "log"_is(book.path().string()),
                                 "output"_is(text_cell(request.output)), "entries"_is(count), "files"_is(names),
                                 "certificate"_is(certificate_cell(certificate, request.dcc)),
@@ -481,7 +483,7 @@ extern const std::vector<Action> kLog{
            "certificate.xml --schema schemas/ --laboratory \"Example Ltd\" --customer Works --instrument-um-per-m 0.5",
            export_log),
     action("log verify",
-           "check every entry against its hash and the previous entry; exit 1 with the first that does not fit",
+           "check every entry against its hash and the previous entry; exit 1 at the first that does not fit",
            "ecs log verify --hash 3f0c…", verify_log),
     action("log replay", "derive the active map again from the raw readings and compare it bit for bit",
            "ecs log replay --json", replay_log, {.link = Link::reads}),

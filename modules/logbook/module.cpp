@@ -250,7 +250,7 @@ const Module& logbook_module() {
       .synonyms = {{"LOGBOOK", "history entries certificate audit traceability who when wear"},
                    {"log compare", "wear worn year drift history"},
                    {"log export", "certificate calibration dcc audit"}},
-      .advice = {{name_of(FileKind::logbook), "ecs log list --log {}"}},
+      .advice = {{name_of(FileKind::logbook), "use `ecs log list --log {}`"}},
       .begin = [] { commissioning::keep_logbook(); },
       .around = logged_verb};
   return module;

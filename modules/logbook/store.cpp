@@ -318,7 +318,7 @@ Result<Logbook> Logbook::open(const fs::path& path) {
     const int code = sqlite3_errcode(file);
     const bool unreadable = code == SQLITE_BUSY || code == SQLITE_CANTOPEN || code == SQLITE_READONLY;
     return tl::unexpected(unreadable ? sqlite_fault(path, file)
-                                     : file_fault(path, ProblemKind::bad_input, "is no logbook of ECS"));
+                                     : file_fault(path, ProblemKind::bad_input, "not a logbook of ECS"));
   }
   if (const auto format = pragma(file, "user_version"); format != kFormat)
     return tl::unexpected(
@@ -333,7 +333,7 @@ Result<Logbook> Logbook::open_to_read(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) return tl::unexpected(file_fault(path, ProblemKind::bad_input, "no such logbook"));
   if (fs::is_directory(path, error) || fs::file_size(path, error) == 0)
-    return tl::unexpected(file_fault(path, ProblemKind::bad_input, "is no logbook of ECS"));
+    return tl::unexpected(file_fault(path, ProblemKind::bad_input, "not a logbook of ECS"));
   auto book = opened(path, path.string(), SQLITE_OPEN_READWRITE);
   const bool readable = book && (pragma(book->file_.get(), "application_id") != -1 ||
                                  sqlite3_errcode(book->file_.get()) == SQLITE_NOTADB ||
@@ -348,7 +348,7 @@ Result<Logbook> Logbook::open_to_read(const fs::path& path) {
   const std::int64_t application = pragma(file, "application_id");
   if (application == -1 && sqlite3_errcode(file) != SQLITE_NOTADB) return tl::unexpected(sqlite_fault(path, file));
   if (application != kApplication || pragma(file, "user_version") != kFormat)
-    return tl::unexpected(file_fault(path, ProblemKind::bad_input, "is no logbook of ECS, or of another format"));
+    return tl::unexpected(file_fault(path, ProblemKind::bad_input, "not a logbook of ECS, or of another format"));
   if (auto changed = schema_fault(path, file)) return tl::unexpected(std::move(*changed));
   return book;
 }
@@ -373,8 +373,9 @@ Result<std::vector<LogbookEntry>> Logbook::append_all(const std::vector<LogRecor
     LogbookEntry& entry = one.entry;
     const LogOwner about{entry.machine, entry.serial_number};
     if (!belongs(of, about))
-      return tl::unexpected(file_fault(path_, ProblemKind::refused,
-                                       fmt::format("is the logbook of {}, not of {}", in_words(of), in_words(about))));
+      return tl::unexpected(
+          file_fault(path_, ProblemKind::refused,
+                     fmt::format("this is the logbook of {}, not of {}", in_words(of), in_words(about))));
     if (of.machine.empty()) of.machine = about.machine;
     if (of.serial_number.empty()) of.serial_number = about.serial_number;
     entry.number = ++number;

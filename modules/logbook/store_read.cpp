@@ -56,7 +56,7 @@ Problem sqlite_fault(const std::filesystem::path& path, sqlite3* file) {
           path, ProblemKind::bad_input,
           fmt::format("a value is longer than {} MiB: it is damaged, or no entry of ECS", kLongestLogValue >> 20));
     case SQLITE_NOTADB:
-      return file_fault(path, ProblemKind::bad_input, "is no logbook of ECS");
+      return file_fault(path, ProblemKind::bad_input, "not a logbook of ECS");
     default:
       return file_fault(path, ProblemKind::output,
                         fmt::format("the logbook: {}", file == nullptr ? "out of memory" : sqlite3_errmsg(file)));

@@ -137,12 +137,12 @@ Cell whole_entry_cell(const LogbookEntry& entry) {
 }
 
 Cell verdict_cell(const LogVerdict& verdict, const std::string& path) {
-  std::string text =
-      verdict.whole() ? fmt::format("{} entries, each fits its hash and the one before; the last hash is {}\n",
-                                    verdict.entries, verdict.last_hash)
-      : verdict.first
-          ? fmt::format("entry {} does not fit: {}; {} before it fit\n", *verdict.first, verdict.why, verdict.entries)
-          : fmt::format("{}\n", verdict.why);
+  std::string text = verdict.whole()
+                         ? fmt::format("{} entries, each fits its hash and the one before; the last hash is {}\n",
+                                       verdict.entries, verdict.last_hash)
+                     : verdict.first ? fmt::format("entry {} is missing or does not fit: {}; {} before it fit\n",
+                                                   *verdict.first, verdict.why, verdict.entries)
+                                     : fmt::format("{}\n", verdict.why);
   return record_cell("{text}", "log"_is(path), "whole"_is(verdict.whole()), "entries"_is(verdict.entries),
                      "last_hash"_is(text_or_null(verdict.last_hash)),
                      "first"_is(verdict.first ? Json(*verdict.first) : Json(nullptr)),
@@ -157,7 +157,7 @@ Cell replay_cell(const Replay& replay) {
       "same"_is(replay.same, "the same, bit for bit", "NOT THE SAME"), "activation"_is(replay.activation),
       "derived"_is(list_cell(replay.derived,
                              [](const DerivedFile& one) {
-                               return record_cell("again, entry {entry}: {name} by `ecs {verb}`: {same}\n",
+                               return record_cell("entry {entry}: {name} made again by `ecs {verb}`: {same}\n",
                                                   "entry"_is(one.entry), "name"_is(one.name), "verb"_is(one.verb),
                                                   "sha256"_is(one.sha256),
                                                   "same"_is(one.same, "the same", "DIFFERENT"));

@@ -149,8 +149,8 @@ Result<Document> parsed_xml(std::string_view xml, const std::string& file) {
   if (document) return document;
   const xmlError* error = xmlGetLastError();
   return problem_at(file, error != nullptr ? error->line : 0, 0,
-                    fmt::format("is no XML: {}", error != nullptr && error->message != nullptr ? trimmed(error->message)
-                                                                                               : "it cannot be read"));
+                    fmt::format("not XML: {}", error != nullptr && error->message != nullptr ? trimmed(error->message)
+                                                                                             : "it cannot be read"));
 }
 
 }  // namespace

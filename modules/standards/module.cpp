@@ -10,10 +10,10 @@ extern const std::vector<Action> kTestsOfPaths, kTestsOverTime;
 const Module& standards_module() {
   static const Module module{.menus = {{"test", "PROCESS LASER DATA: tests of the ISO 230 standards"}},
                              .verbs = {{"laser", &kTestsOfPaths}, {"laser", &kTestsOverTime}},
-                             .advice = {{name_of(FileKind::circle_test), "ecs test circle {}"},
+                             .advice = {{name_of(FileKind::circle_test), "use `ecs test circle {}`"},
                                         {kReversalOnCircle, "ecs test circle shows the remaining circle there"},
-                                        {name_of(FileKind::diagonal_test), "ecs test diagonals {}"},
-                                        {name_of(FileKind::surface), "ecs test flatness {}"}}};
+                                        {name_of(FileKind::diagonal_test), "use `ecs test diagonals {}`"},
+                                        {name_of(FileKind::surface), "use `ecs test flatness {}`"}}};
   return module;
 }
 

@@ -43,8 +43,7 @@ Cell pass_cell(const laser::CirclePass& pass) {
 Cell pair_cell(const laser::CirclePair& pair) {
   return record_cell(
       "  both, run {counter_clockwise_run} ccw and {clockwise_run} cw: G(b) {G_um} um, D {D_um} um, hysteresis H "
-      "{H_um} "
-      "um at {H_at_deg} deg, all about the centre {centre_um} um\n",
+      "{H_um} um at {H_at_deg} deg, all about the centre {centre_um} um\n",
       "counter_clockwise_run"_is(pair.counter_clockwise_run), "clockwise_run"_is(pair.clockwise_run),
       "G_um"_is(pair.G_um, 2), "D_um"_is(pair.D_um, 2), "H_um"_is(pair.H_um, 2), "H_at_deg"_is(pair.H_at_deg, 0),
       "centre_um"_is(centre_cell(pair.centre_um)));
@@ -146,9 +145,10 @@ Cell moving_cell(const laser::DiagonalReadings& diagonal) {
 
 std::string body_text(const laser::DiagonalResults& results) {
   if (!results.body_difference_um) return {};
-  return fmt::format("  body diagonals: largest E {} um, largest B {} um, difference of their growth {:.2f} um\n",
-                     number_cell(results.E_body_um, 2).text, number_cell(results.B_body_um, 2).text,
-                     *results.body_difference_um);
+  return fmt::format(
+      "  body diagonals: largest E {} um, largest B {} um, largest difference of their slopes, over the diagonal, "
+      "{:.2f} um\n",
+      number_cell(results.E_body_um, 2).text, number_cell(results.B_body_um, 2).text, *results.body_difference_um);
 }
 
 Result<Outcome> diagonals(VerbContext&, const DiagonalRequest& request) {

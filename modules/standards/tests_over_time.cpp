@@ -69,10 +69,11 @@ Result<Outcome> drift(VerbContext& context, const DriftRequest& request) {
   if (!request.plot.empty()) ECS_DO(write_plot(request.plot, drift_figure(test)));
   const std::string heading = fmt::format("  {:<4} {:>9} {:>9} {:>9} {:>9}\n", "", "whole",
                                           fmt::format("in {:g} h", request.window_h), "from", "last");
-  return outcome_of(record_cell("{file}: {shown} h\n{senses}{plot}", "file"_is(request.file),
-                                "window_h"_is(request.window_h), "shown"_shown(test.senses.front().hours, 2),
-                                "senses"_is(list_cell(test.senses, drift_sense_cell, heading)),
-                                "plot"_is(written_cell("plot", request.plot))));
+  return outcome_of(record_cell(
+      "{file}: {shown} h; ranges of the whole test, largest of a window, of the last window\n"
+      "{senses}{plot}",
+      "file"_is(request.file), "window_h"_is(request.window_h), "shown"_shown(test.senses.front().hours, 2),
+      "senses"_is(list_cell(test.senses, drift_sense_cell, heading)), "plot"_is(written_cell("plot", request.plot))));
 }
 
 struct FlatnessRequest {
@@ -185,7 +186,7 @@ std::string_view side_of(Approach approach) {
 std::string settling_in_words(const laser::WarmUpCurve& curve) {
   if (!curve.settling) return curve.settled ? "settled" : "not settled";
   const laser::Settling& s = *curve.settling;
-  return fmt::format("{}; {:+.2f} (u {:.2f}) with {:.2f} h (u {:.2f}), {:.0f} % still to come",
+  return fmt::format("{}; fitted: change {:+.2f} (u {:.2f}), time constant {:.2f} h (u {:.2f}), {:.0f} % still to come",
                      curve.settled ? "settled" : "not settled", s.change, s.change_uncertainty, s.time_constant_h,
                      s.time_constant_uncertainty_h, 100.0 * s.to_come);
 }
@@ -215,11 +216,13 @@ Cell warm_up_curve_cell(const laser::WarmUpCurve& curve) {
 Cell warm_up_difference_cell(const laser::WarmUpDifference& difference) {
   AnswerFields fields = curve_fields(difference.curve);
   const std::string per_m =
-      difference.range_um_per_m > 0.0 ? fmt::format(", {:.2f} um/m", difference.range_um_per_m) : std::string();
-  append(fields, "to_mm"_is(difference.to_mm, fmt::format("{:g}", difference.to_mm)),
+      difference.range_um_per_m > 0.0 ? fmt::format(" ({:.2f} um/m)", difference.range_um_per_m) : std::string();
+  const std::string_view side = side_of(difference.curve.approach);
+  append(fields, "on_side"_shown(fmt::format("{}{}", side.empty() ? "" : " ", side)),
+         "to_mm"_is(difference.to_mm, fmt::format("{:g}", difference.to_mm)),
          "range_um_per_m"_is(difference.range_um_per_m), "per_m"_shown(per_m));
-  return record_cell("  {sense} at {to_mm} minus that at {position_mm} mm {side}: range {range}{per_m}; {words}\n",
-                     fields);
+  return record_cell(
+      "  {sense} at {to_mm} mm minus {sense} at {position_mm} mm{on_side}: range {range}{per_m}; {words}\n", fields);
 }
 
 PlotFigure warm_up_figure(const laser::WarmUpTest& test) {
@@ -246,14 +249,15 @@ Result<Outcome> warm_up(VerbContext& context, const WarmUpRequest& request) {
   if (!request.plot.empty()) ECS_DO(write_plot(request.plot, warm_up_figure(test)));
   const std::string heading = fmt::format("  {:<2} {:>9} {:<8} {:>8} {:>8} {:>8}\n", "", "mm", "", "whole",
                                           fmt::format("first {:g} h", request.window_h), "last");
-  return outcome_of(
-      record_cell("{file}: axis {axis} moves for {shown} h; ranges in um, of rotations in um/m\n"
-                  "{curves}{differences}{plot}",
-                  "file"_is(request.file), "axis"_is(std::string(1, letter_of(test.axis))),
-                  "window_h"_is(request.window_h), "hours"_is(test.hours), "shown"_shown(test.hours, 2),
-                  "curves"_is(list_cell(test.curves, warm_up_curve_cell, heading)),
-                  "differences"_is(list_cell(test.differences, warm_up_difference_cell)),
-                  "plot"_is(written_cell("plot", request.plot))));
+  return outcome_of(record_cell(
+      "{file}: axis {axis} moves for {shown} h; ranges in um, of rotations in um/m\n"
+      "settled: last range at most {share} % of the first\n"
+      "{curves}{differences}{plot}",
+      "file"_is(request.file), "axis"_is(std::string(1, letter_of(test.axis))), "window_h"_is(request.window_h),
+      "hours"_is(test.hours), "shown"_shown(test.hours, 2), "share"_shown(100.0 * laser::kSettledShare, 0),
+      "curves"_is(list_cell(test.curves, warm_up_curve_cell, heading)),
+      "differences"_is(list_cell(test.differences, warm_up_difference_cell)),
+      "plot"_is(written_cell("plot", request.plot))));
 }
 
 }  // namespace
@@ -263,7 +267,7 @@ extern const std::vector<Action> kTestsOverTime{
            "ecs test drift etve.csv --window 1 --plot etve.svg", drift, {.logged = Logged::always, .kind = "test"}),
     action("test flatness", "ISO 230-1: flatness from level or mirror readings along the eight lines of a union jack",
            "ecs test flatness plate.csv --plot plate.svg", flatness, {.logged = Logged::always, .kind = "test"}),
-    action("test warm-up", "ISO 230-3: distortion at both ends of an axis that warms itself by moving",
+    action("test warm-up", "ISO 230-3: distortion at both ends of an axis that warms up as it moves",
            "ecs test warm-up warm_up.csv --window 1 --plot warm_up.svg", warm_up,
            {.logged = Logged::always, .kind = "test"})};
 

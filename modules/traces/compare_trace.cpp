@@ -101,7 +101,7 @@ std::string group_text(const DriveCandidate& candidate, const model::DriveParame
       paragraph(fmt::format("{}{}.", fmt::join(faults, candidate.together ? ", and " : ", or "),
                             faults.size() > 1 && !candidate.together ? ": this recording cannot show which" : ""));
   for (const DriveChange& c : candidate.alternatives)
-    text += paragraph(fmt::format("{}{}, rms then {} V", value_of(c, given),
+    text += paragraph(fmt::format("{}{}; the rms is then {} V", value_of(c, given),
                                   candidate.together ? "" : " if all the others are right", few_digits(c.rms_after, 2)),
                       2, 4);
   for (const auto& [like, which] : {std::pair(&candidate.like_first, 0U), std::pair(&candidate.like_second, 1U)})

@@ -287,9 +287,9 @@ Result<CommandResult> UnitClient::stopped(const Command& command, bool over) {
   Command stop{.code = CommandCode::stop};
   const auto taken = make_ready(stop).and_then([&] { return exchange(stop); });
   link_.heed_cancel(true);
-  return problem(ProblemKind::link,
-                 fmt::format("{}: {}{}", name_of(command.code), over ? "not done in time; stopped" : "cancelled",
-                             taken ? "" : fmt::format(" ({})", kStopNotReceived)));
+  return problem(ProblemKind::link, fmt::format("{}: {}{}", name_of(command.code),
+                                                over ? "not finished in time, so it was stopped" : "cancelled",
+                                                taken ? "" : fmt::format(" ({})", kStopNotReceived)));
 }
 
 Result<void> UnitClient::run_plain(const Command& command, std::chrono::milliseconds limit) {

@@ -22,7 +22,7 @@ constexpr std::array<std::string_view, kUnitErrorCount> kErrorTexts{
     "another command is running; stop it, or wait until it ends",
     "the unit has no such axis",
     "the axis is not referenced yet; give it a position or run its datum sequence",
-    "a fault of the unit prevents it; see the unit's status",
+    "a fault of the unit; see its status",
     "stopped on request",
     "the unit timed out while waiting",
     "this transfer has ended: another host has started one or sent a map, or the unit was restarted; send the map "
@@ -32,13 +32,12 @@ constexpr std::array<std::string_view, kUnitErrorCount> kErrorTexts{
     "the command arrived too late, more than two seconds after it was given; it was not carried out",
     "everything was switched off after this command had been given; it was not carried out",
     "host and unit speak different versions of the protocol",
-    "the unit is read-only for this host until it is armed: ecs unit arm --code CODE, or --arm-code CODE; the unit "
-    "shows its code",
+    "the unit is read-only for this host. Arm the host with `ecs unit arm --code CODE`, or give --arm-code CODE; the "
+    "unit shows its code",
     "this is not the code shown by the unit",
     "too many wrong codes",
     "the keyed check is wrong: the host was armed again, the unit was restarted, or another program uses the host's "
-    "name; "
-    "try again",
+    "name; try again",
 };
 
 constexpr std::array<std::string_view, kCommandCount> kCommandNames{"none",

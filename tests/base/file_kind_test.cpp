@@ -43,7 +43,7 @@ TEST_CASE("a file of another kind is named for what it is, with the command that
   const Folder folder;
   const std::string map = folder.with("map.csv", "# machine: m\naxis,sense,approach,p_mm,value_um\nX,EX,0,0,0\n");
   const auto refused = must_fail(read_file_of(FileKind::measurements, map));
-  CHECK(to_text(refused) == map + ":2:1: this is an error map, not a measurement: ecs map show " + map);
+  CHECK(to_text(refused) == map + ":2:1: this is an error map, not a measurement: use `ecs map show " + map + "`");
   CHECK(read_file_of(FileKind::map, map).has_value());
   const auto blank = must(wrong_kind(FileKind::machine, "[[effect]]\n", "my model.toml"));
   CHECK(contains(blank.message, "ecs model diagnose 'my model.toml' DATA"));

@@ -90,7 +90,7 @@ TEST_CASE("statistics of a full turn: the targets that the standard asks for, an
   CHECK(only(iso).rotary);
   CHECK(*iso.front().E_forward == Approx(4.0));
   CHECK(says(iso.front().notes, "fewer than 8 targets (5 on 360 deg)"));
-  CHECK(says(iso.front().notes, "the same place at 0 and 360 deg differs by +4 um/m"));
+  CHECK(says(iso.front().notes, "the readings at 0 and 360 deg, the same position, differ by +4 um/m"));
   CHECK_FALSE(says(iso.front().notes, "longer than 2000 mm"));
   CHECK_FALSE(says(iso.front().notes, "not a positioning error"));
 }

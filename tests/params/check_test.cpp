@@ -184,7 +184,7 @@ TEST_CASE("a direction away from a datum at the end of the travel is found, one 
   machine.axes[0]->datum_mm = 0.0;
   machine.axes[0]->travel_mm = {-4100.0, 0.0};
   expect(kWarning, {{"axis.X.datum.approach_direction", "reverse"}}, "axis.X.datum.approach_direction",
-         "away from the datum, which is at the upper end", &machine);
+         "it leads away from the datum at the upper end", &machine);
   machine.axes[0]->travel_mm = {-4100.0, 500.0};
   const UnitParameters inside = with({{"axis.X.datum.approach_direction", "reverse"}});
   CHECK(!contains(to_text(check(inside, &machine)), "approach_direction"));
@@ -249,8 +249,8 @@ TEST_CASE("a file without its closing line is remarked on, an axis without keys 
   CHECK(contains(findings[1].message, "# end of parameters"));
   const auto taken = defaults_taken(cut);
   CHECK(taken.size() == cut.defaulted.size());
-  CHECK(std::find(taken.begin(), taken.end(), "not given, default: axis.X.output_scale_counts_per_um = 10 counts/um") !=
-        taken.end());
+  CHECK(std::find(taken.begin(), taken.end(),
+                  "axis.X.output_scale_counts_per_um is not given: the default 10 counts/um is used") != taken.end());
   const auto whole = must(parse_parameters(parameters_toml(UnitParameters{}), "p.toml"));
   CHECK(check_file(whole).empty());
   CHECK(defaults_taken(whole).empty());

@@ -91,7 +91,7 @@ TEST_CASE("setting a field changes that field alone") {
 TEST_CASE("a value out of range is refused with the range and its unit") {
   const std::string low = refusal("compensation.loop_period_us", "50");
   check_holds(low, {"compensation.loop_period_us", "100 to 20000 us", "50"});
-  CHECK(contains(refusal("axis.X.position_scale_um_per_count", "0"), "not 0"));
+  CHECK(contains(refusal("axis.X.position_scale_um_per_count", "0"), "except 0"));
   CHECK(contains(refusal("axis.X.compensation_polarity", "0"), "-1 or 1"));
   CHECK(contains(refusal("compensation.memory_modules", "1.5"), "1 to 5"));
   CHECK(contains(refusal("axis.X.datum.approach_speed_mm_min", "0"), "above 0"));

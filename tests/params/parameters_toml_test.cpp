@@ -141,7 +141,7 @@ TEST_CASE("every wrong value of a file is reported in one pass, in file order, w
       "11:8: compensation.scpe: there is no such parameter (did you mean \"compensation.scope\"?); correct the name or "
       "remove it",
       "12:17: compensation.angular_scale: expected -10 to 10, found nan",
-      "15:31: axis.X.position_scale_um_per_count: expected -1000 to 1000 um/count, not 0, found 0",
+      "15:31: axis.X.position_scale_um_per_count: expected -1000 to 1000 um/count except 0, found 0",
       "16:15: axis.X.deadband_um: expected 0 to 10000 um, found \"two\"",
       "17:25: axis.X.compensation_polarity: expected -1 or 1, found 0",
       "18:29: axis.X.measurement_line_mm.x: there is no such parameter (did you mean "

@@ -31,7 +31,7 @@ struct ProcessRequest {
   static Fields<ProcessRequest> fields() {
     using R = ProcessRequest;
     return {{"FILE", &R::file, "measurement file", Need::required},
-            {"--slope", &R::slope, "slope to remove; least_squares for straightness, else none",
+            {"--slope", &R::slope, "slope to remove; default: least_squares for straightness, none for the others",
              Words{"none", "end_points", "least_squares"}},
             {"--smooth", &R::smooth_mm, "window of the local quadratic [mm]; 0: none", Range{0.0, 1e6}},
             {"--exclude-run", &R::exclude_runs, "runs to exclude: 3 or 3,5"},
@@ -90,7 +90,9 @@ Cell smoothing_cell(const laser::Smoothed& smooth, double window_mm, std::string
 
 Cell slope_cell(const laser::Levelled& level, std::string_view unit) {
   const auto& error = level.slope_std_error_per_m;
-  return record_cell("  slope removed ({method}): {removed_per_m} {unit} per m{std_error_per_m}\n",
+  return record_cell(level.method == laser::SlopeMethod::none
+                         ? "  no slope removed\n"
+                         : "  slope removed ({method}): {removed_per_m} {unit} per m{std_error_per_m}\n",
                      "method"_is(laser::name_of(level.method)), "removed_per_m"_is(level.removed.slope_per_m, 3),
                      "removed_offset"_is(level.removed.offset),
                      "std_error_per_m"_is(error, error ? fmt::format(" +- {:.3f}", *error) : ""), "unit"_shown(unit));
@@ -259,7 +261,7 @@ struct NormaliseRequest {
     using R = NormaliseRequest;
     return {
         {"FILE", &R::file, "measurement file", Need::required},
-        {"--coefficient", &R::coefficient, "expansion coefficient for the result [um/(m degC)]; 0: none"},
+        {"--coefficient", &R::coefficient, "expansion coefficient [um/(m degC)]; 0 undoes that of the instrument"},
         {"--instrument", &R::instrument,
          "coefficient that the instrument has already applied; read from the file if not given (Renishaw Exp coeff)"},
         {"--material-sensor", &R::sensor, "column with the material temperature"},
@@ -343,7 +345,7 @@ Result<Outcome> air(VerbContext&, const AirRequest& request) {
   return outcome_of(record_cell(
       "refractive index    {ciddor} (Ciddor)   {modified_edlen} (modified Edlen)\n"
       "wavelength in air   {wavelength_in_air_nm} nm\n"
-      "against 20 degC, 1013.25 hPa, 50 %: {against_standard_um_per_m} um per metre\n",
+      "an instrument set to 20 degC, 1013.25 hPa, 50 % reads {against_standard_um_per_m} um per metre too much\n",
       "ciddor"_is(*ciddor, 9), "modified_edlen"_is(*edlen, 9),
       "wavelength_in_air_nm"_is(request.wavelength_nm / *ciddor, 6),
       "against_standard_um_per_m"_is(against_standard_um_per_m, fmt::format("{:+.3f}", against_standard_um_per_m))));

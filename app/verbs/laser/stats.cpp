@@ -159,8 +159,8 @@ Fields<laser::Iso230Conditions> uncertainty_fields() {
       {"--misalignment-mm", &C::misalignment_mm, "lateral offset between beam and axis over the measured length",
        kSize},
       {"--environment-um", &C::environment_um, "environmental variation error EVE: range of a drift test", kSize},
-      {"--temperature-range", &C::temperature_range_degC, "range of the error of the machine's temperature [degC]",
-       kSize},
+      {"--temperature-range", &C::temperature_range_degC,
+       "range of the error of the measured machine temperature [degC]", kSize},
       {"--off-20", &C::off_20_degC, "machine temperature minus 20 degC", kSigned},
       {"--expansion", &C::expansion_um_per_m_degC, "expansion coefficient of the correction [um/m/degC]", kSize},
       {"--expansion-range", &C::expansion_range_um_per_m_degC, "range of the expansion coefficient [um/m/degC]", kSize}}
@@ -287,8 +287,7 @@ Cell drift_cell(const MeasuredLine& line) {
   });
   constexpr const char* kDrifts =
       "  drift: {per_run:+.3g} +- {per_run_sigma:.2g} {unit} per run, {first_to_last:+.3g} {unit} from the first to "
-      "the "
-      "last run\n{runs}";
+      "the last run\n{runs}";
   return record_cell(drift->drifts ? kDrifts : "{runs}", "per_run"_is(drift->per_run),
                      "per_run_sigma"_is(drift->per_run_sigma), "first_to_last"_is(drift->first_to_last),
                      "drifts"_is(drift->drifts), "apart"_is(drift->apart), "runs"_is(runs), "unit"_shown(unit));
@@ -314,8 +313,7 @@ Cell growth_cell(const MeasuredLine& line) {
   });
   return record_cell(
       "  growth at one target in {hours:.2f} h{stretches}: {range:.2f} {unit}, {range_last_hour:.2f} {unit} in the "
-      "last "
-      "hour\n{sensors}",
+      "last hour\n{sensors}",
       "hours"_is(growth->hours), "range"_is(growth->range), "range_last_hour"_is(growth->range_last_hour),
       "stretches"_is(growth->stretches,
                      growth->stretches > 1 ? fmt::format(" (the longest of {} runs)", growth->stretches) : ""),
@@ -326,8 +324,8 @@ Cell wave_cell(const laser::TurnWave& wave, Sense sense) {
   constexpr double kUm_per_m_arcsec = 4.84813681;
   constexpr const char* kUsual[] = {"", ": an eccentric scale or table", ": an oval or tilted scale"};
   return record_cell(
-      "    {order} a turn ({period_deg:.4g} deg): +-{amplitude:.2f} {unit}{arcsec}, sigma {amplitude_sigma:.2g}, phase "
-      "{phase_deg:.0f} deg{usual}\n",
+      "    {order} per turn ({period_deg:.4g} deg): +-{amplitude:.2f} {unit}{arcsec}, sigma {amplitude_sigma:.2g}, "
+      "phase {phase_deg:.0f} deg{usual}\n",
       "order"_is(wave.order), "period_deg"_is(360.0 / wave.order), "amplitude"_is(wave.amplitude),
       "amplitude_sigma"_is(wave.amplitude_sigma), "phase_deg"_is(wave.phase_deg), "p_value"_is(wave.p_value),
       "unit"_shown(laser::unit_of(sense)), "usual"_shown(wave.order <= 2 ? kUsual[wave.order] : ""),
@@ -342,7 +340,7 @@ Cell turn_cell(const MeasuredLine& line) {
   const std::string none =
       fmt::format("    no wave of {} to {} per turn exceeds the noise\n", turn->least_waves, turn->most_waves);
   return record_cell(
-      "  model of a turn: offset {offset:+.2f} {unit}{reversal}; it explains {explained} %, residual {rms_left:.2f} "
+      "  fit over one turn: offset {offset:+.2f} {unit}{reversal}; it explains {explained} %, residual {rms_left:.2f} "
       "{unit} rms\n{waves}",
       "offset"_is(turn->offset),
       "reversal"_is(turn->reversal, turn->reversal ? fmt::format(", reversal {:+.2f} {}", *turn->reversal, unit) : ""),

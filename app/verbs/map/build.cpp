@@ -76,8 +76,8 @@ struct BuildRequest : FromModelArguments {
   ImportArguments import;
   static Fields<BuildRequest> fields() {
     using R = BuildRequest;
-    return {{"FILE", &R::files, "recipe (.toml) or measurement files"},
-            {"--params", &R::params, "parameters of the unit; with --from-model, those of the machine by default"},
+    return {{"FILE", &R::files, "recipe (.toml, docs/laser.md) or measurement files"},
+            {"--params", &R::params, "parameters of the unit; default with --from-model: those of `ecs params new`"},
             {"--from-model", &R::model, "fitted model (.toml) to use instead of measured files"},
             {"--machine", &R::machine,
              "machine file (.toml) for --from-model and for the travels to cover; default: machine.toml in the folder "
@@ -88,12 +88,12 @@ struct BuildRequest : FromModelArguments {
             {"--params-out", &R::params_out, "parameter file to write, with the measured squareness", Is::output},
             {"--zero", &R::zero, "declare a component zero, with a reason: EBY=\"too small to measure\""},
             {"--zero-missing", &R::zero_missing,
-             "declare every component that the model lacks zero, for this reason (needs --from-model)"},
+             "declare zero every component that is missing from the model, for this reason (needs --from-model)"},
             {"--customer", &R::customer, "customer, as stated in the map header"},
             {"--engineer", &R::engineer, "engineer, as stated in the map header"},
             {"--date", &R::date, "date in the map header, as in 2026-03-12"},
             {"--shrink", &R::shrink,
-             "shrink every curve according to its noise, estimated from its repeats (docs/volume.md)"},
+             "reduce the values of every curve by their noise, estimated from its repeats (docs/volume.md)"},
             &R::import};
   }
 };
@@ -175,8 +175,8 @@ Result<Built> built(const BuildRequest& request, const laser::FileReader& read) 
 Cell outcome_cell(const Built& b, const laser::ComponentOutcome& one) {
   const auto files = files_for(b.by.recipe, one.component);
   return record_cell(
-      "{component:<4} {description:<38} {unit:<4} {band:>6} {largest:>6} {slope_removed_per_m:>6} {smoothed_rms:>5} "
-      "{points:>4}\n     from {files} ({readings} readings)\n{notes}",
+      "{component:<4} {description:<37} {unit:<4} {band:>6} {largest:>7} {slope_removed_per_m:>6} {smoothed_rms:>6} "
+      "{points:>3}\n     from {files} ({readings} readings)\n{notes}",
       "component"_is(name_of(one.component)), "description"_is(laser::description_of(one.component)),
       "unit"_is(unit_of(one.component)), "files"_is(files, fmt::format("{}", fmt::join(files, ", "))),
       "readings"_is(one.readings), "band"_is(one.band, 1), "largest"_is(one.largest, 1),
@@ -202,16 +202,16 @@ Cell squareness_of(const Built& b, const BuildRequest& request) {
 
 Cell built_cell(const Built& b, const BuildRequest& request) {
   return record_cell(
-      "{components}{declared}band: range of the readings as measured; most: largest compensation; slope:\nremoved, per "
-      "m; smth: rms removed by smoothing; n: points per "
+      "{components}{declared}band: range of the readings as measured; largest: of the compensation\nslope: removed, "
+      "per m; smooth: rms removed by smoothing; n: points per "
       "table\n{unused}{notes}{squareness}{findings}{verdict}{map}{params_out}",
       "map"_is(written_cell("map", request.output, "nothing written: give -o map.csv to keep it\n")),
       "params_out"_is(written_cell("parameters", request.params_out)),
       "recipe"_is(text_cell(by_recipe(request) ? request.files.front() : "")), "complete"_is(b.made.complete()),
       "components"_is(list_cell(
           b.made.map.outcomes, [&](const auto& one) { return outcome_cell(b, one); },
-          fmt::format("{:<4} {:<38} {:<4} {:>6} {:>6} {:>6} {:>5} {:>4}\n", "", "component", "unit", "band", "most",
-                      "slope", "smth", "n"))),
+          fmt::format("{:<4} {:<37} {:<4} {:>6} {:>7} {:>6} {:>6} {:>3}\n", "", "component", "unit", "band", "largest",
+                      "slope", "smooth", "n"))),
       "declared"_shown(declared_text(b)), "squareness"_is(squareness_of(b, request)),
       "missing"_is(lines_cell(objections_in(b.made.findings), "")), "findings"_is(findings_cell(b.made.findings)),
       "verdict"_shown(verdict_text(b.made.findings, !made_for_two_machines(b.made.map.map.header, b.identity).empty())),
@@ -280,7 +280,7 @@ Result<Outcome> build(VerbContext& context, const BuildRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kMapBuilding{
-    action("map build", "build the error map from measured files, by a recipe or with proposed settings",
+    action("map build", "build the error map from measured files, with the settings of a recipe or with proposed ones",
            "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n"
            "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv\n"
            "  ecs map build EXC.csv ECC.csv -o rotary.csv",

@@ -127,12 +127,13 @@ struct SendRequest {
   bool other_machine = false, accept_incomplete = false, accept_resampling = false;
   static Fields<SendRequest> fields() {
     using R = SendRequest;
-    return {{"FILE", &R::file, "map CSV", Need::required},
-            {"--params", &R::params, "parameters of the unit, sent together with the map", Need::required},
-            {"--other-machine", &R::other_machine, "send even if map, parameters and unit name different machines"},
-            {"--accept-incomplete", &R::accept_incomplete, "send even if the parameter file lacks its closing line"},
-            {"--accept-resampling", &R::accept_resampling,
-             "send even if resampling changes a table by more than its resolution"}};
+    return {
+        {"FILE", &R::file, "map CSV", Need::required},
+        {"--params", &R::params, "parameters of the unit, sent together with the map", Need::required},
+        {"--other-machine", &R::other_machine, "send even if map, parameters and unit differ in machine, or name none"},
+        {"--accept-incomplete", &R::accept_incomplete, "send even if the parameter file lacks its closing line"},
+        {"--accept-resampling", &R::accept_resampling,
+         "send even if resampling changes a table by more than its resolution"}};
   }
 };
 
@@ -153,8 +154,7 @@ Result<Outcome> send(VerbContext& context, const SendRequest& request) {
       sent->report.already_held
           ? "unit {serial_number} already contains {map}, block check {check}, commit {commit_sequence}: not sent again"
           : "{map} sent to unit {serial_number} and verified: {bytes} bytes in {seconds} s, block check {check}, "
-            "commit "
-            "{commit_sequence}",
+            "commit {commit_sequence}",
       "map"_is(request.file), "bytes"_is(sent->report.bytes), "bytes_sent"_is(sent->report.bytes_sent),
       "already_held"_is(sent->report.already_held), "seconds"_is(sent->seconds, 1),
       "check"_is(fmt::format("{:08X}", sent->check)), "verified"_is(true),
@@ -232,7 +232,8 @@ Result<Outcome> verify(VerbContext& context, const VerifyRequest& request) {
   return outcome_of(
       record_cell("{differences}{parameters}{largest_difference}{same}", "map"_is(request.file),
                   "same"_is(verdict.same(), fmt::format("the unit contains {}", request.file),
-                            fmt::format("the map in the unit differs from {}: {} differences", request.file, count)),
+                            fmt::format("the map in the unit differs from {}: {} difference{}", request.file, count,
+                                        count == 1 ? "" : "s")),
                   "differences"_is(places_cell(verdict.differences)),
                   "parameters"_is(differences_cell(verdict.parameters, "expected", "found", "file", "unit")),
                   "largest_difference"_is(largest_cell(verdict.largest))),

@@ -70,7 +70,7 @@ struct WriteRequest {
     return {{"ADDRESS", &R::address, "first address, decimal or 0x…", Need::required},
             {"BYTES", &R::words, "bytes as hexadecimal digits, two per byte"},
             {"--file", &R::file, "write the bytes of this file"},
-            {"--yes", &R::yes, "confirm that these bytes are overwritten"}};
+            {"--yes", &R::yes, "confirm that the bytes at ADDRESS are overwritten"}};
   }
 };
 
@@ -214,7 +214,7 @@ std::vector<std::string> damage_in(const MemoryDump& dump) {
 }
 
 Cell damage_cell(std::string_view side, const std::string& file, const MemoryDump& dump) {
-  return lines_cell(damage_in(dump), fmt::format("DAMAGED {} ({}): ", side, file));
+  return lines_cell(damage_in(dump), fmt::format("DAMAGED file {} ({}): ", side, file));
 }
 
 Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {

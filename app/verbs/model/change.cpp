@@ -39,8 +39,8 @@ struct AddRequest {
         {"--sensor2", &R::sensor2, "column of the second sensor, for an effect that follows the difference of two"},
         {"--sense", &R::sense, "sense in which the effect acts", Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
         {"--code", &R::code,
-         "component of angular, squareness or map faults, such as ECX; EA, EB or EC of set_up_rotation; XOC "
-         "and so on of location"},
+         "component: ECX and so on for angular, squareness or map faults; EA, EB or EC for set_up_rotation; XOC "
+         "and so on for location"},
         {"--machine", &R::machine, kMachineHelp},
         {"--or", &R::alternatives,
          "an alternative that `diagnose` cannot distinguish from it: kept in the model until a measurement decides"},

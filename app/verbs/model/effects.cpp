@@ -28,7 +28,7 @@ Cell parameter_cell(const ParameterDefinition& parameter) {
   const auto& limits = parameter.limits;
   const AnswerFields fields = described(
       "name"_is(parameter.name),
-      "unit"_is(parameter.unit, fmt::format("{}{}", parameter.unit.empty() ? "" : " ", parameter.unit)),
+      "unit"_is(parameter.unit, parameter.unit.empty() ? std::string() : fmt::format(" [{}]", parameter.unit)),
       "least"_is(limits ? Cell{limits->least, fmt::format(", {} to ", shortest(limits->least))} : null_cell()),
       "greatest"_is(limits ? Cell{limits->greatest, shortest(limits->greatest)} : null_cell()),
       "searched"_is(parameter.coding == model::Coding::searched, " (searched)", ""), "meaning"_is(parameter.meaning));
@@ -62,8 +62,8 @@ Result<Outcome> one_effect(const std::string& name) {
   for (const EffectDefinition& effect : model::effect_library()) names.emplace_back(effect.id);
   const std::string like = nearest_word(name, names);
   return problem(ProblemKind::usage,
-                 fmt::format("no effect \"{}\"{}; there are {}", name,
-                             like.empty() ? "" : fmt::format("; did you mean \"{}\"?", like), fmt::join(names, ", ")));
+                 fmt::format("no effect \"{}\"{} There are {}", name,
+                             like.empty() ? "." : fmt::format("; did you mean \"{}\"?", like), fmt::join(names, ", ")));
 }
 
 struct EffectsRequest {
@@ -71,7 +71,7 @@ struct EffectsRequest {
   static Fields<EffectsRequest> fields() {
     using R = EffectsRequest;
     return {{"EFFECT", &R::name, "effect to explain"},
-            {"--machine", &R::machine, "accepted by every verb of MODEL; the library is the same for all machines"}};
+            {"--machine", &R::machine, "ignored here, since the library is the same for all machines"}};
   }
 };
 
@@ -104,7 +104,7 @@ Result<Outcome> begin(VerbContext& context, const NewRequest& given) {
   next.insert(next.end(), import.begin(), import.end());
   return outcome_of(record_cell("{model}: a new model with {usual}{of_paths}\n{effects}next: {next}\n",
                                 "model"_is(request.model), "usual"_shown(usual_in_words(work.data)),
-                                "of_paths"_shown(work.data.paths.empty() ? "" : "; of circles and diagonals nothing"),
+                                "of_paths"_shown(work.data.paths.empty() ? "" : "; circles and diagonals add nothing"),
                                 "effects"_is(lines_cell(effects, "  ")), "next"_shown(shell_command(next))));
 }
 

@@ -80,7 +80,8 @@ Cell correlations_cell(const Fit& fit) {
 }
 
 Cell noise_cell(const Fit& fit, bool rotary) {
-  Cell list{Json::array(), fit.noise_by_sense.empty() ? "" : "noise [um, um/m]\n"};
+  Cell list{Json::array(),
+            fit.noise_by_sense.empty() ? "" : "noise [um, um/m] (white: independent between readings)\n"};
   for (const model::NoiseReport& one : fit.noise_by_sense)
     list.add(record_cell(one.correlated_um > 0.0
                              ? "  {sense} along {axis}: white {white_um}, correlated {correlated_um} "

@@ -248,8 +248,8 @@ Result<Outcome> send(VerbContext& context, const SendRequest& request) {
   ECS_TRY(report,
           send_parameters(unit.client(), file.parameters, owner, request.force ? UnfitMap::drop : UnfitMap::refuse,
                           progress_bar(context, "parameters")));
-  for (const std::string& objection : report.map_objections)
-    context.console.warn("the map in the unit has been deleted: " + objection);
+  if (report.map_dropped) context.console.warn("the map in the unit did not fit these parameters and has been deleted");
+  for (const std::string& objection : report.map_objections) context.console.note(objection);
   return sent(request, report, file);
 }
 

@@ -65,7 +65,7 @@ Result<Outcome> output_value(VerbContext& context, const OutputRequest& request)
   if (request.off)
     return simple(
         context, [](protocol::UnitClient& client) { return client.output_off(); },
-        done_cell("off", "set every output to 0 and open every relay"));
+        done_cell("off", "every output is set to 0 and every relay is open"));
   ECS_TRY(axis, axis_named(request.axis));
   if (request.relay)
     ECS_DO(confirmed(request.yes, fmt::format("the relay will be closed and axis {} will move by {} um", request.axis,

@@ -82,7 +82,7 @@ Result<Outcome> record(VerbContext& context, const RecordRequest& request) {
   const bool moved = !events_of(recording).empty();
   if (!moved)
     context.console.warn(
-        fmt::format("axis {} did not move while the unit recorded: start the reference movement within {} s",
+        fmt::format("axis {} did not move during these {} s. Record again, and start the reference movement in time",
                     request.axis, kDatumRecord_s));
   return outcome_of(recording_cell(recording), moved ? kDone : kDoesNotHold);
 }
@@ -167,7 +167,7 @@ Result<Outcome> show_status(VerbContext& context, const StatusRequest& request) 
 }  // namespace
 
 extern const std::vector<Action> kUtilityDatum{
-    action("utility datum record", "record speed, reference switch and marker of an axis for ten seconds",
+    action("utility datum record", "record speed, switch and marker of an axis for ten seconds while it is referenced",
            "ecs utility datum record X -o x_datum.csv", record, {.link = Link::writes}),
     action("utility datum show", "show a recorded sequence as velocity-time graph and events",
            "ecs utility datum show x_datum.csv", show),

@@ -184,7 +184,7 @@ TEST_CASE("u takes the last reading back, s leaves a target without one, q leave
   CHECK(laser::target_mm(*run.record().due()) == 200.0);
   static_cast<void>(run.take_news());
   run.typed("nonsense", 7.0);
-  CHECK(warned(run, "neither a value nor a command"));
+  CHECK(warned(run, "neither a value (with a decimal point) nor a command"));
   CHECK_FALSE(run.left());
   run.typed("q", 8.0);
   CHECK(run.left());

@@ -50,7 +50,7 @@ TEST_CASE("a table holds errors in mm, the reverse approach in BACKLASH, and ang
 TEST_CASE("the kinematics entries stand above their axis and their number is given") {
   const auto made = must(heidenhain_export(whole_machine(), {}));
   REQUIRE(made.settings.size() == 4);
-  check_holds(made.settings[1], {"above MachAxis Y: Trans X with C1 (EXY)", "Trans C with C6 (ECY)"});
+  check_holds(made.settings[1], {"above the line MachAxis Y: Trans X with C1 (EXY)", "Trans C with C6 (ECY)"});
   CHECK(made.settings[3].starts_with("15 entries in COMPTAB"));
 }
 

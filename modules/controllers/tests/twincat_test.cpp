@@ -23,8 +23,8 @@ TEST_CASE("a list holds actual minus nominal in tenths of a micrometre, a table 
   const auto made = must(twincat_export(twincat_example(), {}));
   CHECK(file_named(made, "achskw1.lis").content ==
         "# EXX error of X, actual minus nominal, in 0.1 um; pos and neg: direction of motion\n"
-        "# sign after the manual's example, tried on no control: check one axis with the laser before use (--ssfk-sign "
-        "adds turns it)\n"
+        "# sign as in the example of the manual, not tried on a control: check one axis with the laser before use "
+        "(--ssfk-sign adds turns it)\n"
         "kopf.achs_nr 1\nkopf.log_achs_name X\nkw.ssfk.unit 1\nkw.ssfk.interval 0\nkw.ssfk.kw_startpos 0\n"
         "kw.ssfk.kw_nr_max 3\nkw.ssfk.bilateral 1\nkw.ssfk.modulo 0\n"
         "kw.ssfk.table[0].setpoint 0\nkw.ssfk.table[0].pos 0\nkw.ssfk.table[0].neg -30\n"

@@ -274,17 +274,17 @@ void add_scores(Cell& list, const HiddenEffect& hidden, const FoundEffect& found
     const auto given = found.sigma.find(name);
     const auto sigma = given != found.sigma.end() ? std::optional(given->second) : std::nullopt;
     const auto off = sigma && *sigma > 0.0 ? std::optional((value - truth) / *sigma) : std::nullopt;
-    list.add(record_cell("{name:<32} {truth:>12} {found:>12} {sigma:>10} {sigmas_off:>8}\n", "effect"_is(hidden.name),
+    list.add(record_cell("{name:<32} {truth:>12} {found:>12} {sigma:>10} {sigmas_off:>11}\n", "effect"_is(hidden.name),
                          "name"_is(name, fmt::format("{} {}", hidden.name, name)),
                          "truth"_is(truth, few_digits(truth, 5)), "found"_is(value, few_digits(value, 5)),
                          "sigma"_is(sigma, sigma ? few_digits(*sigma, 2) : "-"),
-                         "sigmas_off"_is(off, off ? fmt::format("{:+.1f} s", *off) : "-")));
+                         "sigmas_off"_is(off, off ? fmt::format("{:+.1f}", *off) : "-")));
   }
 }
 
 Cell scores_cell(const Revealed& r) {
   Cell list{Json::array(),
-            fmt::format("{:<32} {:>12} {:>12} {:>10} {:>8}\n", "parameter", "hidden", "found", "sigma", "off by")};
+            fmt::format("{:<32} {:>12} {:>12} {:>10} {:>11}\n", "parameter", "hidden", "found", "sigma", "sigmas off")};
   for (const HiddenEffect& hidden : r.truth.effects)
     for (const FoundEffect& found : r.answer.candidates)
       if (found.named && to_text(found.effect) == hidden.name && details_agree(hidden, found))
@@ -472,9 +472,9 @@ Result<Outcome> reveal(VerbContext& context, const RevealRequest& request) {
                  all.front().judged.right ? kDone : kDoesNotHold};
 }
 
-const std::vector<Action> kReveal{
-    action("model reveal", "show the hidden effect of a case, and whether the diagnosis found it",
-           "ecs model reveal case7\n  ecs model reveal case7 --diagnosis answer.json", reveal)};
+const std::vector<Action> kReveal{action(
+    "model reveal", "show the hidden effect of a case of `ecs-emulator hide`, and whether the diagnosis found it",
+    "ecs model reveal case7\n  ecs model reveal case7 --diagnosis answer.json", reveal)};
 
 }  // namespace
 

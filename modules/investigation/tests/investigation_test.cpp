@@ -261,7 +261,7 @@ TEST_CASE("the ledger has a row a run, the members of the last set, and what is 
   CHECK(view.rows[0].members == 2);
   CHECK_FALSE(view.rows[0].settled);
   CHECK(view.rows[1].settled);
-  CHECK(view.rows[1].numbers == " 2    4.5   12.5    1.500    1");
+  CHECK(view.rows[1].numbers == " 2   4.5   12.5   1.500      1");
   CHECK(view.set == "sag:X:EX 1.00");
   constexpr std::size_t kColumns = 60;
   const auto lines = lines_of(view, kColumns);

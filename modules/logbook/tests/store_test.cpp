@@ -99,7 +99,7 @@ TEST_CASE("a file that is no logbook is told, and left as it is") {
   const std::string path = folder.with("a.ecslog", "axis,sense,reading\nX,EX,1\n");
   for (const auto& opened : {Logbook::open(path), Logbook::open_to_read(path)}) {
     REQUIRE_FALSE(opened);
-    CHECK(contains(opened.error().message, "is no logbook of ECS"));
+    CHECK(contains(opened.error().message, "not a logbook of ECS"));
   }
   CHECK(content_of(path) == "axis,sense,reading\nX,EX,1\n");
 }

@@ -138,7 +138,7 @@ TEST_CASE("readings of unknown approach give the mean range and the band, no eff
   CHECK(*axis.M == Approx(3.0));
   CHECK(*axis.three_sigma_band == Approx(2.0 + 3.0 * root2 - (2.0 - 3.0 * root2)));
   CHECK_FALSE(axis.B.has_value());
-  CHECK(says(axis.notes, "approach unknown"));
+  CHECK(says(axis.notes, "the approach is unknown"));
 }
 
 TEST_CASE("unknown approaches beside known ones are left out and counted") {

@@ -47,7 +47,7 @@ TEST_CASE("JSON lines: channels are joined by time, linear between their values"
   CHECK(*set.readings[1].time_s == Approx(2.0));
   CHECK(set.readings[1].position_mm[2] == 150.0);  // one target all the time
   CHECK(
-      says(set.notes, "bed.temp: joined by time, linear between its values, over 4 s at most (limit 20 s, --max-gap)"));
+      says(set.notes, "bed.temp: joined by time, linear between its values; largest gap 4 s (--max-gap allows 20 s)"));
 }
 
 TEST_CASE("the nearest value and the value before are other ways to join") {

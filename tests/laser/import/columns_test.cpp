@@ -216,7 +216,7 @@ TEST_CASE("rows of one channel: lines between them state the targets, other line
   CHECK(*set.readings[3].time_s == Approx(4.5));
   CHECK(metadata_value(set, "channel") == "A");
   CHECK(says(set.notes, "error = value - target"));
-  CHECK(says(set.notes, "2 lines that are not rows"));
+  CHECK(says(set.notes, "lines that are not rows are ignored: 2"));
   CHECK(says(set.notes, "1 values that are not numbers"));
   options.parked_mm = {1.0, 2.0, 3.0};
   options.channel = "B";
@@ -291,7 +291,7 @@ TEST_CASE("a wrong mapping is refused rule by rule") {
 
 TEST_CASE("a table that nothing else reads is described, with the option that imports it") {
   const auto why = must_fail(parse_any("My gauge\npos;dev\n0;1,5\n10;2,5\n", "gauge.txt", {}));
-  check_holds(why.message, {"2 rows and 2 columns between semicolons is in lines 3 to 4", "1 \"pos\", 2 \"dev\"",
+  check_holds(why.message, {"2 rows and 2 columns, separated by semicolons, in lines 3 to 4", "1 \"pos\", 2 \"dev\"",
                             "--columns", "--skip 2"});
 }
 

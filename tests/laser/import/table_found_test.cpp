@@ -54,7 +54,7 @@ TEST_CASE("what is suggested for a table imports every row of it") {
   const Problem why = refused(parted());
   CHECK(why.line == 3);
   CHECK(why.column == 1);
-  check_holds(why.message, {"a table of 96 rows and 3 columns between blanks is in lines 3 to 101",
+  check_holds(why.message, {"a table of 96 rows and 3 columns, separated by blanks, in lines 3 to 101",
                             "--columns \"x_mm=2[mm],reading=3[um],approach=motion\" --skip 2"});
   const auto set = read_table(parted(), "x_mm=2[mm],reading=3[um],approach=motion", 2);
   CHECK(set.readings.size() == 96);

@@ -40,8 +40,8 @@ const Travels kTravel{std::array<double, 2>{-4100.0, 0.0}, std::nullopt, std::nu
 TEST_CASE("approaches that end a target apart are reported with both ranges and with the value beyond") {
   const auto found = remarks(map_of({exx(Approach::forward, -200, 0, 100), exx(Approach::reverse, -300, 0, 100)}));
   CHECK(only(found) ==
-        "EXX: forward is measured from -200 to 0 mm only, reverse from -300 to 0 mm: beyond its ends a table keeps its "
-        "end value");
+        "EXX: forward is measured from -200 to 0 mm only, reverse from -300 to 0 mm: the unit keeps the end value of "
+        "a table beyond its end");
 }
 
 TEST_CASE("approaches whose targets lie beside each other by less than a spacing are one range") {
@@ -66,7 +66,8 @@ TEST_CASE("a table that reaches beyond the travel is reported, for file and mach
 TEST_CASE("a table that covers part of its axis's travel is reported with the part covered") {
   const auto found = remarks(map_of({exx(Approach::unknown, -200, 0, 50)}), kTravel);
   CHECK(only(found) ==
-        "EXX covers 200 of 4100 mm of the travel of X (-4100 to 0): beyond its ends a table keeps its end value");
+        "EXX covers only 200 of 4100 mm of the travel of X (-4100 to 0): the unit keeps the end value of a table "
+        "beyond its end");
 }
 
 TEST_CASE("a target's spacing, or a twentieth of the travel, left out at the ends is normal") {
@@ -81,8 +82,8 @@ TEST_CASE("without a travel the tables of an axis are held against what they cov
   ErrorMap map = map_of({exx(Approach::unknown, -200, 0, 50), exx(Approach::unknown, -4100, 0, 100)});
   map.tables[1].component = Component::EYX;
   const auto warnings = coverage_warnings(map, planar, {});
-  CHECK(only(warnings).message.find("EXX covers 200 of 4100 mm of the common range of the tables of X (-4100 to 0)") ==
-        0);
+  CHECK(only(warnings).message.find(
+            "EXX covers only 200 of 4100 mm of the common range of the tables of X (-4100 to 0)") == 0);
 }
 
 TEST_CASE("a header is missing what it does not state") {

@@ -145,7 +145,7 @@ TEST_CASE("a long command is followed to its end, and stopped when its time is o
 
   shop.in_model([](UnitModel& model) { model.busy_polls_left = 1'000'000; });
   const auto late = unit.test_datum(Axis::X, 100ms);
-  CHECK(says(late, "not done in time"));
+  CHECK(says(late, "not finished in time"));
   CHECK_FALSE(shop.in_model([](UnitModel& model) { return model.busy; }));
 
   const auto given_up = unit.test_datum(Axis::X, 10s, [&](const CommandResult&) { cancelled = true; });
