@@ -279,11 +279,10 @@ void others_to_do(const ReportContent& content, std::vector<std::string>& next) 
 
 void model_to_do(const ReportContent& content, std::vector<std::string>& next) {
   if (!content.diagnosis || content.diagnosis->verdict == "adequate") return;
-  if (content.diagnosis->verdict == "cannot_tell") return next.push_back("Error model: " + content.diagnosis->headline);
-  if (content.diagnosis->verdict == "unexplained_structure" || content.diagnosis->verdict == "partly_explained")
-    next.push_back(
-        "Error model: the measurements contain structure that no proved effect explains. See the section on the error "
-        "model.");
+  const std::string& verdict = content.diagnosis->verdict;
+  if (verdict == "cannot_tell" || verdict == "unexplained_structure" || verdict == "partly_explained")
+    next.push_back("Error model: " + content.diagnosis->headline);
+  if (verdict == "cannot_tell") return;
   for (const ReportedEffect& effect : content.diagnosis->effects)
     if (effect.named && !effect.next_measurement.empty())
       next.push_back(fmt::format("Error model: {} ({}) is {}missing from it. {}", effect.title, effect.place,
