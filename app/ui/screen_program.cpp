@@ -59,7 +59,7 @@ constexpr GlossaryRow kGlossary[] = {
     {"rms", "root mean square: an average size, as of the residual"},
     {"rival|rivals", "an effect that these data cannot distinguish from the one named"},
     {"scope", "the errors that the unit compensates: linear (each axis alone), planar or volumetric"},
-    {"sense", "the error that is measured, no direction: EX, EY, EZ translations; EA, EB, EC rotations"},
+    {"sense", "which error is measured, not the direction of travel: EX, EY, EZ translations; EA, EB, EC rotations"},
     {"sigma", "standard deviation; 1 sigma is the usual scatter of one reading"},
     {"slope", "the part of a curve that is proportional to the position, in um/m"},
     {"squareness", "deviation of two axes from 90 degrees, one number per pair of axes, in um/m"},
