@@ -363,7 +363,7 @@ bool took_noise_beside_best(const Base& base, const Search& search, const Whiten
   std::vector<Choice> chosen = found.solution.chosen;
   chosen.push_back(beside.best);
   const Solution with = search.solution(chosen, found.solution.own);
-  return noise_changed(search.data(), joined(base, search, with), whitener, false, found.noise, found.left_out);
+  return noise_changed(search.data(), base, joined(base, search, with), whitener, false, found.noise, found.left_out);
 }
 
 }  // namespace
@@ -378,25 +378,29 @@ Result<Base> base_of(const Model& model, const Regressors& regressors, bool plai
   base.core = fitted(assembly, regressors, {plain, true});
   const Observations& data = regressors.data();
   base.columns.resize(static_cast<Index>(data.size()), 0);
+  base.own_columns = base.columns;
   base.target =
       Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size())) - assembly.fixed(data.size());
   base.residual = base.core.residual;
   for (std::size_t s = 0; s < assembly.slots.size(); ++s) {
     const Slot& slot = assembly.slots[s];
     if (!slot.at_limit.empty()) base.at_limit.push_back(slot.effect);
-    if (slot.is_sought(regressors.motions())) {
-      base.own.push_back(s);
-      continue;
-    }
-    base.columns = beside(std::move(base.columns), slot.columns);
+    const bool is_sought = slot.is_sought(regressors.motions());
+    if (is_sought) base.own.push_back(s);
+    MatrixXd& columns = is_sought ? base.own_columns : base.columns;
+    columns = beside(std::move(columns), slot.columns);
     for (std::size_t j = 0; j < slot.nonlinear.size(); ++j) {  // a small error of a fitted value is absorbed too
       if (!slot.nonlinear_free[j] || !slot.has_slope()) continue;
       const VectorXd sizes = base.core.sizes.segment(assembly.first_column(s), slot.columns.cols());
-      base.columns = beside(std::move(base.columns), assembly.slope(s, j, sizes, regressors));
+      columns = beside(std::move(columns), assembly.slope(s, j, sizes, regressors));
     }
   }
   if (fit != nullptr) *fit = reported(assembly, regressors, base.core);
   return base;
+}
+
+NoiseModel noise_beside(const Observations& data, const Base& base, const std::vector<bool>& left_out) {
+  return noise_of(data, base.residual, left_out, beside(base.columns, base.own_columns));
 }
 
 VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener) {
@@ -404,13 +408,14 @@ VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener) {
   return problem.target - problem.columns * least_squares(whitener(problem.columns), whitener(problem.target));
 }
 
-bool noise_changed(const Observations& data, const LinearProblem& all, const Whitener& whitener, bool plain,
-                   NoiseModel& noise, std::vector<bool>& left_out) {
+bool noise_changed(const Observations& data, const Base& base, const LinearProblem& all, const Whitener& whitener,
+                   bool plain, NoiseModel& noise, std::vector<bool>& left_out) {
   const auto spare = static_cast<double>(std::ranges::count(left_out, false) - all.columns.cols());
   if (!noise.pure.from_repeats && spare < kFewestSpare) return false;
   const VectorXd residual = residual_of(all, whitener);
   std::vector<bool> outliers = plain ? left_out : rows_left_out(data, residual);
-  NoiseModel again = noise_of(data, residual, outliers, all.columns);
+  NoiseModel again = noise_of(data, residual, outliers, beside(all.columns, base.own_columns));
+
   if (outliers == left_out && !changed(noise, again)) return false;
   left_out = std::move(outliers);
   noise = std::move(again);
@@ -434,7 +439,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
   const std::vector<EffectInstance> others_than_own = others_than(base.at_limit, others_than(own, candidates));
   Found found;
   found.left_out = base.core.left_out;
-  found.noise = noise_of(data, base.residual, found.left_out, base.columns);
+  found.noise = noise_beside(data, base, found.left_out);
   std::size_t looks = 0;
   for (int round = 0;; ++round) {
     const Whitener whitener(data, found.noise, found.left_out);
@@ -455,7 +460,8 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
           best_solution(search, {options.most_effects, found.entry_score, kLeastShare * n, kLateShare * n,
                                  found.noise.pure.dof, known_little ? freedom_beside(alone, found.left_out) : 0.0});
     LinearProblem all = joined(base, search, found.solution);
-    if (round < kMostRounds && noise_changed(data, all, whitener, options.plain, found.noise, found.left_out)) continue;
+    if (round < kMostRounds && noise_changed(data, base, all, whitener, options.plain, found.noise, found.left_out))
+      continue;
     if (looks < kMostLooks && !options.plain &&
         took_noise_beside_best(base, search, whitener, replicates, options, found)) {
       ++looks;

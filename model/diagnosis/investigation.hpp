@@ -36,6 +36,7 @@ inline constexpr double kFewestSpare = 6.0;
 /// The model as it is: what it absorbs and what it leaves.
 struct Base {
   Eigen::MatrixXd columns;               ///< of the fitted sizes and nonlinear parameters, without those of `own`
+  Eigen::MatrixXd own_columns;           ///< those of `own`, at the values fitted
   std::vector<std::size_t> own;          ///< effects of the model whose searched parameter is free, with nothing held
   std::vector<EffectInstance> at_limit;  ///< effects of the model held at the limit of their range: no candidates
   Eigen::VectorXd target;                ///< readings less the part held
@@ -93,8 +94,10 @@ struct LinearProblem {
 /// The noise is looked at again, with what was found taken off, this many times at the utmost.
 inline constexpr int kMostRounds = 2;
 /// Noise and outliers again from what is left; false: they are what they were, or too little is left to tell.
-[[nodiscard]] bool noise_changed(const Observations& data, const LinearProblem& all, const Whitener& whitener,
-                                 bool plain, NoiseModel& noise, std::vector<bool>& left_out);
+[[nodiscard]] bool noise_changed(const Observations& data, const Base& base, const LinearProblem& all,
+                                 const Whitener& whitener, bool plain, NoiseModel& noise, std::vector<bool>& left_out);
+/// The noise of a fit, which its free terms took a part of too.
+[[nodiscard]] NoiseModel noise_beside(const Observations& data, const Base& base, const std::vector<bool>& left_out);
 
 /// The candidates but those that the model has already with a free searched parameter (`own`).
 [[nodiscard]] std::vector<EffectInstance> others_than(const std::vector<EffectInstance>& own,

@@ -238,15 +238,6 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
   return standings;
 }
 
-/// Waves that are no pitch and whole fractions of one period: a shape that repeats, of which a sum of waves is only the
-/// beginning where more is left.
-bool is_shape_that_repeats(const Found& found, const std::vector<std::size_t>& chosen) {
-  return std::ranges::count_if(chosen, [&](std::size_t g) {
-           const Choice& member = found.groups[g].member;
-           return !is_pitch_or_no_wave(found.families[member.family], member);
-         }) > 1;
-}
-
 bool found_proved(const std::vector<Standing>& standings) {
   return std::ranges::find(standings, Standing::proved) != standings.end();
 }
@@ -255,18 +246,22 @@ Verdict verdict_of(const ReportInput& in, const std::vector<Standing>& standings
   if (standings.empty()) return noise ? Verdict::adequate : Verdict::unexplained_structure;
   if (in.found.bad_run || (in.found.step && !found_proved(standings))) return Verdict::unexplained_structure;
   std::vector<std::size_t> proved;
-  bool likely = false, all_said = true;
+  std::vector<Choice> members, all;
   for (std::size_t g = 0; g < standings.size(); ++g) {
-    if (standings[g] == Standing::proved) proved.push_back(g);
-    likely = likely || standings[g] == Standing::likely;
-    all_said = all_said && standings[g] != Standing::possible;
+    const Choice& member = in.found.groups[g].member;
+    if (standings[g] != Standing::possible) all.push_back(member);
+    if (standings[g] != Standing::proved) continue;
+    proved.push_back(g);
+    members.push_back(member);
   }
-  if (proved.empty() && !likely && noise && in.found.stands_out) return Verdict::adequate;  // or too little known of it
-  if (proved.empty()) return likely ? Verdict::likely_effect : Verdict::unexplained_structure;
-  if (noise && in.found.objection.empty() && all_said) return Verdict::missing_effect;
-  return share_of_found(in, proved) >= kPartExplained && !is_shape_that_repeats(in.found, proved)
-             ? Verdict::partly_explained
-             : Verdict::unexplained_structure;
+  if (all.empty() && noise && in.found.stands_out) return Verdict::adequate;  // or too little known of it
+  const auto repeat = [&](const std::vector<Choice>& of) { return are_shape_that_repeats(in.found.families, of); };
+  const bool is_shape = !in.regressors.data().rotary && repeat(all);  // a turn has many waves of its own
+  if (proved.empty()) return all.empty() || is_shape ? Verdict::unexplained_structure : Verdict::likely_effect;
+  if (noise && in.found.objection.empty() && all.size() == standings.size() && !is_shape)
+    return Verdict::missing_effect;
+  return share_of_found(in, proved) >= kPartExplained && !repeat(members) ? Verdict::partly_explained
+                                                                           : Verdict::unexplained_structure;
 }
 
 /// Effects of the model, one of them with a free searched parameter, that cancel each other beyond the range of the

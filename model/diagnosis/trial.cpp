@@ -112,7 +112,7 @@ Result<FittedWith> fitted_beside(Model model, const std::vector<EffectInstance>&
   ECS_TRY(base, base_of(model, regressors, plain, &after.fit));
   after.left = told_residual(model, regressors.data(), plain, base.residual);
   after.left_out = base.core.left_out;
-  after.noise = noise_of(regressors.data(), base.residual, after.left_out, base.columns);
+  after.noise = noise_beside(regressors.data(), base, after.left_out);
   return after;
 }
 

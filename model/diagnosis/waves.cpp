@@ -89,6 +89,16 @@ bool are_pitches_or_fractions(const std::vector<Family>& families, const std::ve
          });
 }
 
+bool are_shape_that_repeats(const std::vector<Family>& families, const std::vector<Choice>& chosen) {
+  const auto is_other_wave = [&](const Choice& choice) { return !is_pitch_or_no_wave(families[choice.family], choice); };
+  return std::ranges::any_of(chosen, [&](const Choice& one) {
+    return is_other_wave(one) && std::ranges::any_of(chosen, [&](const Choice& other) {
+             return is_other_wave(other) && same_line(families[one.family].effect, families[other.family].effect) &&
+                    other.nonlinear > one.nonlinear * (1.0 + kSamePeriod);
+           });
+  });
+}
+
 std::optional<ChangeOfWave> change_of_wave(const Regressors& regressors, const Whitener& whitener, const Space& space,
                                            const Family& family, const Choice& choice, double noise_freedom) {
   if (!family.effect.traits().periodic) return std::nullopt;

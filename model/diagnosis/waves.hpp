@@ -43,6 +43,10 @@ struct ChangeOfWave {
 /// and no step stands on the line of one.
 [[nodiscard]] bool are_pitches_or_fractions(const std::vector<Family>& families, const std::vector<Choice>& chosen);
 
+/// Whether two waves of one line and of unlike periods among these effects are no pitch of the machine: a shape that
+/// repeats, of which they are the first terms, rather than two causes.
+[[nodiscard]] bool are_shape_that_repeats(const std::vector<Family>& families, const std::vector<Choice>& chosen);
+
 /// Turns a mm of a wave as its targets show it: at even ones it looks like a slower wave (Nyquist).
 [[nodiscard]] double frequency_seen(const Observations& data, const Family& family, double period);
 
