@@ -2,7 +2,6 @@
 #include "protocol/client/client.hpp"
 
 #include <algorithm>
-#include <ctime>
 #include <limits>
 
 #include <fmt/format.h>
@@ -188,7 +187,7 @@ bool UnitClient::adopt_key(const SessionState& state, const Registers& answer) {
 /// Opens the session of this client, or finds it again as the unit knows it now.
 Result<SessionState> UnitClient::session_now() {
   if (serial_number_.empty()) ECS_DO(identity());
-  self_.unix_time_s = static_cast<std::uint32_t>(std::time(nullptr));
+  self_.unix_time_s = static_cast<std::uint32_t>(link_.unix_time_s());
   self_.challenge = ++challenge_;
   ECS_TRY(answer, link_.ask(kSessionOpen, registers_of(self_, 0), kSession));
   auto state = value_in<SessionState>(answer);
@@ -239,7 +238,7 @@ Result<void> UnitClient::make_ready(Command& command) {
 }
 
 Result<CommandResult> UnitClient::run(Command command, std::chrono::milliseconds limit, const CommandCallback& busy) {
-  const auto until = std::chrono::steady_clock::now() + milliseconds(kMostAge_ms);
+  const auto until = link_.now() + milliseconds(kMostAge_ms);
   for (;;) {
     ECS_DO(make_ready(command));
     auto first = exchange(command);
@@ -254,19 +253,19 @@ Result<CommandResult> UnitClient::run(Command command, std::chrono::milliseconds
     const bool lapsed = (first->error == UnitError::not_armed && knows_code()) || first->error == UnitError::wrong_key;
     if (lapsed) ECS_DO(session_now());
     const bool not_taken = unknown ? !once : lapsed || first->error == UnitError::late;
-    if (!not_taken || std::chrono::steady_clock::now() > until)
+    if (!not_taken || link_.now() > until)
       return wait_for(command, std::move(*first), limit, busy);
   }
 }
 
 Result<CommandResult> UnitClient::wait_for(const Command& command, CommandResult result,
                                            std::chrono::milliseconds limit, const CommandCallback& busy) {
-  const auto until = std::chrono::steady_clock::now() + limit;
+  const auto until = link_.now() + limit;
   milliseconds poll = kFirstPoll;
   const auto ours = [&] { return result.session == command.asker.session && result.sequence == command.sequence; };
   while (ours() && result.state == CommandState::busy) {
     if (busy) busy(result);
-    const bool over = std::chrono::steady_clock::now() >= until;
+    const bool over = link_.now() >= until;
     if (over || !link_.pause(poll)) return stopped(command, over);
     poll = std::min(2 * poll, kSlowestPoll);
     auto next = result_now();
