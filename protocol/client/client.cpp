@@ -135,8 +135,8 @@ Result<UnitClient::Answer> UnitClient::ask_sealed(const Block& request,
     if (again) return Answer{std::move(registers), false};
     ECS_DO(session_now());
     if (!key_ && knows_code()) ECS_DO(armed_session());
-    // Who only reads goes on as a host that is not armed; who has sent a map must know whose answers it reads.
-    const bool only_reads = token_ == 0 && (request == kReadSelect || request == kEcho);
+    // Who only reads goes on as a host that is not armed; who sends a map must know whose answers it reads.
+    const bool only_reads = !sends_ && (request == kReadSelect || request == kEcho);
     if (!key_ && !only_reads) return Answer{std::move(registers), false};
   }
 }
@@ -253,8 +253,7 @@ Result<CommandResult> UnitClient::run(Command command, std::chrono::milliseconds
     const bool lapsed = (first->error == UnitError::not_armed && knows_code()) || first->error == UnitError::wrong_key;
     if (lapsed) ECS_DO(session_now());
     const bool not_taken = unknown ? !once : lapsed || first->error == UnitError::late;
-    if (!not_taken || link_.now() > until)
-      return wait_for(command, std::move(*first), limit, busy);
+    if (!not_taken || link_.now() > until) return wait_for(command, std::move(*first), limit, busy);
   }
 }
 

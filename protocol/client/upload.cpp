@@ -270,7 +270,7 @@ Result<std::vector<bool>> UnitClient::held_at(Address bank, Image image) {
 /// Where the staging begins: the active map, or what an earlier transfer has left, whichever has more of the image.
 /// What was left is not asked for where the active map has nearly all.
 Result<UnitClient::Beginning> UnitClient::beginning_for(const ActiveMap& before, Image image, Held by) {
-  ECS_DO(armed_session());
+  if (!key_) ECS_DO(armed_session());
   if (by == Held::nothing || !key_)
     return Beginning{StagingFrom::cleared, std::vector<bool>((image.size() + kPieceBytes - 1) / kPieceBytes)};
   Beginning beginning{StagingFrom::active, {}};
@@ -315,10 +315,13 @@ Result<void> UnitClient::stage(Address address, Image image, const std::vector<b
 }
 
 Result<UploadReport> UnitClient::upload_image(Image image, const ProgressCallback& progress, Held held) {
+  // Armed first: an answer that anybody can give says nothing of the map that is active.
+  if (!key_ && (knows_code() || secrets_)) ECS_DO(armed_session());
+  sends_ = true;
   ECS_TRY(before, active_map());
   const SentImage sent{image, digest_of(image)};
   UploadReport report{image.size(), 0, before.commit_sequence, true};
-  if (held == Held::by_checks && before.digest == sent.digest) {
+  if (held == Held::by_checks && key_ && before.digest == sent.digest) {
     if (progress) progress({image.size(), image.size(), 0.0});
     return report;
   }

@@ -132,6 +132,7 @@ void Line::arrive(const Flight& flight) {
   if (reply.empty()) return;
   schedule_.after(turnaround, [this, to = flight.from, frame = framed(reply)] {
     if (heard) heard(kUnitEnd, to, frame);
+    if (std::exchange(withheld_, withheld_ == to ? kUnitEnd : withheld_) == to) return;
     launch({kUnitEnd, to, frame});
   });
 }

@@ -52,6 +52,8 @@ class Line {
   void send(int from, const Bytes& frame) { send(from, frame, from); }
   /// A frame that a host takes for one of the unit.
   void send_to_host(int to, const Bytes& frame);
+  /// The next answer of the unit to that host does not leave it: somebody sits between them.
+  void withhold_reply_to(int to) { withheld_ = to; }
   /// Every connection is lost; of a shared line, what is under way.
   void cut_all();
   void quiet() { probability = {}, dead_until = {}; }
@@ -82,6 +84,7 @@ class Line {
   std::vector<HostEnd*> ends_{nullptr};
   std::shared_ptr<Flight> under_way_;  ///< the last one on a shared line
   Time free_at_{};
+  int withheld_ = kUnitEnd;
 };
 
 /// A host's end. What its program waits for, the world goes on meanwhile.

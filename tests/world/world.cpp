@@ -99,16 +99,18 @@ class Secrets final : public protocol::SecretStore {
 struct Host {
   std::string name;
   bool knows_code = true;
+  bool gives_code = true;  ///< to every program; otherwise only to one that arms, and the others find the secret
   std::uint64_t key = 0;
   std::shared_ptr<Secrets> secrets = std::make_shared<Secrets>();
   std::atomic<bool> cancelled = false;
   std::unique_ptr<Program> program{};
   Time answered_since{};
+  bool wants_arming = true;  ///< this time `ecs unit arm` comes before
   // of the attempt under way
   Time begun{};
   bool sends = false;
   std::size_t image = 0;
-  bool staging = false, commit_sent = false, armed_in_it = false;
+  bool staging = false, commit_sent = false, armed_in_it = false, settles = false;
 };
 
 /// The map that was active from then on.
@@ -192,6 +194,7 @@ class World {
   void draw_faults();
   void install(std::size_t image);
   void hear(int from, int to, const Bytes& frame);
+  void hear_unit(int to, const Bytes& pdu);
   void before_command(const Command& command);
   void after_command(const Command& command, const CommandResult& result);
   void before_write(Address address, std::span<const std::uint8_t> bytes);
@@ -228,15 +231,16 @@ class World {
   std::map<CommandCode, int> commands_;
   int writes_ = 0;
   // of the request at hand
-  bool ends_process_ = false, ends_power_ = false, record_written_ = false;
+  bool ends_process_ = false, ends_power_ = false;
+  CommandCode last_command_ = CommandCode::none;
   std::set<std::uint64_t> meant_;  ///< by a host that knows the code
   std::map<std::uint64_t, Time> meant_at_;
   std::set<std::pair<std::uint32_t, std::uint32_t>> carried_out_;
+  std::set<std::uint64_t> carried_out_meanings_;
   Time stopped_{};  ///< when something was switched off last
   Time opened_{};   ///< when every relay was opened last
   Time output_asked_{};
   std::uint64_t meaning_ = 0;
-  int asks_ = 0;
   emulator::Drives drives_{};
   std::vector<Held> held_;
   std::vector<NotTaken> not_taken_;
@@ -290,7 +294,7 @@ void World::begin() {
   line_->arrives = [this](int /*from*/, const Bytes& pdu) {
     const Bytes meaning = meaning_of(pdu);
     meaning_ = hash_of(0, meaning.data(), meaning.size());
-    ++asks_;
+    if (carried_out_meanings_.count(meaning_) > 0) reached(Sometimes::replayed_command_ignored);
   };
   if (now_and_then(0.9)) install(draw(kImages));
   if (now_and_then(0.5)) {  // what an earlier transfer has left
@@ -304,6 +308,7 @@ void World::begin() {
   look();
   draw_faults();
   Host& sender = join("sender", true);
+  sender.gives_code = now_and_then(0.7);
   sender.program = std::make_unique<Program>(schedule_, [this, &sender] { uploads(sender); });
   if (now_and_then(0.25)) {
     Host& second = join("second sender", true);
@@ -352,6 +357,7 @@ void World::hear(int from, int to, const Bytes& frame) {
     say("{} {} {} bytes: {}", from == kUnitEnd ? "  unit to" : "to unit from", who, frame.size(), bytes);
   }
   if (forger_ && !calm_) forger_->hear(from, to, frame);
+  if (from == kUnitEnd) return hear_unit(to, Line::unframed(frame));
   const auto found = host_at_.find(from);
   if (found == host_at_.end()) return;
   Host& host = *found->second;
@@ -363,10 +369,26 @@ void World::hear(int from, int to, const Bytes& frame) {
   if (host.knows_code && meant_.insert(hash).second) meant_at_[hash] = schedule_.now();
   constexpr std::size_t kCodeAt = 2 + 2 * 6 + 1;
   if (first == protocol::kArmConfirm.first) host.armed_in_it = true;
+  if (first == protocol::kResultSelect.first && host.commit_sent) {
+    host.settles = true;
+    reached(Sometimes::commit_answer_lost);
+  }
   if (first != protocol::kCommand.first || meaning.size() <= kCodeAt) return;
   const auto code = static_cast<CommandCode>(meaning[kCodeAt]);
   if (code == CommandCode::begin_staging) host.staging = true, host.armed_in_it = false;
   if (code == CommandCode::commit_staged) host.commit_sent = true;
+}
+
+/// What the unit refuses, and why.
+void World::hear_unit(int to, const Bytes& pdu) {
+  const auto host = host_at_.find(to);
+  constexpr std::size_t kResult = 2 + 2 * protocol::kCommandResult.count, kAck = 2 + 2 * protocol::kWindowAck.count;
+  if (host == host_at_.end() || (pdu.size() != kResult && pdu.size() != kAck)) return;
+  const auto error = static_cast<UnitError>(pdu[pdu.size() == kResult ? 15 : 9]);
+  if (pdu.size() == kAck && error == UnitError::check_mismatch) reached(Sometimes::window_closed_by_forger);
+  if (error == UnitError::wrong_key) reached(Sometimes::wrong_key_refused);
+  if (pdu.size() == kResult && error == UnitError::late) reached(Sometimes::late_refused);
+  if (pdu.size() == kResult && error == UnitError::overtaken) reached(Sometimes::overtaken_refused);
 }
 
 /// Only what a host with the code has sent may write, commit or move an output; once, and in time.
@@ -377,6 +399,7 @@ void World::before_command(const Command& command) {
     const auto sent = meant_at_.find(meaning_);
     if (sent == meant_at_.end())
       return violated("\"{}\" was carried out that no host with the code has given", name_of(command.code));
+    carried_out_meanings_.insert(meaning_);
     if (!carried_out_.insert({command.asker.session, command.sequence}).second)
       violated("\"{}\" was carried out twice", name_of(command.code));
     if (protocol::acts_at_once(command.code)) {
@@ -389,7 +412,7 @@ void World::before_command(const Command& command) {
   }
   if (command.code == CommandCode::output_compensation && command.relay_on) output_asked_ = schedule_.now();
   const int which = ++commands_[command.code];
-  record_written_ = false;
+  last_command_ = command.code;
   for (const Moment& moment : moments_)
     if (moment.at == command.code && moment.which == which) strike(moment.action);
 }
@@ -398,7 +421,6 @@ void World::after_command(const Command& command, const CommandResult& result) {
   if (result.state != CommandState::done && result.state != CommandState::busy) return;
   if (protocol::switches_off(command.code)) stopped_ = schedule_.now();
   if (protocol::switches_off(command.code) && command.code != CommandCode::stop) opened_ = schedule_.now();
-  if (command.code == CommandCode::commit_staged) record_written_ = true;
 }
 
 void World::before_write(Address address, std::span<const std::uint8_t> bytes) {
@@ -438,11 +460,13 @@ void World::strike(Action action) {
       say("the battery file cannot be written");
       place_->disk.writes_fail = static_cast<int>(draw(3));
       place_->disk.names_fail = 1 + static_cast<int>(draw(2));
+      if (now_and_then(0.3)) schedule_.after(draw(1ms, 600ms), [this] { strike(Action::process); });
       return;
     case Action::bit: {
       const Address bank = emulator::inactive_bank(place_->unit().memory());
       const Address at = bank + draw(static_cast<std::uint32_t>(images()[3].size()));
       say("a bit of {:06X} flips", at);
+      if (commands_[CommandCode::commit_staged] > 0) reached(Sometimes::staged_bit_flipped);
       place_->unit().memory().corrupt(at, static_cast<std::uint8_t>(1U << draw(8)));
       return;
     }
@@ -496,7 +520,8 @@ void World::look() {
   if (!place_->process_runs()) return;
   if (!place_->unit().powered() && !supply_comes_back_) {
     say("no supply");
-    reached(record_written_ ? Sometimes::supply_lost_in_record : Sometimes::supply_lost_while_staging);
+    reached(last_command_ == CommandCode::commit_staged ? Sometimes::supply_lost_in_record
+                                                        : Sometimes::supply_lost_while_staging);
     supply_comes_back_ = true;
     schedule_.after(calm_ ? Span(1ms) : draw(1ms, 5s), [this] {
       supply_comes_back_ = false;
@@ -586,8 +611,9 @@ Result<protocol::UnitClient> World::connected(Host& host) {
     host_at_[end->number()] = &host;
     return end;
   };
-  return protocol::UnitClient::connect(line_->address(), options,
-                                       {host.key, host.name, host.knows_code ? kCode : std::string(), host.secrets});
+  return protocol::UnitClient::connect(
+      line_->address(), options,
+      {host.key, host.name, host.knows_code && host.gives_code ? kCode : std::string(), host.secrets});
 }
 
 /// `ecs map send`, from opening the link on.
@@ -595,7 +621,7 @@ void World::send(Host& host, std::size_t image) {
   host.begun = host.answered_since = schedule_.now();
   host.sends = true;
   host.image = image;
-  host.staging = host.commit_sent = host.armed_in_it = false;
+  host.staging = host.commit_sent = host.armed_in_it = host.settles = false;
   say("{} sends map {}", host.name, image);
   for (NotTaken& told : not_taken_) told.over = told.over || told.image == image;
   Result<commissioning::SentMap> sent = tl::unexpected(Problem{});
@@ -604,6 +630,7 @@ void World::send(Host& host, std::size_t image) {
     if (!client) {
       sent = tl::unexpected(client.error());
     } else {
+      if (!host.gives_code && host.wants_arming) host.wants_arming = !client->arm(kCode);
       const auto status = client->status();
       if (status && status->mode != UnitMode::integration) (void)client->enter_integration();
       commissioning::PreparedMap map;
@@ -645,12 +672,15 @@ void World::judge(Host& host, const Result<commissioning::SentMap>& sent, bool c
       return violated("{}: success was told, map {} is not active", host.name, host.image);
     if (sent->report.already_held) reached(Sometimes::already_held);
     if (sent->report.bytes_sent < sent->report.bytes && !sent->report.already_held) reached(Sometimes::resumed);
+    if (host.settles) reached(Sometimes::settled_as_active);
     if (host.armed_in_it) reached(Sometimes::armed_again_in_transfer);
     promised_ = std::max(promised_, sent->report.commit_sequence);
     return end(sent->report.already_held ? "right, already held" : "right");
   }
   const std::string& words = sent.error().message;
+  host.wants_arming = true;
   trace(words.data(), words.size());
+  if (holds(words, "try again in")) reached(Sometimes::code_delayed);
   const bool says_none = holds(words, "the unit contains no map, as before");
   const auto old_commit = number_after(words, "the old map is active (commit ");
   const auto new_commit = number_after(words, "it is active (commit ");
@@ -680,14 +710,14 @@ void World::judge(Host& host, const Result<commissioning::SentMap>& sent, bool c
     return end(was_held(now, now, is_sent) ? "in doubt, new active" : "in doubt, old active");
   }
   if (host.staging) return violated("{}: a failure that does not name the active map: {}", host.name, words);
-  if (holds(words, "try again in")) reached(Sometimes::code_delayed);
   end("before staging");
 }
 
 void World::uploads(Host& host) {
   schedule_.wait_until(schedule_.now() + draw(0ms, 300ms));
-  for (std::uint32_t left = 1 + draw(3); left > 0; --left) {
-    send(host, draw(kImages));
+  const std::array two{draw(kImages), draw(kImages)};
+  for (std::uint32_t left = 1 + draw(4); left > 0; --left) {
+    send(host, two[draw(2)]);
     if (now_and_then(0.1)) host.secrets->lose();
     host.cancelled = false;
     schedule_.wait_until(schedule_.now() + (now_and_then(0.05) ? draw(1s, 90s) : draw(1ms, 2s)));
@@ -762,6 +792,7 @@ void World::tries_without_code(Host& host) {
 void World::calm() {
   calm_ = true;
   line_->quiet();
+  if (forger_) forger_->fall_silent();
   line_->turnaround = 1ms;
   place_->disk.writes_fail = place_->disk.names_fail = 0;
   place_->disk.lies = false;
