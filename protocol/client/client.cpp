@@ -252,7 +252,8 @@ Result<CommandResult> UnitClient::run(Command command, std::chrono::milliseconds
     const bool once = needs_arming(command.code) && command.code != CommandCode::begin_staging;
     const bool lapsed = (first->error == UnitError::not_armed && knows_code()) || first->error == UnitError::wrong_key;
     if (lapsed) ECS_DO(session_now());
-    const bool not_taken = unknown ? !once : lapsed || first->error == UnitError::late;
+    const bool finds_key = lapsed && (key_ || knows_code());
+    const bool not_taken = unknown ? !once : finds_key || first->error == UnitError::late;
     if (!not_taken || link_.now() > until) return wait_for(command, std::move(*first), limit, busy);
   }
 }

@@ -41,7 +41,9 @@ int Line::join(HostEnd* end) {
 }
 
 Bytes Line::framed(std::span<const std::uint8_t> pdu) {
-  Bytes frame{kUnitNumber};
+  Bytes frame;
+  frame.reserve(pdu.size() + kAround);
+  frame.push_back(kUnitNumber);
   frame.insert(frame.end(), pdu.begin(), pdu.end());
   const std::uint16_t crc = protocol::crc16_of(frame);
   frame.push_back(static_cast<std::uint8_t>(crc & 0xFF));

@@ -27,7 +27,7 @@ using protocol::UnitError;
 
 const std::string kCode = "271828";
 constexpr Span kLongestAttempt = 10min;
-constexpr Span kLongestNoise = 15min;
+constexpr Span kLongestNoise = 4h;
 /// When faults have stopped, a map sent again and again is active within this time.
 constexpr Span kCalmLimit = 3min;
 constexpr Span kBetweenSends = 5s;
@@ -49,6 +49,8 @@ class SeededChance {
  public:
   explicit SeededChance(std::uint64_t seed) : random_(seed) {
     static randombytes_implementation seeded{chance_name, chance_word, nullptr, nullptr, chance_bytes, nullptr};
+    static const int ready = ::sodium_init();  // draws numbers itself, once
+    (void)ready;
     chance_source = &random_;
     randombytes_set_implementation(&seeded);
   }
@@ -211,6 +213,7 @@ class World {
   [[nodiscard]] bool was_held(Time from, Time to, const std::function<bool(const Held&)>& held) const;
   void uploads(Host& host);
   void operates(Host& host);
+  void give_rare_command(protocol::UnitClient& client);
   void tries_without_code(Host& host);
   void calm();
 
@@ -312,10 +315,11 @@ void World::begin() {
   sender.program = std::make_unique<Program>(schedule_, [this, &sender] { uploads(sender); });
   if (now_and_then(0.25)) {
     Host& second = join("second sender", true);
+    if (now_and_then(0.3)) second.key = sender.key, second.secrets = sender.secrets;
     second.program = std::make_unique<Program>(schedule_, [this, &second] { uploads(second); });
   }
-  if (now_and_then(0.25)) {
-    Host& other = join("operator", true);
+  for (std::uint32_t left = now_and_then(0.25) ? 1 + draw(2) : 0; left > 0; --left) {
+    Host& other = join(left == 1 ? "operator" : "second operator", true);
     if (now_and_then(0.3)) other.key = sender.key, other.secrets = sender.secrets;
     other.program = std::make_unique<Program>(schedule_, [this, &other] { operates(other); });
   }
@@ -489,7 +493,7 @@ void World::strike(Action action) {
         if (host.program->ended() || calm_) return;
         say("{} is killed", host.name);
         if (host.staging) reached(Sometimes::host_killed_while_staging);
-        const bool sends = host.name != "operator" && host.name != "stranger";
+        const bool sends = holds(host.name, "sender");
         host.program->kill();
         host.sends = false;
         dead_programs_.push_back(std::move(host.program));
@@ -720,7 +724,31 @@ void World::uploads(Host& host) {
     send(host, two[draw(2)]);
     if (now_and_then(0.1)) host.secrets->lose();
     host.cancelled = false;
-    schedule_.wait_until(schedule_.now() + (now_and_then(0.05) ? draw(1s, 90s) : draw(1ms, 2s)));
+    const Time until = schedule_.now() + (now_and_then(0.02)   ? draw(1790s, 1802s)  // a host is armed for 30 min
+                                          : now_and_then(0.05) ? draw(1s, 90s)
+                                                               : draw(1ms, 2s));
+    schedule_.wait_until(until);
+  }
+}
+
+void World::give_rare_command(protocol::UnitClient& client) {
+  switch (draw(12)) {
+    case 0:
+      (void)client.enter_compensation();
+      break;
+    case 1:
+      (void)client.reset_unit();
+      break;
+    case 2:
+    case 3:
+      (void)client.disarm();
+      break;
+    case 4:
+      (void)client.enter_integration();
+      break;
+    default:
+      (void)client.set_axis_position(Axis::X, 1.0);
+      break;
   }
 }
 
@@ -733,26 +761,29 @@ void World::operates(Host& host) {
     (void)client->enter_integration();
     for (std::uint32_t left = 1 + draw(8); left > 0 && !host.cancelled; --left) {
       const auto axis = static_cast<Axis>(draw(3));
-      switch (draw(7)) {
+      switch (draw(9)) {
         case 0:
         case 1:
         case 2:
+        case 3:
           (void)client->output_compensation(axis, uniform(random_) * 100.0, now_and_then(0.7));
           break;
-        case 3:
+        case 4:
+        case 5:
           (void)client->output_off();
           break;
-        case 4:
-          (void)client->set_axis_position(axis, 1.0);
+        case 6:
+          (void)client->write_memory(kSystemRam.first + 0x2000, images()[0]);
           break;
-        case 5:
+        case 7:
           (void)client->monitor();
           break;
         default:
-          if (now_and_then(0.1)) (void)client->disarm();
+          give_rare_command(*client);
           break;
       }
-      schedule_.wait_until(schedule_.now() + (now_and_then(0.05) ? draw(1s, 70s) : draw(1ms, 2s)));
+      host.cancelled = false;
+      schedule_.wait_until(schedule_.now() + (now_and_then(0.05) ? draw(50s, 70s) : draw(1ms, 1s)));
     }
   }
   host.cancelled = false;

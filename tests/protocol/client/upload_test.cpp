@@ -261,6 +261,28 @@ TEST_CASE("a map that is active already is not sent again, and nothing is commit
   CHECK(unit.link().statistics().requests - requests == 1);
 }
 
+TEST_CASE("that a map is active already counts only with a keyed check: a host that is not armed is refused") {
+  UnitWithMap shop(Over::tcp, sealed_image(2000), "271828");
+  auto unit = shop.client();
+  const auto refused = must_fail(unit.upload_image(sealed_image(2000)));
+  CHECK(refused.kind == ProblemKind::refused);
+  check_holds(refused.message, {"read-only for this host", "the old map is active"});
+  unit.know_code("271828");
+  CHECK(must(unit.upload_image(sealed_image(2000))).already_held);
+}
+
+TEST_CASE("a host whose secret is not the unit's any more is refused at once, without asking again and again") {
+  UnitWithMap shop(Over::tcp, kOldImage, "271828");
+  const auto of_same_host = [&](const std::string& code) {
+    return UnitClient(Link::open(shop.address(), shop.options()).value(), {7, {}, code});
+  };
+  auto armed = of_same_host("271828");
+  REQUIRE(armed.begin_staging(StagingFrom::cleared).has_value());
+  auto other = of_same_host("");
+  CHECK(must_fail(other.begin_staging(StagingFrom::cleared)).kind == ProblemKind::refused);
+  CHECK(other.link().statistics().requests < 10);
+}
+
 /// Another content with the same CRC-32: the generator of that CRC is added to it, 33 bits from byte `at` on.
 std::vector<std::uint8_t> with_same_crc(std::vector<std::uint8_t> image, std::size_t at) {
   for (const std::uint8_t bits : std::initializer_list<std::uint8_t>{0x41, 0x06, 0x71, 0xDB, 0x01}) image[at++] ^= bits;
