@@ -94,6 +94,13 @@ void UnitMemory::write(Address address, std::uint8_t value) {
 }
 
 void UnitMemory::write(Address first, ByteView bytes) {
+  const auto region = region_of(first, static_cast<std::uint32_t>(bytes.size()));
+  if (region && stuck_.empty() && !writes_left_ && !power_failed_) {
+    changed_ = changed_ || battery_backed(first);
+    if (battery_backed(first)) ++version_;
+    std::copy(bytes.begin(), bytes.end(), at(first));
+    return;
+  }
   for (std::size_t i = 0; i < bytes.size(); ++i) write(first + static_cast<Address>(i), bytes[i]);
 }
 

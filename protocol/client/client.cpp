@@ -125,18 +125,20 @@ bool UnitClient::is_sealed(const Registers& answer, const Block& block, std::uin
 }
 
 /// Asks once more where the key is not the unit's any more: with that of another program of this host, or armed again.
+/// Who only reads goes on as a host that is not armed; who was armed to send a map must know whose answers it reads.
 Result<UnitClient::Answer> UnitClient::ask_sealed(const Block& request,
                                                   const std::function<Registers(const Asker&)>& values,
                                                   const Block& answer) {
+  if (sends_armed_ && (!key_ || session_ == 0)) ECS_DO(armed_session());
   for (bool again = false;; again = true) {
     const Asker who = asker();
     ECS_TRY(registers, link_.ask(request, values(who), answer));
-    if (who.session == 0 || is_sealed(registers, answer, who.challenge)) return Answer{std::move(registers), true};
+    if (who.session == 0) return Answer{std::move(registers), !sends_armed_};
+    if (is_sealed(registers, answer, who.challenge)) return Answer{std::move(registers), true};
     if (again) return Answer{std::move(registers), false};
     ECS_DO(session_now());
     if (!key_ && knows_code()) ECS_DO(armed_session());
-    // Who only reads goes on as a host that is not armed; who sends a map must know whose answers it reads.
-    const bool only_reads = !sends_ && (request == kReadSelect || request == kEcho);
+    const bool only_reads = !sends_armed_ && (request == kReadSelect || request == kEcho);
     if (!key_ && !only_reads) return Answer{std::move(registers), false};
   }
 }

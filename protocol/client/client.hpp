@@ -212,7 +212,7 @@ class UnitClient {
   std::optional<Secret> key_;     ///< of the session; nothing: not armed, as far as this host knows
   std::uint32_t challenge_ = 0;   ///< the last one
   bool wants_code_ = false;
-  bool sends_ = false;                          ///< a map, since it was connected
+  bool sends_armed_ = false;                    ///< a map, to a unit at which it was armed
   std::uint32_t session_ = 0;                   ///< 0: none is open
   std::uint32_t armed_in_ = 0;                  ///< the session in which this host was seen armed last; 0: in none
   UnitError window_refusal_ = UnitError::none;  ///< of the window that was asked for last

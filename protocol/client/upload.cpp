@@ -317,7 +317,7 @@ Result<void> UnitClient::stage(Address address, Image image, const std::vector<b
 Result<UploadReport> UnitClient::upload_image(Image image, const ProgressCallback& progress, Held held) {
   // Armed first: an answer that anybody can give says nothing of the map that is active.
   if (!key_ && (knows_code() || secrets_)) ECS_DO(armed_session());
-  sends_ = true;
+  sends_armed_ = sends_armed_ || key_;
   ECS_TRY(before, active_map());
   const SentImage sent{image, digest_of(image)};
   UploadReport report{image.size(), 0, before.commit_sequence, true};

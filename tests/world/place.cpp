@@ -178,8 +178,13 @@ class Place::Port final : public protocol::UnitPort {
   Place& place_;
 };
 
-Place::Place(Schedule& schedule, Random& random, Looks looks, UnitBreak broken, std::string code)
-    : schedule_(schedule), random_(random), looks_(std::move(looks)), broken_(broken), code_(std::move(code)) {
+Place::Place(Schedule& schedule, Random& random, Looks looks, UnitBreak broken, std::string code, bool automatic)
+    : schedule_(schedule),
+      random_(random),
+      looks_(std::move(looks)),
+      broken_(broken),
+      code_(std::move(code)),
+      automatic_(automatic) {
   start_process();
 }
 Place::~Place() = default;
@@ -244,7 +249,7 @@ bool Place::end_process(bool power) {
 
 bool Place::start_process() {
   emulator::UnitSettings settings;
-  settings.link = emulator::LinkSense::integrate;
+  settings.link = automatic_ ? emulator::LinkSense::automatic : emulator::LinkSense::integrate;
   unit_ = std::make_unique<emulator::Unit>(settings);
   unit_->on_commit([this] {
     if (looks_.before_keep) looks_.before_keep();

@@ -71,7 +71,8 @@ enum class UnitBreak : std::uint8_t {
 
 class Place {
  public:
-  Place(Schedule& schedule, Random& random, Looks looks, UnitBreak broken, std::string code);
+  /// @param automatic  the unit waits for a host at its start, and compensates without one
+  Place(Schedule& schedule, Random& random, Looks looks, UnitBreak broken, std::string code, bool automatic);
   ~Place();
 
   Disk disk;
@@ -104,6 +105,7 @@ class Place {
   Looks looks_;
   UnitBreak broken_;
   std::string code_;
+  bool automatic_;
   std::unique_ptr<emulator::Unit> unit_;
   std::unique_ptr<Port> port_;
   std::unique_ptr<protocol::RegisterServer> server_;

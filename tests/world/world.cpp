@@ -288,7 +288,7 @@ void World::begin() {
             [this](const Command& command, const CommandResult& result) { after_command(command, result); },
             [this](Address address, std::span<const std::uint8_t> bytes) { before_write(address, bytes); },
             [this] { before_keep(); }},
-      breaks_.unit, kCode);
+      breaks_.unit, kCode, now_and_then(0.1));
   place_->disk.lies = lying_disk_ = now_and_then(0.1);
   line_ = std::make_unique<Line>(schedule_, line_random_, *place_, shared,
                                  std::array{9'600, 115'200, 115'200, 921'600}[draw(4)]);
@@ -559,6 +559,8 @@ void World::look_at_map() {
       say("the commit is undone, there is no map as before");
     else if (place_->disk.torn() && refused)
       reached(Sometimes::torn_file_refused_or_isolated);
+    else if (refused && !place_->running() && place_->unit().status().ram_test == protocol::TestOutcome::failed)
+      reached(Sometimes::supply_lost_in_ram_test);
     else
       violated("the active map is none that was sent ({} bytes, commit {})", active.size(), now.commit);
   }
