@@ -481,7 +481,8 @@ void World::strike(Action action) {
     case Action::cancel: {
       Host& host = some_host();
       say("{} is cancelled", host.name);
-      schedule_.after(draw(0ms, 50ms), [&host] {
+      schedule_.after(draw(0ms, 50ms), [this, &host] {
+        if (calm_) return;
         host.cancelled = true;
         host.program->wake();
       });
