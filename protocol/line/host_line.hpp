@@ -1,5 +1,5 @@
-// The host's end of a line to one unit, with the time that passes there: what the client needs of either. It is libmodbus
-// on a port and the computer's clock (modbus_link.hpp); a test has a line and a clock of its own.
+// The host's end of a line to one unit, with the time that passes there: what the client needs of either. It is
+// libmodbus on a port and the computer's clock (modbus_link.hpp); a test has a line and a clock of its own.
 #pragma once
 
 #include <chrono>
