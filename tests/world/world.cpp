@@ -561,7 +561,7 @@ void World::look_at_map() {
     else if (place_->disk.torn() && refused)
       reached(Sometimes::torn_file_refused_or_isolated);
     else if (refused && !place_->running() && place_->unit().status().ram_test == protocol::TestOutcome::failed)
-      reached(Sometimes::supply_lost_in_ram_test);
+      say("the supply was lost within the RAM test, and the map is refused");
     else
       violated("the active map is none that was sent ({} bytes, commit {})", active.size(), now.commit);
   }

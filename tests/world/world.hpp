@@ -18,7 +18,6 @@ namespace ecs::world {
 enum class Sometimes : std::uint8_t {
   supply_lost_in_record,
   supply_lost_while_staging,
-  supply_lost_in_ram_test,
   process_ended_before_battery,
   process_ended_before_name,
   process_ended_after_battery,
@@ -54,7 +53,6 @@ enum class Sometimes : std::uint8_t {
 inline constexpr std::array kSometimes{
     "supply lost within the commit record",
     "supply lost while staging",
-    "supply lost within the RAM test: the map is refused",
     "process ended after the commit, before the battery file",
     "process ended after the battery file, before its name lasts",
     "process ended after the battery file, before the answer",
