@@ -453,6 +453,8 @@ Problem UnitClient::given_up(Problem why, const ActiveMap& before) {
         "has sent one";
   else if (now->commit_sequence != before.commit_sequence)
     why.message += "; " + another_is_active(*now);
+  else if (!key_)  // anybody can have answered
+    why.message += "; this map was not committed; the old map is active unless another host has sent one";
   else
     why.message += not_taken(before);
   return why;
