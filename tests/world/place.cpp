@@ -153,7 +153,7 @@ class Place::Port final : public protocol::UnitPort {
     protocol::Command taken = command;
     if (place_.broken_ == UnitBreak::commits_unchecked && command.code == protocol::CommandCode::commit_staged)
       agree_with_memory(taken);
-    const auto result = unit().begin(taken);
+    auto result = unit().begin(taken);
     place_.looks_.after_command(command, result);
     return result;
   }

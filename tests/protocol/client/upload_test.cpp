@@ -271,6 +271,30 @@ TEST_CASE("that a map is active already counts only with a keyed check: a host t
   CHECK(must(unit.upload_image(sealed_image(2000))).already_held);
 }
 
+/// As the programs of one user share it.
+struct SharedSecret : SecretStore {
+  std::optional<Secret> secret;
+  std::optional<Secret> secret_of(const std::string&) override { return secret; }
+  void keep(const std::string&, const Secret& kept) override { secret = kept; }
+};
+
+TEST_CASE("after a restart of the unit a host that cannot be armed again does not name the active map") {
+  UnitWithMap shop(Over::tcp, kOldImage, "271828");
+  const auto secrets = std::make_shared<SharedSecret>();
+  const auto program = [&] {
+    return UnitClient(Link::open(shop.address(), shop.options()).value(), {7, {}, {}, secrets});
+  };
+  REQUIRE(program().arm("271828").has_value());
+  shop.in_model([](UnitModel& model) {
+    model.after_commit = [&model] {
+      model.replies_to_lose = 1;
+      ++model.unit_clock.starts;
+    };
+  });
+  auto unit = program();
+  CHECK(says(unit.upload_image(noise_image(4000)), "it is not known which map is active"));
+}
+
 TEST_CASE("a host whose secret is not the unit's any more is refused at once, without asking again and again") {
   UnitWithMap shop(Over::tcp, kOldImage, "271828");
   const auto of_same_host = [&](const std::string& code) {
