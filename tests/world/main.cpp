@@ -14,7 +14,7 @@ namespace {
 using namespace ecs::world;
 
 constexpr const char* kUsage =
-    "ecs-world [--seeds A..B]    runs these worlds (1..300 if left out) and counts\n"
+    "ecs-world [--seeds A..B]    runs these worlds (1..1000 if left out) and counts\n"
     "ecs-world --verbose SEED    runs one and tells what happens\n";
 
 std::uint64_t number_in(std::string_view text) {
@@ -68,7 +68,7 @@ int many(std::uint64_t first, std::uint64_t last) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::uint64_t first = 1, last = 300;
+  std::uint64_t first = 1, last = 1000;
   if (argc == 3 && std::strcmp(argv[1], "--verbose") == 0) return one(number_in(argv[2]));
   if (argc == 3 && std::strcmp(argv[1], "--seeds") == 0) {
     const std::string_view range = argv[2];

@@ -21,6 +21,8 @@ std::unique_ptr<std::byte[]> a_stack() {
   return stack;
 }
 
+Program* entered = nullptr;  ///< the last one: whose stack it is that begins
+
 }  // namespace
 
 Program::Program(Schedule& schedule, std::function<void()> body)
@@ -29,9 +31,7 @@ Program::Program(Schedule& schedule, std::function<void()> body)
   own_.uc_stack.ss_sp = stack_.get();
   own_.uc_stack.ss_size = kStackBytes;
   own_.uc_link = nullptr;
-  const auto self = reinterpret_cast<std::uintptr_t>(this);
-  ::makecontext(&own_, reinterpret_cast<void (*)()>(&Program::run), 2, static_cast<unsigned>(self >> 32),
-                static_cast<unsigned>(self & 0xFFFFFFFF));
+  ::makecontext(&own_, &Program::run, 0);
   waiting_ = true;
   wake();
 }
@@ -41,8 +41,8 @@ Program::~Program() {
   spare_stacks().push_back(std::move(stack_));
 }
 
-void Program::run(unsigned high, unsigned low) {
-  auto* self = reinterpret_cast<Program*>(std::uintptr_t{high} << 32 | low);
+void Program::run() {
+  Program* const self = entered;
   try {
     if (!self->killed_) self->body_();
   } catch (const Killed&) {
@@ -54,6 +54,7 @@ void Program::run(unsigned high, unsigned low) {
 void Program::resume() {
   Program* const before = std::exchange(schedule_->running_, this);
   waiting_ = false;
+  entered = this;
   ::swapcontext(&back_, &own_);
   schedule_->running_ = before;
 }

@@ -36,7 +36,7 @@ class Program {
 
  private:
   friend class Schedule;
-  static void run(unsigned high, unsigned low);
+  static void run();
   void resume();
 
   Schedule* schedule_;
