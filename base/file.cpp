@@ -165,10 +165,22 @@ Result<void> write_to_disc(const std::filesystem::path& name, std::string_view c
 
 Result<void> write_file(const std::filesystem::path& path, std::string_view content) {
   FileWatch* watch = FileWatch::current();
-  if (watch == nullptr || !watch->replaces_disc())
-    if (auto written = write_to_disc(path, content); !written) return written;
+  const bool replaced = watch != nullptr && watch->replaces_disc();
+  ECS_DO(replaced ? watch->may_write(path) : write_to_disc(path, content));
   if (watch != nullptr) watch->was_written(path, content);
   return {};
+}
+
+Result<void> keep_name(const std::filesystem::path& path) {
+  if (FileWatch* watch = FileWatch::current(); watch != nullptr && watch->replaces_disc())
+    return watch->keeps_name(path);
+  const std::filesystem::path folder = led_to(path).parent_path();
+  const int handle = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const bool kept = handle >= 0 && (::fsync(handle) == 0 || errno == EINVAL);  // EINVAL: it has nothing to write
+  const int error = errno;
+  if (handle >= 0) ::close(handle);
+  if (kept) return {};
+  return problem(ProblemKind::output, fmt::format("{}: cannot write: {}", folder.string(), std::strerror(error)));
 }
 
 std::string sha256_hex(std::string_view content) {

@@ -27,6 +27,9 @@ namespace ecs {
 /// not possible.
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::string_view content);
 
+/// The name of a file that was written lasts over a loss of power: its folder is on the disc.
+[[nodiscard]] Result<void> keep_name(const std::filesystem::path& path);
+
 /// SHA-256 as 64 hexadecimal digits.
 [[nodiscard]] std::string sha256_hex(std::string_view content);
 
@@ -55,6 +58,10 @@ class FileWatch {
   [[nodiscard]] virtual bool replaces_disc() const { return false; }
   /// Only where it replaces the disc: the content, or why there is none.
   [[nodiscard]] virtual Result<std::string> content(const std::filesystem::path& path);
+  /// Only where it replaces the disc: why it cannot be written there. Otherwise was_written() follows.
+  [[nodiscard]] virtual Result<void> may_write(const std::filesystem::path& /*path*/) { return {}; }
+  /// Only where it replaces the disc: keep_name().
+  [[nodiscard]] virtual Result<void> keeps_name(const std::filesystem::path& /*path*/) { return {}; }
 
   virtual void was_read(const std::filesystem::path& path, std::string_view content) = 0;
   /// Also what would have been written, where it replaces the disc.

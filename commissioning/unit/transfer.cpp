@@ -131,11 +131,11 @@ namespace {
 using protocol::Bank;
 using Image = std::vector<std::uint8_t>;
 
-Result<void> has_image(const protocol::UnitStatus& status) {
-  if (status.active_bank == Bank::none) return {};
-  if (status.image_length_bytes >= kPrefixBytes + kParameterBytes && status.image_length_bytes <= kBankBytes) return {};
+Result<void> has_image(const protocol::ActiveMap& active) {
+  if (active.active_bank == Bank::none) return {};
+  if (active.image_length_bytes >= kPrefixBytes + kParameterBytes && active.image_length_bytes <= kBankBytes) return {};
   return problem(ProblemKind::link, fmt::format("unit: expected an active image of {} to {} bytes, it reports {}",
-                                                kPrefixBytes + kParameterBytes, kBankBytes, status.image_length_bytes));
+                                                kPrefixBytes + kParameterBytes, kBankBytes, active.image_length_bytes));
 }
 
 /// What of a unit's image is worth keeping beside new parameters.
@@ -180,11 +180,11 @@ tl::unexpected<Problem> refused_for_map(const std::vector<std::string>& objectio
 
 Result<std::optional<Image>> read_active_image(protocol::UnitClient& client,
                                                const protocol::ProgressCallback& progress) {
-  ECS_TRY(before, client.status());
+  ECS_TRY(before, client.active_map());
   ECS_DO(has_image(before));
   if (before.active_bank == Bank::none) return std::optional<Image>();
   ECS_TRY(image, client.read_memory(address_of(before.active_bank), before.image_length_bytes, progress));
-  ECS_TRY(after, client.status());
+  ECS_TRY(after, client.active_map());
   if (after.commit_sequence != before.commit_sequence)
     return problem(ProblemKind::refused, "another map became active while it was read: read again");
   return std::optional<Image>(std::move(image));
@@ -301,6 +301,8 @@ Upload upload(protocol::UnitClient& client, const Image& image, const protocol::
   std::string differs;
   for (const auto held : {protocol::Held::by_checks, protocol::Held::nothing}) {
     auto sent = client.upload_image(image, progress, held);
+    if (!sent && !differs.empty())
+      sent.error().message += fmt::format("; the active map in the unit differs from the one sent: {}", differs);
     if (!sent) return {std::move(sent)};
     const auto difference = difference_in_unit(client, image, sent->commit_sequence, progress);
     if (!difference) {

@@ -72,6 +72,7 @@ protocol::CommandResult Unit::begin(const Command& command) {
   if (command.code == CommandCode::stop) return stop();
   if (command.code == CommandCode::enter_integration) {
     if (mode_ != UnitMode::integration) enter_integration();
+    isolate();
     return done();
   }
   if (mode_ != UnitMode::integration)
@@ -215,7 +216,12 @@ protocol::CommandResult Unit::commit(std::uint32_t length, std::uint64_t digest)
   if (!now_active || now_active->commit != commit)
     return failed(UnitError::unit_fault, "the commit record could not be stored");
   if (on_commit_ && !memory_.power_failed() && !on_commit_()) {
-    memory_.write(kCommitRecords.first, records_before);
+    // The record in force before comes back before the new one goes, so that there is one if the supply fails
+    // meanwhile; and the battery, of which nobody knows what it holds, is written once more.
+    for (const std::uint32_t which : {1 - slot, slot})
+      memory_.write(kCommitRecords.first + which * kCommitSlotBytes,
+                    ByteView(records_before).subspan(which * kCommitSlotBytes, kCommitSlotBytes));
+    if (!memory_.power_failed()) (void)on_commit_();
     return failed(UnitError::unit_fault, "the battery memory cannot be written; the old map stays active");
   }
   take_over(commit);

@@ -94,6 +94,13 @@ void UnitMemory::write(Address address, std::uint8_t value) {
 }
 
 void UnitMemory::write(Address first, ByteView bytes) {
+  const auto region = region_of(first, static_cast<std::uint32_t>(bytes.size()));
+  if (region && stuck_.empty() && !writes_left_ && !power_failed_) {
+    changed_ = changed_ || battery_backed(first);
+    if (battery_backed(first)) ++version_;
+    std::copy(bytes.begin(), bytes.end(), at(first));
+    return;
+  }
   for (std::size_t i = 0; i < bytes.size(); ++i) write(first + static_cast<Address>(i), bytes[i]);
 }
 
@@ -205,22 +212,10 @@ std::array<Part, 3> parts_of(const UnitMemory& memory) {
   return {{{kCommitRecords.first, kCommitRecords.size}, {kBankA.first, bank}, {kBankB.first, bank}}};
 }
 
-/// The name of a file lasts over a loss of power once its folder is on the disk.
-Result<void> keep_name(const std::filesystem::path& path) {
-  const std::filesystem::path folder = led_to(path).parent_path();
-  const int handle = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  const bool kept = handle >= 0 && (::fsync(handle) == 0 || errno == EINVAL);  // EINVAL: it has nothing to write
-  const int error = errno;
-  if (handle >= 0) ::close(handle);
-  if (kept) return {};
-  return problem(ProblemKind::output, fmt::format("{}: cannot write: {}", folder.string(), std::strerror(error)));
-}
-
 }  // namespace
 
 Result<void> restore(UnitMemory& memory, const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) return {};
+  if (!is_there(path)) return {};
   ECS_TRY(content, read_file(path));
   std::size_t wanted = kMagic.size();
   for (const Part& part : parts_of(memory)) wanted += part.size;

@@ -166,6 +166,7 @@ Drives Unit::tick(const Signals& signals) {
     case UnitMode::halted:
       break;
   }
+  watch_supply();
   return drives_;
 }
 

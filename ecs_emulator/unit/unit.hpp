@@ -58,7 +58,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   void power(bool on);
   [[nodiscard]] bool powered() const { return powered_; }
   /// Called when a new map has become the active one, before the host is answered. False: the battery memory could not
-  /// be written, and the commit is taken back.
+  /// be written; the commit is taken back, and it is called once more.
   void on_commit(std::function<bool()> keep) { on_commit_ = std::move(keep); }
 
   [[nodiscard]] Drives tick(const Signals& signals) override;

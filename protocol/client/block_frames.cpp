@@ -69,6 +69,7 @@ bool is_digit(std::uint8_t byte) { return (byte >= '0' && byte <= '9') || (byte 
 Token longest_repeat(View bytes, std::size_t at, std::size_t to) {
   Token best{Token::Kind::repeat, 0, 0};
   for (std::size_t distance = 1; distance <= std::min(at, kHistoryBytes); ++distance) {
+    if (bytes[at + best.count] != bytes[at + best.count - distance]) continue;  // it is no longer than the best
     std::size_t count = 0;
     while (at + count < to && bytes[at + count] == bytes[at + count - distance]) ++count;
     if (count > best.count) best = {Token::Kind::repeat, count, distance};

@@ -2,7 +2,6 @@
 #include "protocol/client/client.hpp"
 
 #include <algorithm>
-#include <ctime>
 #include <limits>
 
 #include <fmt/format.h>
@@ -126,18 +125,20 @@ bool UnitClient::is_sealed(const Registers& answer, const Block& block, std::uin
 }
 
 /// Asks once more where the key is not the unit's any more: with that of another program of this host, or armed again.
+/// Who only reads goes on as a host that is not armed; who was armed to send a map must know whose answers it reads.
 Result<UnitClient::Answer> UnitClient::ask_sealed(const Block& request,
                                                   const std::function<Registers(const Asker&)>& values,
                                                   const Block& answer) {
+  if (sends_armed_ && (!key_ || session_ == 0)) ECS_DO(armed_session());
   for (bool again = false;; again = true) {
     const Asker who = asker();
     ECS_TRY(registers, link_.ask(request, values(who), answer));
-    if (who.session == 0 || is_sealed(registers, answer, who.challenge)) return Answer{std::move(registers), true};
+    if (who.session == 0) return Answer{std::move(registers), !sends_armed_};
+    if (is_sealed(registers, answer, who.challenge)) return Answer{std::move(registers), true};
     if (again) return Answer{std::move(registers), false};
     ECS_DO(session_now());
     if (!key_ && knows_code()) ECS_DO(armed_session());
-    // Who only reads goes on as a host that is not armed; who has sent a map must know whose answers it reads.
-    const bool only_reads = token_ == 0 && (request == kReadSelect || request == kEcho);
+    const bool only_reads = !sends_armed_ && (request == kReadSelect || request == kEcho);
     if (!key_ && !only_reads) return Answer{std::move(registers), false};
   }
 }
@@ -188,7 +189,7 @@ bool UnitClient::adopt_key(const SessionState& state, const Registers& answer) {
 /// Opens the session of this client, or finds it again as the unit knows it now.
 Result<SessionState> UnitClient::session_now() {
   if (serial_number_.empty()) ECS_DO(identity());
-  self_.unix_time_s = static_cast<std::uint32_t>(std::time(nullptr));
+  self_.unix_time_s = static_cast<std::uint32_t>(link_.unix_time_s());
   self_.challenge = ++challenge_;
   ECS_TRY(answer, link_.ask(kSessionOpen, registers_of(self_, 0), kSession));
   auto state = value_in<SessionState>(answer);
@@ -239,7 +240,7 @@ Result<void> UnitClient::make_ready(Command& command) {
 }
 
 Result<CommandResult> UnitClient::run(Command command, std::chrono::milliseconds limit, const CommandCallback& busy) {
-  const auto until = std::chrono::steady_clock::now() + milliseconds(kMostAge_ms);
+  const auto until = link_.now() + milliseconds(kMostAge_ms);
   for (;;) {
     ECS_DO(make_ready(command));
     auto first = exchange(command);
@@ -253,20 +254,20 @@ Result<CommandResult> UnitClient::run(Command command, std::chrono::milliseconds
     const bool once = needs_arming(command.code) && command.code != CommandCode::begin_staging;
     const bool lapsed = (first->error == UnitError::not_armed && knows_code()) || first->error == UnitError::wrong_key;
     if (lapsed) ECS_DO(session_now());
-    const bool not_taken = unknown ? !once : lapsed || first->error == UnitError::late;
-    if (!not_taken || std::chrono::steady_clock::now() > until)
-      return wait_for(command, std::move(*first), limit, busy);
+    const bool finds_key = lapsed && (key_ || knows_code());
+    const bool not_taken = unknown ? !once : finds_key || first->error == UnitError::late;
+    if (!not_taken || link_.now() > until) return wait_for(command, std::move(*first), limit, busy);
   }
 }
 
 Result<CommandResult> UnitClient::wait_for(const Command& command, CommandResult result,
                                            std::chrono::milliseconds limit, const CommandCallback& busy) {
-  const auto until = std::chrono::steady_clock::now() + limit;
+  const auto until = link_.now() + limit;
   milliseconds poll = kFirstPoll;
   const auto ours = [&] { return result.session == command.asker.session && result.sequence == command.sequence; };
   while (ours() && result.state == CommandState::busy) {
     if (busy) busy(result);
-    const bool over = std::chrono::steady_clock::now() >= until;
+    const bool over = link_.now() >= until;
     if (over || !link_.pause(poll)) return stopped(command, over);
     poll = std::min(2 * poll, kSlowestPoll);
     auto next = result_now();

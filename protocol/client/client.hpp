@@ -43,7 +43,7 @@ struct UploadReport {
   std::size_t bytes = 0;              ///< of the image
   std::size_t bytes_sent = 0;         ///< of these, what the unit did not hold yet
   std::uint32_t commit_sequence = 0;  ///< of the map that is active now
-  bool already_held = false;          ///< by its checks the image was active before: nothing was sent or committed
+  bool already_held = false;  ///< by an answer with its keyed check the image was active before: nothing was sent
 };
 
 /// What of an image counts as held by the unit and is not sent.
@@ -212,6 +212,7 @@ class UnitClient {
   std::optional<Secret> key_;     ///< of the session; nothing: not armed, as far as this host knows
   std::uint32_t challenge_ = 0;   ///< the last one
   bool wants_code_ = false;
+  bool sends_armed_ = false;                    ///< a map, to a unit at which it was armed
   std::uint32_t session_ = 0;                   ///< 0: none is open
   std::uint32_t armed_in_ = 0;                  ///< the session in which this host was seen armed last; 0: in none
   UnitError window_refusal_ = UnitError::none;  ///< of the window that was asked for last

@@ -3,20 +3,19 @@
 
 #include <algorithm>
 #include <array>
-#include <random>
-#include <thread>
 
 #include <fmt/format.h>
 #include <modbus.h>
 
 #include "protocol/line/modbus_link.hpp"
+#include "protocol/registers/keys.hpp"
 
 namespace ecs::protocol {
 
 namespace {
 
-using Bytes = ModbusLink::Bytes;
-using Clock = ModbusLink::Clock;
+using Bytes = HostLine::Bytes;
+using Clock = HostLine::Clock;
 
 void put_word(Bytes& bytes, std::uint16_t word) {
   bytes.push_back(static_cast<std::uint8_t>(word >> 8));
@@ -81,19 +80,22 @@ std::size_t reply_bytes(const Bytes& pdu) {
   return 2 + 2u * (static_cast<std::size_t>(pdu[3]) << 8 | pdu[4]);
 }
 
-std::uint16_t random_start() { return static_cast<std::uint16_t>(std::random_device{}()); }
+std::uint16_t random_start() { return static_cast<std::uint16_t>(chance_64()); }
 
 }  // namespace
 
 struct Link::Connection {
-  Connection(LinkAddress where, const LinkTiming& times, const std::atomic<bool>* flag)
-      : address(std::move(where)), timing(times), cancel_flag(flag), modbus(address, timing) {}
+  Connection(LinkAddress where, const LinkOptions& options)
+      : address(std::move(where)),
+        timing(options.timing.value_or(timing_of(address))),
+        cancel_flag(options.cancelled),
+        line(options.line ? options.line() : std::make_unique<ModbusLink>(address, timing)) {}
 
   LinkAddress address;
   LinkTiming timing;
   const std::atomic<bool>* cancel_flag;
   bool heeds_cancel = true;
-  ModbusLink modbus;
+  std::unique_ptr<HostLine> line;
   LinkStatistics statistics;
   LinkFailure failure = LinkFailure::none;
   std::uint16_t echo = random_start();
@@ -121,13 +123,13 @@ struct Link::Connection {
 tl::expected<Bytes, Trouble> Link::Connection::transact(const Bytes& pdu) {
   const auto listening = [this] { return cancelled(); };
   if (cancelled()) return tl::unexpected(Trouble{LinkFailure::cancelled, 0});
-  const auto begun = Clock::now();
-  const auto sent = modbus.send(pdu);
+  const auto begun = line->now();
+  const auto sent = line->send(pdu);
   if (!sent) return tl::unexpected(Trouble{sent.error(), 0});
   statistics.bytes_sent += *sent;
-  auto reply = modbus.receive(reply_bytes(pdu), listening);
+  auto reply = line->receive(reply_bytes(pdu), listening);
   if (!reply) return tl::unexpected(Trouble{reply.error(), 0});
-  const double round_trip_ms = std::chrono::duration<double, std::milli>(Clock::now() - begun).count();
+  const double round_trip_ms = std::chrono::duration<double, std::milli>(line->now() - begun).count();
   statistics.bytes_received += reply->size() + (address.is_serial() ? 3 : 7);
   ++statistics.replies;
   statistics.total_round_trip_ms += round_trip_ms;
@@ -169,8 +171,8 @@ Trouble Link::Connection::recover(Trouble trouble) {
   if (is_final) return trouble;
   late_replies_possible = true;
   if (trouble.failure == LinkFailure::cancelled) return trouble;
-  if (modbus.stay_quiet(timing.quiet_time, [this] { return cancelled(); })) return trouble;
-  return {modbus.connected() ? LinkFailure::cancelled : LinkFailure::disconnected, 0};
+  if (line->stay_quiet(timing.quiet_time, [this] { return cancelled(); })) return trouble;
+  return {line->connected() ? LinkFailure::cancelled : LinkFailure::disconnected, 0};
 }
 
 tl::unexpected<Problem> Link::Connection::fail(const Trouble& trouble, int tries) {
@@ -213,13 +215,13 @@ Link& Link::operator=(Link&&) noexcept = default;
 Link::~Link() = default;
 
 Result<Link> Link::open(const LinkAddress& address, const LinkOptions& options) {
-  Link link(std::make_unique<Connection>(address, options.timing.value_or(timing_of(address)), options.cancelled));
+  Link link(std::make_unique<Connection>(address, options));
   ECS_DO(link.reconnect());
   return link;
 }
 
 Result<void> Link::reconnect() {
-  const auto connected = connection_->modbus.connect();
+  const auto connected = connection_->line->connect();
   if (connected) return {};
   connection_->failure = connected.error().failure;
   return tl::unexpected(connected.error().problem);
@@ -260,18 +262,20 @@ Result<void> Link::write_once(std::uint16_t first, std::span<const std::uint16_t
 
 bool Link::pause(std::chrono::nanoseconds span) const {
   constexpr auto kSlice = std::chrono::milliseconds(20);
-  const auto until = Clock::now() + span;
+  const auto until = now() + span;
   while (!cancelled()) {
-    const auto left = until - Clock::now();
-    if (left <= Clock::duration::zero()) return true;
-    std::this_thread::sleep_for(std::min<Clock::duration>(left, kSlice));
+    const auto time = now();
+    if (time >= until) return true;
+    connection_->line->sleep_until(std::min<Clock::time_point>(until, time + kSlice));
   }
   return false;
 }
 
+Clock::time_point Link::now() const { return connection_->line->now(); }
+std::int64_t Link::unix_time_s() const { return connection_->line->unix_time_s(); }
 void Link::heed_cancel(bool heed) { connection_->heeds_cancel = heed; }
 bool Link::cancelled() const { return connection_->cancelled(); }
-bool Link::connected() const { return connection_->modbus.connected(); }
+bool Link::connected() const { return connection_->line->connected(); }
 LinkFailure Link::last_failure() const { return connection_->failure; }
 const LinkStatistics& Link::statistics() const { return connection_->statistics; }
 const LinkTiming& Link::timing() const { return connection_->timing; }

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "base/result.hpp"
-#include "protocol/line/link_address.hpp"
+#include "protocol/line/host_line.hpp"
 #include "protocol/registers/register_map.hpp"
 
 namespace ecs::protocol {
@@ -38,6 +38,7 @@ struct LinkStatistics {
 struct LinkOptions {
   const std::atomic<bool>* cancelled = nullptr;  ///< set by a signal handler or another thread; must outlive the link
   std::optional<LinkTiming> timing;              ///< in place of timing_of(address)
+  std::function<std::unique_ptr<HostLine>()> line{};  ///< in place of a port and the computer's clock
 };
 
 /// A link to one unit. Destroying it closes and unlocks the port. Not for use from two threads at once.
@@ -65,6 +66,9 @@ class Link {
   [[nodiscard]] bool cancelled() const;
   /// Waits, cancellable. False: cancelled.
   [[nodiscard]] bool pause(std::chrono::nanoseconds span) const;
+  /// The clock of the line.
+  [[nodiscard]] HostLine::Clock::time_point now() const;
+  [[nodiscard]] std::int64_t unix_time_s() const;
 
   [[nodiscard]] bool connected() const;
   [[nodiscard]] LinkFailure last_failure() const;

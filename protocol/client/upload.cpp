@@ -19,21 +19,22 @@ constexpr int kFruitlessRounds = 3;
 /// Tells how far a transfer is. The time left follows from the speed on the wire, where coded bytes are short.
 class Meter {
  public:
-  Meter(const ProgressCallback& callback, std::size_t bytes, std::size_t wire)
-      : callback_(callback), bytes_(bytes), wire_(wire) {}
+  Meter(const Link& link, const ProgressCallback& callback, std::size_t bytes, std::size_t wire)
+      : link_(link), callback_(callback), bytes_(bytes), wire_(wire), begun_(link.now()) {}
   void reach(std::size_t done, std::size_t wire) {
     if (!callback_) return;
-    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun_;
+    const std::chrono::duration<double> spent = link_.now() - begun_;
     const std::size_t left = wire_ - std::min(wire, wire_);
     callback_({std::min(done, bytes_), bytes_,
                spent.count() * static_cast<double>(left) / static_cast<double>(std::max<std::size_t>(wire, 1))});
   }
 
  private:
+  const Link& link_;
   const ProgressCallback& callback_;
   std::size_t bytes_;
   std::size_t wire_;
-  std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+  HostLine::Clock::time_point begun_;
 };
 
 Registers registers_of(const WindowOpen& window, const BlockFrame& frame, const std::optional<Secret>& key) {
@@ -109,7 +110,7 @@ Result<std::vector<std::uint8_t>> UnitClient::read_piece(Address address, std::s
 
 Result<std::vector<std::uint8_t>> UnitClient::read_memory(Address address, std::size_t bytes,
                                                           const ProgressCallback& progress) {
-  Meter meter(progress, bytes, bytes);
+  Meter meter(link_, progress, bytes, bytes);
   std::vector<std::uint8_t> memory;
   memory.reserve(bytes);
   while (memory.size() < bytes) {
@@ -216,7 +217,7 @@ Result<void> UnitClient::write_memory(Address address, std::span<const std::uint
   if (bytes.empty()) return {};
   if (!in_axis_memory(address))  // begin staging has armed the session otherwise
     ECS_DO(armed_session());
-  Meter meter(progress, bytes.size(), bytes.size());
+  Meter meter(link_, progress, bytes.size(), bytes.size());
   for (std::size_t at = 0; at < bytes.size(); at += kWindowBytes) {
     const auto part = bytes.subspan(at, std::min(kWindowBytes, bytes.size() - at));
     std::size_t done = at;
@@ -269,7 +270,7 @@ Result<std::vector<bool>> UnitClient::held_at(Address bank, Image image) {
 /// Where the staging begins: the active map, or what an earlier transfer has left, whichever has more of the image.
 /// What was left is not asked for where the active map has nearly all.
 Result<UnitClient::Beginning> UnitClient::beginning_for(const ActiveMap& before, Image image, Held by) {
-  ECS_DO(armed_session());
+  if (!key_) ECS_DO(armed_session());
   if (by == Held::nothing || !key_)
     return Beginning{StagingFrom::cleared, std::vector<bool>((image.size() + kPieceBytes - 1) / kPieceBytes)};
   Beginning beginning{StagingFrom::active, {}};
@@ -295,7 +296,7 @@ Result<void> UnitClient::stage(Address address, Image image, const std::vector<b
   }
   for (const WindowFrames& window : windows) wire += wire_bytes(window);
   report.bytes_sent = missing;
-  Meter meter(progress, image.size(), wire);
+  Meter meter(link_, progress, image.size(), wire);
   std::size_t done = image.size() - missing, on_wire = 0;
   for (const WindowFrames& window : windows) {
     std::size_t brought = 0, bytes = 0;
@@ -314,10 +315,13 @@ Result<void> UnitClient::stage(Address address, Image image, const std::vector<b
 }
 
 Result<UploadReport> UnitClient::upload_image(Image image, const ProgressCallback& progress, Held held) {
+  // Armed first: an answer that anybody can give says nothing of the map that is active.
+  if (!key_ && (knows_code() || secrets_)) ECS_DO(armed_session());
+  sends_armed_ = sends_armed_ || key_;
   ECS_TRY(before, active_map());
   const SentImage sent{image, digest_of(image)};
   UploadReport report{image.size(), 0, before.commit_sequence, true};
-  if (held == Held::by_checks && before.digest == sent.digest) {
+  if (held == Held::by_checks && key_ && before.digest == sent.digest) {
     if (progress) progress({image.size(), image.size(), 0.0});
     return report;
   }
@@ -382,11 +386,11 @@ Result<ActiveMap> UnitClient::active_map() {
 /// The same once no command is under way; a problem if one stays busy.
 Result<ActiveMap> UnitClient::active_map_when_idle() {
   if (!link_.connected()) ECS_DO(link_.reconnect());
-  const auto until = std::chrono::steady_clock::now() + kIdleLimit;
+  const auto until = link_.now() + kIdleLimit;
   for (;;) {
     ECS_TRY(result, result_now());
     if (result.state != CommandState::busy) return active_map();
-    if (std::chrono::steady_clock::now() >= until || !link_.pause(kIdlePoll))
+    if (link_.now() >= until || !link_.pause(kIdlePoll))
       return problem(ProblemKind::link, "another command of the unit does not finish");
   }
 }
@@ -449,6 +453,8 @@ Problem UnitClient::given_up(Problem why, const ActiveMap& before) {
         "has sent one";
   else if (now->commit_sequence != before.commit_sequence)
     why.message += "; " + another_is_active(*now);
+  else if (!key_)  // anybody can have answered
+    why.message += "; this map was not committed; the old map is active unless another host has sent one";
   else
     why.message += not_taken(before);
   return why;

@@ -4,31 +4,15 @@
 // (protocol/client/link.hpp).
 #pragma once
 
-#include <atomic>
-#include <chrono>
-#include <cstdint>
-#include <functional>
-#include <optional>
-#include <span>
 #include <string>
 #include <utility>
-#include <vector>
-
-#include <tl/expected.hpp>
 
 #include "base/process.hpp"
-#include "base/result.hpp"
-#include "protocol/line/link_address.hpp"
+#include "protocol/line/host_line.hpp"
 
 struct _modbus;  // libmodbus
 
 namespace ecs::protocol {
-
-/// Why a port cannot be opened, and the message.
-struct PortProblem {
-  LinkFailure failure = LinkFailure::none;
-  Problem problem;
-};
 
 /// Opens the device beside the library's own handle, checks that it is a serial port and locks it for this program (an
 /// advisory lock on the device) until what comes back is destroyed.
@@ -37,30 +21,18 @@ struct PortProblem {
 /// A port that cannot be used, as the answer of the function that opened it.
 [[nodiscard]] tl::unexpected<PortProblem> failed(LinkFailure failure, std::string message);
 
-class ModbusLink {
+class ModbusLink final : public HostLine {
  public:
-  using Bytes = std::vector<std::uint8_t>;
-  using Clock = std::chrono::steady_clock;
-
   ModbusLink(LinkAddress address, const LinkTiming& timing) : address_(std::move(address)), timing_(timing) {}
-  ModbusLink(const ModbusLink&) = delete;
-  ModbusLink& operator=(const ModbusLink&) = delete;
-  ~ModbusLink() { disconnect(); }
+  ~ModbusLink() override { ModbusLink::disconnect(); }
 
-  [[nodiscard]] tl::expected<void, PortProblem> connect();
-  void disconnect();
-  [[nodiscard]] bool connected() const { return context_ != nullptr; }
-
-  /// Function code and data, without unit number and check. Keeps the silent gap before it; drops what lies unread.
-  [[nodiscard]] tl::expected<std::size_t, LinkFailure> send(std::span<const std::uint8_t> pdu);
-
-  /// The reply to what was sent, without unit number and check, or no_answer, garbled, disconnected, cancelled.
-  /// @param bytes  of a reply that is no exception, in the same form
-  [[nodiscard]] tl::expected<Bytes, LinkFailure> receive(std::size_t bytes, const std::function<bool()>& cancelled);
-
-  /// Listens until nothing has come for `span` (at most twice as long), then drops what came.
-  /// False: cancelled or disconnected.
-  bool stay_quiet(std::chrono::nanoseconds span, const std::function<bool()>& cancelled);
+  [[nodiscard]] tl::expected<void, PortProblem> connect() override;
+  void disconnect() override;
+  [[nodiscard]] bool connected() const override { return context_ != nullptr; }
+  [[nodiscard]] tl::expected<std::size_t, LinkFailure> send(std::span<const std::uint8_t> pdu) override;
+  [[nodiscard]] tl::expected<Bytes, LinkFailure> receive(std::size_t bytes,
+                                                         const std::function<bool()>& cancelled) override;
+  bool stay_quiet(std::chrono::nanoseconds span, const std::function<bool()>& cancelled) override;
 
  private:
   enum class Wait { ready, over, lost, cancelled };

@@ -78,6 +78,40 @@ TEST_CASE_FIXTURE(Bench, "a commit that cannot be kept in the battery memory fai
 }
 
 TEST_CASE_FIXTURE(Bench,
+                  "a commit that is taken back leaves the battery as it was, and a supply that fails meanwhile a map") {
+  const auto old_image = flat_image(1.0);
+  const auto new_image = flat_image(2.0);
+  for (std::uint64_t cut = 0; cut <= 4 * kCommitSlotBytes; ++cut) {
+    CAPTURE(cut);
+    Bench other;
+    REQUIRE(other.stage_and_commit(old_image).value == 1);
+    int kept = 0;
+    std::optional<std::uint32_t> kept_last;
+    other.unit.on_commit([&] {
+      kept_last = active_image(other.unit.memory())->commit.sequence;
+      return ++kept > 1;  // the first time the battery may be written, but its name is not sure
+    });
+    REQUIRE(other.unit.write_memory(other.tell(CommandCode::begin_staging).value, new_image) == UnitError::none);
+    other.unit.memory().power_fails_after(cut);
+    const auto result = other.tell(Command{.code = CommandCode::commit_staged,
+                                           .length = static_cast<std::uint32_t>(new_image.size()),
+                                           .digest = protocol::short_digest(protocol::digest_of(new_image))});
+    if (cut == 4 * kCommitSlotBytes) {
+      CHECK(result.state == CommandState::failed);
+      CHECK(kept == 2);
+      CHECK(kept_last == 1);
+    }
+    other.unit.power(false);
+    other.unit.memory().power_back();
+    other.unit.power(true);
+    const auto active = must(active_image(other.unit.memory()));
+    const auto& expected = active.commit.sequence == 1 ? old_image : new_image;
+    const ByteView held = other.unit.memory().view(active.first, static_cast<std::uint32_t>(expected.size()));
+    CHECK(std::equal(held.begin(), held.end(), expected.begin()));
+  }
+}
+
+TEST_CASE_FIXTURE(Bench,
                   "a damaged record of an answered commit isolates the unit and never brings the map before back") {
   REQUIRE(stage_and_commit(flat_image(1.0)).value == 1);
   REQUIRE(stage_and_commit(flat_image(2.0)).value == 2);
@@ -184,6 +218,16 @@ TEST_CASE_FIXTURE(Bench, "power lost at any byte of a transfer leaves the comple
     CHECK(std::equal(held.begin(), held.end(), expected.begin()));
     CHECK(other.tell(CommandCode::enter_compensation).state == CommandState::done);
   }
+}
+
+TEST_CASE_FIXTURE(Bench, "entering integration mode opens a relay that a host has closed in that mode") {
+  REQUIRE(tell(Command{.code = CommandCode::output_compensation, .axis = Axis::X, .output_um = 50.0, .relay_on = true})
+              .state == CommandState::done);
+  simulation.tick();
+  REQUIRE(unit.monitor().axes[0].relay_closed);
+  CHECK(tell(CommandCode::enter_integration).state == CommandState::done);
+  simulation.tick();
+  CHECK(all_relays(*this, false));
 }
 
 TEST_CASE("an output set by the host moves the axis through the machine's own gain, and only with its relay closed") {

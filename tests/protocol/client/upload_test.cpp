@@ -261,6 +261,52 @@ TEST_CASE("a map that is active already is not sent again, and nothing is commit
   CHECK(unit.link().statistics().requests - requests == 1);
 }
 
+TEST_CASE("that a map is active already counts only with a keyed check: a host that is not armed is refused") {
+  UnitWithMap shop(Over::tcp, sealed_image(2000), "271828");
+  auto unit = shop.client();
+  const auto refused = must_fail(unit.upload_image(sealed_image(2000)));
+  CHECK(refused.kind == ProblemKind::refused);
+  check_holds(refused.message, {"read-only for this host", "the old map is active"});
+  unit.know_code("271828");
+  CHECK(must(unit.upload_image(sealed_image(2000))).already_held);
+}
+
+/// As the programs of one user share it.
+struct SharedSecret : SecretStore {
+  std::optional<Secret> secret;
+  std::optional<Secret> secret_of(const std::string&) override { return secret; }
+  void keep(const std::string&, const Secret& kept) override { secret = kept; }
+};
+
+TEST_CASE("after a restart of the unit a host that cannot be armed again does not name the active map") {
+  UnitWithMap shop(Over::tcp, kOldImage, "271828");
+  const auto secrets = std::make_shared<SharedSecret>();
+  const auto program = [&] {
+    return UnitClient(Link::open(shop.address(), shop.options()).value(), {7, {}, {}, secrets});
+  };
+  REQUIRE(program().arm("271828").has_value());
+  shop.in_model([](UnitModel& model) {
+    model.after_commit = [&model] {
+      model.replies_to_lose = 1;
+      ++model.unit_clock.starts;
+    };
+  });
+  auto unit = program();
+  CHECK(says(unit.upload_image(noise_image(4000)), "it is not known which map is active"));
+}
+
+TEST_CASE("a host whose secret is not the unit's any more is refused at once, without asking again and again") {
+  UnitWithMap shop(Over::tcp, kOldImage, "271828");
+  const auto of_same_host = [&](const std::string& code) {
+    return UnitClient(Link::open(shop.address(), shop.options()).value(), {7, {}, code});
+  };
+  auto armed = of_same_host("271828");
+  REQUIRE(armed.begin_staging(StagingFrom::cleared).has_value());
+  auto other = of_same_host("");
+  CHECK(must_fail(other.begin_staging(StagingFrom::cleared)).kind == ProblemKind::refused);
+  CHECK(other.link().statistics().requests < 10);
+}
+
 /// Another content with the same CRC-32: the generator of that CRC is added to it, 33 bits from byte `at` on.
 std::vector<std::uint8_t> with_same_crc(std::vector<std::uint8_t> image, std::size_t at) {
   for (const std::uint8_t bits : std::initializer_list<std::uint8_t>{0x41, 0x06, 0x71, 0xDB, 0x01}) image[at++] ^= bits;
