@@ -85,11 +85,14 @@ RegisterHandler::Speaks RegisterServer::speaks_on(std::uint64_t connection) {
   return unit_->clock().ms - its->commanded_ms <= kPlaceAfterCommand_ms ? Speaks::commander : Speaks::reader;
 }
 
-/// The session that gave a command, on the connection at hand.
+/// The session that gave a command, on the connection at hand. Armed hosts are the last to be forgotten.
 void RegisterServer::note_speaker(std::uint32_t session) {
   std::erase_if(speakers_, [this](const Speaker& speaker) { return speaker.connection == connection_; });
-  speakers_.push_front({connection_, session, unit_->clock().ms});
-  if (speakers_.size() > kSessions) speakers_.pop_back();
+  speakers_.push_back({connection_, session, unit_->clock().ms});
+  if (speakers_.size() <= kSessions) return;
+  const auto first = std::find_if(speakers_.begin(), speakers_.end(),
+                                  [this](const Speaker& speaker) { return !key_of(speaker.session); });
+  speakers_.erase(first == speakers_.end() ? speakers_.begin() : first);
 }
 
 std::optional<Secret> RegisterServer::key_of(std::uint32_t session_id) {

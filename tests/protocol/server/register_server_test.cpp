@@ -159,6 +159,21 @@ TEST_CASE("the session used least lately gives way to the seventeenth, that of a
   CHECK(armed.give({.code = CommandCode::clear_fault}).state == CommandState::done);
 }
 
+TEST_CASE("commands on many connections of strangers take the place of no armed host") {
+  UnitModel model;
+  RegisterServer server(model, {"271828", true});
+  RegisterHost armed(server, 1), stranger(server, 2);
+  server.arrives_on(1, "armed");
+  (void)armed.arm("271828");
+  for (std::uint64_t connection = 2; connection < 3 * kSessions; ++connection) {
+    server.arrives_on(connection, "stranger");
+    (void)stranger.give({.code = CommandCode::abandon_staged});
+    CHECK(server.speaks_on(connection) == RegisterHandler::Speaks::commander);
+  }
+  CHECK(server.speaks_on(1) == RegisterHandler::Speaks::armed);
+  CHECK(server.speaks_on(2) == RegisterHandler::Speaks::reader);  // forgotten
+}
+
 TEST_CASE_FIXTURE(ServedUnit,
                   "a host of another protocol version gets no session, and the unit names its own version") {
   const SessionOpen newer{0, kProtocolVersion + 1, 7, 7, 0, "from tomorrow"};
