@@ -243,7 +243,7 @@ void RegisterServer::open_session(const SessionOpen& host) {
     opened_.error = UnitError::other_version;
     return;
   }
-  opened_.session = sessions_.open(host).id;
+  opened_.session = sessions_.open(host, origin_).id;
   asker_ = {opened_.session, host.challenge};
 }
 

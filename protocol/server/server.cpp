@@ -15,6 +15,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <arpa/inet.h>
@@ -225,17 +226,33 @@ class PtyLink : public ServerLink {
     if (heard_.empty()) first_heard_ = last_heard_;
     if (heard_.size() + static_cast<std::size_t>(got) > kMostHeard) heard_.clear();
     heard_.insert(heard_.end(), bytes.begin(), bytes.begin() + got);
+    looked_through_ = false;
   }
 
-  /// True when `request_` holds a whole request. What was heard and is no request is dropped after a silence.
+  /// True when `request_` holds a whole request. What was heard and is no request is dropped after a silence, or when a
+  /// request for this unit comes behind it: noise in between keeps no host waiting.
   bool cut_request() {
     if (!request_.empty()) return true;
     if (heard_.empty()) return false;
     const auto length = rtu_request_length(heard_);
     if (length && heard_.size() >= *length && crc_agrees(std::span(heard_).first(*length))) return take(*length);
+    if (take_behind_noise()) return true;
     if (Clock::now() - last_heard_ < kFrameSilence) return false;
     if (crc_agrees(heard_)) return take(heard_.size());
     heard_.clear();
+    return false;
+  }
+  bool take_behind_noise() {
+    if (std::exchange(looked_through_, true)) return false;
+    const std::size_t first = heard_.size() > kMostSearched ? heard_.size() - kMostSearched : 1;
+    for (std::size_t at = first; at < heard_.size(); ++at) {
+      const auto rest = std::span(heard_).subspan(at);
+      if (rest.front() != options_.unit) continue;
+      const auto length = rtu_request_length(rest);
+      if (!length || rest.size() < *length || !crc_agrees(rest.first(*length))) continue;
+      heard_.erase(heard_.begin(), heard_.begin() + static_cast<std::ptrdiff_t>(at));
+      return take(*length);
+    }
     return false;
   }
   bool take(std::size_t length) {
@@ -244,6 +261,7 @@ class PtyLink : public ServerLink {
     heard_.erase(heard_.begin(), end);
     request_due_ = first_heard_ + pace_.byte_time * length;
     first_heard_ = request_due_;
+    looked_through_ = false;
     return true;
   }
 
@@ -257,6 +275,7 @@ class PtyLink : public ServerLink {
   [[nodiscard]] std::string link_target() const { return fmt::format("/proc/{}/fd/{}", ::getpid(), keeper_.get()); }
 
   static constexpr std::size_t kMostHeard = 4096;
+  static constexpr std::size_t kMostSearched = 512;  ///< two of the longest requests
   PtyOptions options_;
   Descriptor master_;
   Descriptor keeper_;  ///< a slave side of our own: without it the master reads errors while no client has it open
@@ -265,6 +284,7 @@ class PtyLink : public ServerLink {
   std::uint64_t connection_ = next_connection();
   WirePace pace_;
   std::vector<std::uint8_t> heard_;
+  bool looked_through_ = false;  ///< for a request behind noise, since the last byte came
   Clock::time_point first_heard_{};
   Clock::time_point last_heard_{};
   std::vector<std::uint8_t> request_;  ///< cut, not yet carried out

@@ -357,6 +357,25 @@ TEST_CASE("many requests at once on one connection do not keep another one waiti
   CHECK(its - order.begin() <= 1);
 }
 
+TEST_CASE("a request on a serial line is answered with its last byte, whatever came before it") {
+  auto server = ModbusServer::on_pty({}).value();
+  const std::string device = std::get<SerialPort>(server.address().endpoint).device;
+  const Descriptor line(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  NotedOrder handler;
+  const std::string request{"\1\3\1\0\0\1\x85\xF6", 8};
+  std::string long_one{"\1\20\0\200\0\173\366", 7};  // the beginning of a block of 255 bytes
+  for (const std::string& before : {std::string(), std::string("x"), std::string(300, '\1'), long_one,
+                                    request.substr(0, 7) + "?", long_one + request.substr(0, 5)}) {
+    const std::string all = before + request;
+    REQUIRE(::write(line.get(), all.data(), all.size()) == static_cast<ssize_t>(all.size()));
+    const auto begun = std::chrono::steady_clock::now();
+    CHECK(server.serve_ready(handler, 1s) == 1);
+    CHECK(std::chrono::steady_clock::now() - begun < 20ms);
+    std::array<char, 16> reply{};
+    CHECK(::read(line.get(), reply.data(), reply.size()) == 7);
+  }
+}
+
 TEST_CASE("the symbolic link of a server leads through its own process, and nowhere once that has ended") {
   const auto path = std::filesystem::temp_directory_path() / ("ecs-left-" + std::to_string(::getpid()));
   const auto server = ModbusServer::on_pty({path, 9600, false, 1}).value();
