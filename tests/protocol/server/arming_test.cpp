@@ -1,5 +1,6 @@
 // Who may write to a unit, and what the unit keeps of what was done to it.
 #include <cstdlib>
+#include <limits>
 
 #include "protocol/registers/unit_registers.hpp"
 #include "protocol/server/host_sessions.hpp"
@@ -111,6 +112,31 @@ TEST_CASE_FIXTURE(GuardedUnit, "a block without the key of its host closes the w
         ModbusException::illegal_value);
   CHECK(armed.open(window).error == UnitError::check_mismatch);
   CHECK(model.bank_a[0] == 0);
+}
+
+TEST_CASE_FIXTURE(GuardedHost,
+                  "a stranger in the session of a host that is not armed yet uses up none of its numbers") {
+  Command last = host.next({.code = CommandCode::abandon_staged});
+  last.sequence = std::numeric_limits<std::uint32_t>::max();
+  (void)host.send(last);
+  CHECK(host.arm(kShownCode).error == UnitError::none);
+  CHECK(host.give({.code = CommandCode::begin_staging}).state == CommandState::done);
+}
+
+TEST_CASE_FIXTURE(GuardedHost,
+                  "a stop of a host without a key is carried out, whatever a stranger gives in its session") {
+  const Command off = host.next({.code = CommandCode::output_off});
+  Command strangers = off;
+  for (const std::uint32_t sequence : {off.sequence, std::numeric_limits<std::uint32_t>::max()}) {
+    strangers.code = CommandCode::check_memory;
+    strangers.address = kBankA.first;
+    strangers.length = 4;
+    strangers.sequence = sequence;
+    CHECK(host.send(strangers).state == CommandState::done);
+    model.log.clear();
+    CHECK(host.send(off).state == CommandState::done);
+    CHECK(model.log == std::vector{CommandCode::output_off});
+  }
 }
 
 TEST_CASE_FIXTURE(GuardedUnit, "of blocks with checks by chance none is taken") {
