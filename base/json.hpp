@@ -20,6 +20,8 @@ namespace ecs {
 [[nodiscard]] Json text_or_null(std::string_view text);
 /// On one line; bytes that are no UTF-8 become U+FFFD.
 [[nodiscard]] std::string one_line(const Json& value);
+/// JSON out of a file: discarded where it is none, or where its arrays and objects are deeper than any that ECS writes.
+[[nodiscard]] Json json_in(std::string_view text);
 /// {"message", "file", "line", "column"}, and "also" with the other problems if there are any.
 [[nodiscard]] Json problem_json(const Problem& problem);
 /// "0x100000"

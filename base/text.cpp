@@ -133,6 +133,8 @@ std::string nearest_word(std::string_view word, const std::vector<std::string>& 
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string& candidate : candidates) {
+    const std::size_t longer = std::max(word.size(), candidate.size());
+    if (longer - std::min(word.size(), candidate.size()) >= best_distance) continue;  // the distance is at least that
     const std::size_t distance = edit_distance(lower(word), lower(candidate));
     if (distance < best_distance) {
       best_distance = distance;
@@ -237,6 +239,12 @@ std::string shown(std::string_view text) {
     text.remove_prefix(bytes);
   }
   return out;
+}
+
+std::string shown_line(std::string_view text) {
+  std::string line = shown(text);
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  return line;
 }
 
 std::string shown_json(std::string_view json) {

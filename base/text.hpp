@@ -83,6 +83,9 @@ inline constexpr std::size_t kTerminalColumns = 80;
 /// DEL, C1), marks that turn the direction of writing, and bytes that are no UTF-8 each become '?'. Valid UTF-8 stays.
 [[nodiscard]] std::string shown(std::string_view text);
 
+/// The same as one line of a file: line ends become blanks.
+[[nodiscard]] std::string shown_line(std::string_view text);
+
 /// JSON with the same characters as escapes (\u009b) in place of bytes; what it means stays. @param json  valid, UTF-8
 [[nodiscard]] std::string shown_json(std::string_view json);
 

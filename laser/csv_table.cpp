@@ -12,6 +12,12 @@
 namespace ecs::laser {
 namespace {
 
+/// Whether a spreadsheet could take it for a formula, or it is such a text behind apostrophes.
+bool is_guarded(std::string_view text) {
+  const auto first = text.find_first_not_of('\'');
+  return first != std::string_view::npos && std::string_view("=+-@").find(text[first]) != std::string_view::npos;
+}
+
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
 /// Walks the line and counts characters (UTF-8 continuation bytes are no characters).
@@ -77,6 +83,7 @@ CsvLine csv_fields(std::string_view text, char separator) {
       while (!cursor.at_end() && cursor.here() != separator) field.text += cursor.take();
       field.text = std::string(trimmed(field.text));
     }
+    if (field.text.starts_with('\'') && is_guarded(field.text)) field.text.erase(0, 1);
     line.fields.push_back(std::move(field));
     if (cursor.at_end()) return line;
     cursor.take();
@@ -84,9 +91,7 @@ CsvLine csv_fields(std::string_view text, char separator) {
 }
 
 std::string csv_field_of(std::string_view raw) {
-  std::string text(raw);
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  std::string text = (is_guarded(raw) && !number_in(raw) ? "'" : "") + shown_line(raw);
   const bool plain =
       text.find_first_of(",\"") == std::string::npos && trimmed(text).size() == text.size() && !text.starts_with('#');
   if (plain) return text;

@@ -32,7 +32,8 @@ struct CsvLine {
 [[nodiscard]] CsvLine csv_fields(std::string_view line, char separator = ',');
 
 /// `text` as one field: in quotes where it holds a comma, a quote, a '#' in front or blanks at an end. Line ends become
-/// blanks: a field never spans lines.
+/// blanks: a field never spans lines. Behind an apostrophe, which csv_fields takes off again, where a spreadsheet would
+/// take it for a formula.
 [[nodiscard]] std::string csv_field_of(std::string_view text);
 
 /// `# key: value` before the header row; an empty key is a comment without a colon.

@@ -381,7 +381,7 @@ std::string toml_string(std::string_view text) {
       quoted += c;
     }
   }
-  return quoted + "\"";
+  return shown_json(quoted) + "\"";  // escapes of TOML are those of JSON
 }
 
 std::string toml_float(double value) {

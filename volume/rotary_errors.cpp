@@ -256,7 +256,7 @@ Result<RotaryErrors> measured_rotary_errors(const laser::MeasurementSet& set) {
 }
 
 std::string rotary_csv(const RotaryErrors& errors, const std::string& machine) {
-  std::string text = machine.empty() ? "" : fmt::format("# machine: {}\n", machine);
+  std::string text = machine.empty() ? "" : fmt::format("# machine: {}\n", shown_line(machine));
   text += "component,approach,p_deg,error,u\n";
   const auto u_text = [](const std::optional<double>& u) { return u ? fmt::format("{:.4f}", *u) : std::string(); };
   for (std::size_t r = 0; r < kAxes; ++r)

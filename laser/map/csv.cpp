@@ -24,15 +24,8 @@ constexpr std::size_t kLongestHeaderName = 200;
 /// Of a source, a reason, a step of the processing.
 constexpr std::size_t kLongestHeaderLine = 1U << 16;
 
-/// One line, whatever was typed: line ends become blanks.
-std::string one_line(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  return text;
-}
-
 void put(std::string& text, std::string_view key, const std::string& value) {
-  if (!value.empty()) text += fmt::format("{}: {}\n", key, one_line(value));
+  if (!value.empty()) text += fmt::format("{}: {}\n", key, shown_line(value));
 }
 
 /// `code rest of the line`
@@ -273,7 +266,7 @@ Result<std::string> as_utf8(std::string_view bytes, const std::string& file_name
 std::string to_map_csv(const ErrorMap& map) {
   std::string text;
   const std::string header = header_text(map.header);
-  for (const std::string_view line : lines_of(header)) text += fmt::format("# {}\n", line);
+  for (const std::string_view line : lines_of(header)) text += fmt::format("# {}\n", shown_line(line));
   std::size_t rows = 0;
   for (const MapTable& table : map.tables) rows += table.position_mm.size();
   text += fmt::format("# rows: {}\n", rows);

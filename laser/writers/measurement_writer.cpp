@@ -14,12 +14,6 @@
 namespace ecs::laser {
 namespace {
 
-std::string one_line(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  return text;
-}
-
 template <class Has>
 bool any(const MeasurementSet& set, const Has& has) {
   return std::ranges::any_of(set.readings, has);
@@ -94,8 +88,8 @@ std::string cell_of(const Reading& reading, std::string_view column) {
 std::string to_csv(const MeasurementSet& set) {
   std::string text;
   for (const MetadataEntry& entry : set.metadata)
-    text += one_line(entry.key.empty() ? fmt::format("# {}", entry.value)
-                                       : fmt::format("# {}: {}", entry.key, entry.value)) +
+    text += shown_line(entry.key.empty() ? fmt::format("# {}", entry.value)
+                                         : fmt::format("# {}: {}", entry.key, entry.value)) +
             "\n";
   const std::vector<std::string> columns = columns_of(set);
   for (std::size_t i = 0; i < columns.size(); ++i) text.append(i == 0 ? "" : ",").append(csv_field_of(columns[i]));
@@ -115,7 +109,7 @@ Result<void> write_measurement_set(const std::filesystem::path& path, const Meas
 namespace {
 
 std::string metadata_line(std::string_view key, std::string_view value) {
-  return fmt::format("# {}: {}\n", key, value);
+  return shown_line(fmt::format("# {}: {}", key, value)) + "\n";
 }
 
 }  // namespace

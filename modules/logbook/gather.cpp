@@ -168,7 +168,7 @@ Result<Json> stats_of(const std::string& name, const laser::MeasurementSet& set,
   std::vector<std::string> words{"laser", "stats", name};
   words.insert(words.end(), wishes.uncertainty.begin(), wishes.uncertainty.end());
   ECS_TRY(said, run(words));
-  const Json answer = Json::parse(said, nullptr, false);
+  const Json answer = json_in(said);
   if (answer.is_object() && answer.contains("lines") && answer["lines"].is_array() && answer["lines"].size() == 1)
     return answer["lines"][0];
   return problem(ProblemKind::bad_input, "it contains no line of ISO 230-2");
@@ -232,13 +232,12 @@ std::string short_name(const LogOwner& owner) {
 Result<void> add_history(Certificate& certificate, const Logbook& book) {
   ECS_TRY(last, book.last_of("certificate"));
   if (last) {
-    const Json content = Json::parse(last->content, nullptr, false);
+    const Json content = json_in(last->content);
     if (content.is_object())
       certificate.previous = PreviousCertificate{text_at(content, "identifier"), text_at(content, "sha256")};
   }
   ECS_TRY(active, book.activations());
-  if (!active.empty())
-    certificate.active_image = text_at(Json::parse(active.back().content, nullptr, false), "image_sha256");
+  if (!active.empty()) certificate.active_image = text_at(json_in(active.back().content), "image_sha256");
   return {};
 }
 

@@ -98,7 +98,7 @@ std::string instrument_json(const Instrument& instrument, const std::string& day
 
 Instrument instrument_in_json(std::string_view json) {
   Instrument instrument;
-  const Json object = Json::parse(json, nullptr, false);
+  const Json object = json_in(json);
   if (!object.is_object()) return instrument;
   for (const TextKey& one : kTextKeys)
     if (const auto found = object.find(one.key); found != object.end() && found->is_string())

@@ -197,7 +197,7 @@ Result<Outcome> verify_log(VerbContext& context, const VerifyLogRequest& request
   } else {
     return tl::unexpected(book.error());
   }
-  return outcome_of(verdict_cell(verdict, path), verdict.whole() ? kDone : kDoesNotHold);
+  return outcome_of(verdict_cell(verdict, path, request.hash), verdict.whole() ? kDone : kDoesNotHold);
 }
 
 struct ReplayRequest {

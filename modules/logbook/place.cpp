@@ -23,7 +23,7 @@ constexpr const char* kUnnamed = "machine";
 /// Letters and digits as they are, in lower case; what is between them one dash.
 std::string file_word(const std::string& name) {
   std::string word;
-  for (const char c : name) {
+  for (const char c : shown(name)) {
     const auto byte = static_cast<unsigned char>(c);
     if (std::isalnum(byte) != 0 || byte >= 0x80)
       word += static_cast<char>(std::tolower(byte));

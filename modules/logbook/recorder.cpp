@@ -158,7 +158,7 @@ void complete(LogRecord& record) {
   if (record.time.empty()) record.time = now_utc();
   if (record.instrument.empty()) record.instrument = instrument_json(instrument_by(record.files), record.time);
   if (record.operator_name.empty()) record.operator_name = operator_name();
-  Json content = Json::parse(record.content, nullptr, false);
+  Json content = json_in(record.content);
   if (!content.is_object()) content = Json::object();
   content["program"] = program_version_and_commit();
   record.content = one_line(content);
@@ -316,8 +316,8 @@ std::optional<std::vector<RecordedUse>> logbook_uses(const std::vector<std::stri
   for (const LogbookEntry& entry : *entries)
     for (const LogFile& file : files_of(entry))
       if (std::find(sha256.begin(), sha256.end(), file.sha256) != sha256.end())
-        uses.push_back({entry.number, entry.time, entry.kind,
-                        text_at(Json::parse(entry.content, nullptr, false), "verb"), file.role, file.sha256});
+        uses.push_back(
+            {entry.number, entry.time, entry.kind, text_at(json_in(entry.content), "verb"), file.role, file.sha256});
   return uses;
 }
 
@@ -344,7 +344,7 @@ std::vector<std::string> active_images(const LogOwner& owner) {
   const auto entries = book ? book->activations() : tl::unexpected(book.error());
   if (!entries) return images;
   for (const LogbookEntry& entry : *entries) {
-    const Json content = Json::parse(entry.content, nullptr, false);
+    const Json content = json_in(entry.content);
     if (content.is_object()) images.push_back(content.value(kImage, std::string()));
   }
   return images;

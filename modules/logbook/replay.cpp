@@ -360,7 +360,7 @@ std::string parameters_text(const Json& cause) {
 /// By name: what a diagnosis named, or an investigation found.
 std::vector<std::pair<std::string, std::string>> causes_in(const LogbookEntry& entry) {
   std::vector<std::pair<std::string, std::string>> causes;
-  const Json content = Json::parse(entry.content, nullptr, false);
+  const Json content = json_in(entry.content);
   if (!content.is_object() || !content.contains("answer") || !content["answer"].is_object()) return causes;
   const Json& answer = content["answer"];
   for (const char* list : {"candidates", "causes"}) {
@@ -398,7 +398,7 @@ std::optional<ComparedVolume> volume_of(const LoggedMap& one, const RunVerb& run
   kept.put("map.csv", one.csv);
   kept.put("parameters.toml", one.parameters_toml);
   const auto said = run({"volume", "map.csv", "--params", "parameters.toml", "--points", "2000", "--draws", "20"});
-  const Json answer = said ? Json::parse(*said, nullptr, false) : Json();
+  const Json answer = said ? json_in(*said) : Json();
   if (!answer.is_object()) {
     notes.push_back(fmt::format("{}: no volume: {}", date, said ? "no answer" : said.error().message));
     return std::nullopt;

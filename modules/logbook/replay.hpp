@@ -140,7 +140,8 @@ struct LogComparison {
 [[nodiscard]] Cell log_entry_cell(const LogbookEntry& entry);
 /// Everything of one entry.
 [[nodiscard]] Cell whole_entry_cell(const LogbookEntry& entry);
-[[nodiscard]] Cell verdict_cell(const LogVerdict& verdict, const std::string& path);
+/// @param expected  hash that an entry had to have; empty: none, and an end that is missing cannot be found
+[[nodiscard]] Cell verdict_cell(const LogVerdict& verdict, const std::string& path, const std::string& expected);
 [[nodiscard]] Cell replay_cell(const Replay& replay);
 [[nodiscard]] Cell comparison_of_log_cell(const LogComparison& comparison);
 

@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view kHashed = "ecs-logbook-1";  // changes with what is hashed
 
 Json content_json(const LogbookEntry& entry) {
-  Json content = Json::parse(entry.content, nullptr, false);
+  Json content = json_in(entry.content);
   return content.is_object() ? content : Json::object();
 }
 
@@ -184,7 +184,7 @@ std::vector<PackedFile> packed_files(const LogRecord& record) {
 }
 
 std::string content_with(const std::string& content, const std::vector<PackedFile>& files) {
-  Json object = Json::parse(content, nullptr, false);
+  Json object = json_in(content);
   if (!object.is_object()) object = Json::object();
   Json list = Json::array();
   for (const PackedFile& one : files)

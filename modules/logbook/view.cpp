@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMostFilesShown = 40;
 
 Json object_in(const std::string& text) {
-  Json object = Json::parse(text, nullptr, false);
+  Json object = json_in(text);
   return object.is_object() ? object : Json();
 }
 
@@ -136,13 +136,15 @@ Cell whole_entry_cell(const LogbookEntry& entry) {
   return cell;
 }
 
-Cell verdict_cell(const LogVerdict& verdict, const std::string& path) {
+Cell verdict_cell(const LogVerdict& verdict, const std::string& path, const std::string& expected) {
   std::string text = verdict.whole()
                          ? fmt::format("{} entries, each fits its hash and the one before; the last hash is {}\n",
                                        verdict.entries, verdict.last_hash)
                      : verdict.first ? fmt::format("entry {} is missing or does not fit: {}; {} before it fit\n",
                                                    *verdict.first, verdict.why, verdict.entries)
                                      : fmt::format("{}\n", verdict.why);
+  if (verdict.whole() && expected.empty())
+    text += "Entries missing at the end are found only with --hash and the last hash of a report or certificate.\n";
   return record_cell("{text}", "log"_is(path), "whole"_is(verdict.whole()), "entries"_is(verdict.entries),
                      "last_hash"_is(text_or_null(verdict.last_hash)),
                      "first"_is(verdict.first ? Json(*verdict.first) : Json(nullptr)),

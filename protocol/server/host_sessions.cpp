@@ -3,27 +3,46 @@
 #include <algorithm>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 namespace ecs::protocol {
 
-HostSession& HostSessions::open(const SessionOpen& host) {
+HostSession& HostSessions::open(const SessionOpen& host, const std::string& origin) {
   auto found = std::find_if(sessions_.begin(), sessions_.end(), [&](const HostSession& session) {
     return session.id != 0 && session.host.key == host.key && session.host.number == host.number;
   });
   if (found == sessions_.end()) {
-    found = std::min_element(sessions_.begin(), sessions_.end(), [](const HostSession& a, const HostSession& b) {
-      return std::pair(a.keyed, a.used) < std::pair(b.keyed, b.used);
-    });
+    found = next_to_go();
     const std::uint32_t id = number_by_chance(found->id);
     *found = HostSession{};
     found->id = id;
+    found->origin = origin;
     found->nonce = chance_64();
   }
   found->host = host;
   found->used = ++uses_;
   return *found;
+}
+
+HostSession* HostSessions::next_to_go() {
+  std::vector<HostSession*> open_to_all;
+  for (HostSession& session : sessions_) {
+    if (session.id == 0) return &session;
+    const auto newer = std::count_if(sessions_.begin(), sessions_.end(), [&](const HostSession& other) {
+      return other.keyed && other.used > session.used;
+    });
+    if (!session.keyed || newer >= static_cast<std::ptrdiff_t>(kKeptForArmed)) open_to_all.push_back(&session);
+  }
+  const auto rank = [&](const HostSession* session) {
+    const auto of_its_origin = std::count_if(open_to_all.begin(), open_to_all.end(), [&](const HostSession* other) {
+      return other->origin == session->origin;
+    });
+    return std::pair(-of_its_origin, session->used);
+  };
+  return *std::min_element(open_to_all.begin(), open_to_all.end(),
+                           [&](const auto* a, const auto* b) { return rank(a) < rank(b); });
 }
 
 HostSession* HostSessions::find(std::uint32_t id) {

@@ -26,29 +26,32 @@ struct HostSession {
   std::uint32_t id = 0;     ///< by chance; 0: free
   std::uint64_t nonce = 0;  ///< by chance
   SessionOpen host;
+  std::string origin;        ///< that opened it first
   CommandResult result;      ///< of its newest command; sequence 0: none yet
   std::uint32_t window = 0;  ///< number of the last window that it opened
   std::optional<ArmExchange> exchange;
   ArmAnswer arming;     ///< the last answer
   bool proved = false;  ///< what came in it was sealed with its key
-  bool keyed = false;   ///< that, and its host is armed yet: it is the last to go
+  bool keyed = false;   ///< that, and its host is armed yet
   std::uint64_t used = 0;
 };
 
-/// Sessions that the unit remembers; one more, and the one used least lately is forgotten, of armed hosts only where
-/// there is no other.
-inline constexpr std::size_t kSessions = 16;
+/// Sessions that the unit remembers; one more, and of the origin that has most of them the one used least lately is
+/// forgotten, but none of those that armed hosts have used last.
+inline constexpr std::size_t kSessions = 32;
+inline constexpr std::size_t kKeptForArmed = kSessions / 2;
 
 class HostSessions {
  public:
   /// The session of that key and number, else a new one.
-  HostSession& open(const SessionOpen& host);
+  HostSession& open(const SessionOpen& host, const std::string& origin);
   /// Null: unknown. The session counts as used.
   [[nodiscard]] HostSession* find(std::uint32_t id);
   [[nodiscard]] std::array<HostSession, kSessions>& all() { return sessions_; }
   void forget_all() { sessions_ = {}; }
 
  private:
+  [[nodiscard]] HostSession* next_to_go();
   std::array<HostSession, kSessions> sessions_{};
   std::uint64_t uses_ = 0;
 };

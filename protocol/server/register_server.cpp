@@ -85,11 +85,14 @@ RegisterHandler::Speaks RegisterServer::speaks_on(std::uint64_t connection) {
   return unit_->clock().ms - its->commanded_ms <= kPlaceAfterCommand_ms ? Speaks::commander : Speaks::reader;
 }
 
-/// The session that gave a command, on the connection at hand.
+/// The session that gave a command, on the connection at hand. Armed hosts are the last to be forgotten.
 void RegisterServer::note_speaker(std::uint32_t session) {
   std::erase_if(speakers_, [this](const Speaker& speaker) { return speaker.connection == connection_; });
-  speakers_.push_front({connection_, session, unit_->clock().ms});
-  if (speakers_.size() > kSessions) speakers_.pop_back();
+  speakers_.push_back({connection_, session, unit_->clock().ms});
+  if (speakers_.size() <= kSessions) return;
+  const auto first = std::find_if(speakers_.begin(), speakers_.end(),
+                                  [this](const Speaker& speaker) { return !key_of(speaker.session); });
+  speakers_.erase(first == speakers_.end() ? speakers_.begin() : first);
 }
 
 std::optional<Secret> RegisterServer::key_of(std::uint32_t session_id) {
@@ -240,7 +243,7 @@ void RegisterServer::open_session(const SessionOpen& host) {
     opened_.error = UnitError::other_version;
     return;
   }
-  opened_.session = sessions_.open(host).id;
+  opened_.session = sessions_.open(host, origin_).id;
   asker_ = {opened_.session, host.challenge};
 }
 
@@ -335,7 +338,7 @@ void RegisterServer::note_what_has_ended() {
 
 /// A command that comes again, or after a later one of its session, does nothing. In the session of an armed host its
 /// key seals every command, but for one that switches off: that is carried out whoever gives it, also in no session
-/// (0), and leaves no trace in a session.
+/// (0), whatever a stranger has given in the session of a host without a key, and leaves no trace in a session.
 void RegisterServer::take_command(const Command& command, std::span<const std::uint16_t> whole) {
   selected_ = {command.asker, command.sequence};
   free_result_.reset();
@@ -347,8 +350,8 @@ void RegisterServer::take_command(const Command& command, std::span<const std::u
   // Outside of a session the host key is 0, which an armed host may have as well.
   const auto key = session == &nobody ? std::nullopt : arming_.key_of(*session, unit_->clock().ms);
   const bool sealed = seal_agrees(whole, Keyed::command, key);
-  const bool free = switches_off(command.code) &&
-                    (session == &nobody ? sealed : !sealed && key && seal_agrees(whole, Keyed::command, std::nullopt));
+  const bool free =
+      switches_off(command.code) && (key ? !sealed && seal_agrees(whole, Keyed::command, std::nullopt) : sealed);
   if (!free && command.sequence <= session->result.sequence) return;
   CommandResult result = sealed || free ? outcome_of(command, *session) : refused(UnitError::wrong_key);
   result.session = command.asker.session;
@@ -364,6 +367,7 @@ void RegisterServer::take_command(const Command& command, std::span<const std::u
     const std::uint32_t number = note(session->host, unit_->clock().ms, std::move(event), key && sealed);
     if (result.state == CommandState::busy) busy_event_ = number;
   }
+  if (free && !key && session != &nobody) note_speaker(session->id);
   if (free || !sealed) {
     free_result_ = std::move(result);
     return;
@@ -407,6 +411,7 @@ void RegisterServer::confirm_arming(const ArmConfirm& arm) {
   if (!tries) return;
   note_arming(*session, arming_answer_.error, arming_answer_.armed_s);
   if (arming_answer_.armed_s == 0) return;
+  if (!session->proved) session->result = {};  // whoever knows the session may have given commands in it
   session->proved = true;
   note_speaker(session->id);
   unit_->host_armed();

@@ -148,7 +148,7 @@ class RegisterServer : public RegisterHandler {
     std::uint32_t session = 0;       ///< of its last command
     std::uint64_t commanded_ms = 0;  ///< when that came
   };
-  std::deque<Speaker> speakers_;         ///< the last kSessions that gave a command
+  std::deque<Speaker> speakers_;         ///< kSessions that gave a command, in the order of their last one
   std::uint64_t window_connection_ = 0;  ///< that has opened the window, or found it open: no other one fills it
   std::uint16_t echo_ = 0;
   Registers requests_ = Registers(kBlockWrite.end(), 0);  ///< as last written; of a session only the echo

@@ -9,9 +9,13 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <arpa/inet.h>
@@ -109,6 +113,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
+/// So long the loop of a unit waits for its hosts in one period, and for one request more: what is left is answered in
+/// the next ones, each connection in its turn.
+constexpr auto kServingBudget = 200us;
+
 const std::string kSerialLine = "serial line";
 
 /// Silence that ends a broken request; below the time a client waits before it tries again.
@@ -197,9 +205,10 @@ class PtyLink : public ServerLink {
     return earliest;
   }
   std::size_t step(RegisterHandler& handler) override {
+    const auto until = Clock::now() + kServingBudget;
     listen();
     std::size_t answered = 0;
-    while (cut_request() && Clock::now() >= request_due_) {
+    while (cut_request() && Clock::now() >= request_due_ && Clock::now() < until) {
       carry_out(request_, handler, connection_, kSerialLine, channel_, request_due_, pace_);
       request_.clear();
       ++answered;
@@ -217,17 +226,33 @@ class PtyLink : public ServerLink {
     if (heard_.empty()) first_heard_ = last_heard_;
     if (heard_.size() + static_cast<std::size_t>(got) > kMostHeard) heard_.clear();
     heard_.insert(heard_.end(), bytes.begin(), bytes.begin() + got);
+    looked_through_ = false;
   }
 
-  /// True when `request_` holds a whole request. What was heard and is no request is dropped after a silence.
+  /// True when `request_` holds a whole request. What was heard and is no request is dropped after a silence, or when a
+  /// request for this unit comes behind it: noise in between keeps no host waiting.
   bool cut_request() {
     if (!request_.empty()) return true;
     if (heard_.empty()) return false;
     const auto length = rtu_request_length(heard_);
     if (length && heard_.size() >= *length && crc_agrees(std::span(heard_).first(*length))) return take(*length);
+    if (take_behind_noise()) return true;
     if (Clock::now() - last_heard_ < kFrameSilence) return false;
     if (crc_agrees(heard_)) return take(heard_.size());
     heard_.clear();
+    return false;
+  }
+  bool take_behind_noise() {
+    if (std::exchange(looked_through_, true)) return false;
+    const std::size_t first = heard_.size() > kMostSearched ? heard_.size() - kMostSearched : 1;
+    for (std::size_t at = first; at < heard_.size(); ++at) {
+      const auto rest = std::span(heard_).subspan(at);
+      if (rest.front() != options_.unit) continue;
+      const auto length = rtu_request_length(rest);
+      if (!length || rest.size() < *length || !crc_agrees(rest.first(*length))) continue;
+      heard_.erase(heard_.begin(), heard_.begin() + static_cast<std::ptrdiff_t>(at));
+      return take(*length);
+    }
     return false;
   }
   bool take(std::size_t length) {
@@ -236,6 +261,7 @@ class PtyLink : public ServerLink {
     heard_.erase(heard_.begin(), end);
     request_due_ = first_heard_ + pace_.byte_time * length;
     first_heard_ = request_due_;
+    looked_through_ = false;
     return true;
   }
 
@@ -249,6 +275,7 @@ class PtyLink : public ServerLink {
   [[nodiscard]] std::string link_target() const { return fmt::format("/proc/{}/fd/{}", ::getpid(), keeper_.get()); }
 
   static constexpr std::size_t kMostHeard = 4096;
+  static constexpr std::size_t kMostSearched = 512;  ///< two of the longest requests
   PtyOptions options_;
   Descriptor master_;
   Descriptor keeper_;  ///< a slave side of our own: without it the master reads errors while no client has it open
@@ -257,6 +284,7 @@ class PtyLink : public ServerLink {
   std::uint64_t connection_ = next_connection();
   WirePace pace_;
   std::vector<std::uint8_t> heard_;
+  bool looked_through_ = false;  ///< for a request behind noise, since the last byte came
   Clock::time_point first_heard_{};
   Clock::time_point last_heard_{};
   std::vector<std::uint8_t> request_;  ///< cut, not yet carried out
@@ -268,10 +296,10 @@ tl::unexpected<Problem> pty_problem() {
   return problem(ProblemKind::output, fmt::format("cannot make a pseudo-terminal: {}", std::strerror(errno)));
 }
 
-/// Connections that have no place yet, and those taken in at one time: a flood of 1,000 a second leaves each the time
-/// for a few requests.
-constexpr std::size_t kMostNewcomers = 256;
-constexpr int kWaiting = 128;
+constexpr std::size_t kMostTakenIn = 16;  ///< newcomers in one period
+constexpr int kWaiting = 512;             ///< connections that the system keeps until they are taken in
+constexpr int kManyOfOrigin = 8;
+constexpr auto kIdle = 2s;  ///< after which one that only reads gives its place to another one
 
 struct Connection {
   Descriptor socket;
@@ -305,28 +333,50 @@ class TcpLink : public ServerLink {
   }
   [[nodiscard]] std::optional<Clock::time_point> next_deadline() const override {
     std::optional<Clock::time_point> earliest;
+    if (unanswered_) earliest = Clock::now();
     for (const auto& connection : connections_)
       if (const auto next = connection.channel.next()) earliest = earliest ? std::min(*earliest, *next) : *next;
     return earliest;
   }
   std::size_t step(RegisterHandler& handler) override {
+    const auto until = Clock::now() + kServingBudget;
     take_newcomers();
-    std::size_t answered = 0;
-    for (auto& connection : connections_) {
-      listen(connection);
-      const std::size_t its = answer(connection, handler);
-      if (its > 0 && connection.admitted && !connection.placed) place(connection, handler);
-      answered += its;
-      speak(connection);
+    std::size_t answered = 0, idle = 0;
+    for (unanswered_ = false; idle < connections_.size(); unanswered_ = Clock::now() >= until) {
+      if (unanswered_) break;
+      const bool did = serve(next_in_turn(), handler);
+      answered += did ? 1 : 0;
+      idle = did ? 0 : idle + 1;
     }
     std::erase_if(connections_, [](const Connection& connection) { return connection.ended; });
     return answered;
   }
 
  private:
-  /// A newcomer is answered at once; the oldest one gives way to the next where there are too many.
+  /// The one after that which was served last.
+  Connection& next_in_turn() {
+    const auto next = std::find_if(connections_.begin(), connections_.end(),
+                                   [this](const Connection& connection) { return connection.number > served_; });
+    Connection& its = next == connections_.end() ? connections_.front() : *next;
+    served_ = its.number;
+    return its;
+  }
+
+  /// @return whether it had a request, which is answered now
+  bool serve(Connection& connection, RegisterHandler& handler) {
+    bool answered = answer(connection, handler);
+    if (!answered) {
+      listen(connection);
+      answered = answer(connection, handler);
+    }
+    if (answered && connection.admitted && !connection.placed) place(connection, handler);
+    speak(connection);
+    return answered;
+  }
+
+  /// Answered at once, as long as there are not too many.
   void take_newcomers() {
-    for (std::size_t taken = 0; taken < kMostNewcomers; ++taken) {
+    for (std::size_t taken = 0; taken < kMostTakenIn; ++taken) {
       sockaddr_in peer{};
       socklen_t size = sizeof peer;
       Descriptor socket(
@@ -336,37 +386,50 @@ class TcpLink : public ServerLink {
       (void)::inet_ntop(AF_INET, &peer.sin_addr, name.data(), name.size());
       const int on = 1;
       (void)::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-      const auto is_new = [](const Connection& connection) { return !connection.placed; };
-      if (std::count_if(connections_.begin(), connections_.end(), is_new) >= static_cast<long>(kMostNewcomers))
-        connections_.erase(std::find_if(connections_.begin(), connections_.end(), is_new));
+      make_room();
       connections_.push_back(
           {std::move(socket), name.data(), {}, {}, Clock::now(), token_.empty(), false, false, next_connection()});
     }
   }
 
-  /// Who has asked gets a place, as soon as one is free or somebody gives way: of the origin that has most places the
-  /// one that has asked nothing for longest. Without a place it stays among the newcomers, and is answered all the
-  /// same.
-  void place(Connection& connection, RegisterHandler& handler) {
-    const auto places = [this](const std::string* origin) {
-      return std::count_if(connections_.begin(), connections_.end(), [origin](const Connection& other) {
-        return other.placed && !other.ended && (origin == nullptr || other.origin == *origin);
-      });
+  /// Where there are too many without a place, one of them gives way to the next: of an origin that has many of them,
+  /// else of all, the one that has asked nothing for longest. A flood of 1,000 a second leaves each half a second
+  /// between two requests.
+  void make_room() {
+    std::map<std::string_view, int> of_origin;
+    std::size_t newcomers = 0;
+    for (const Connection& connection : connections_)
+      if (!connection.placed) ++newcomers, ++of_origin[connection.origin];
+    if (newcomers < options_.most_newcomers) return;
+    const auto rank = [&](const Connection& connection) {
+      return std::tuple(connection.placed, -(of_origin[connection.origin] / kManyOfOrigin), connection.asked);
     };
-    if (places(nullptr) < static_cast<long>(options_.most_connections)) {
-      connection.placed = true;
-      return;
-    }
+    connections_.erase(std::min_element(connections_.begin(), connections_.end(),
+                                        [&](const auto& a, const auto& b) { return rank(a) < rank(b); }));
+  }
+
+  /// Who has asked gets a place, as soon as one is free or somebody gives way: of the origin that has most places the
+  /// one that has asked nothing for longest. Without a place it is one of the newcomers, and is answered all the same.
+  void place(Connection& connection, RegisterHandler& handler) {
+    std::vector<Connection*> placed;
+    for (Connection& other : connections_)
+      if (other.placed && !other.ended) placed.push_back(&other);
+    connection.placed = placed.size() < options_.most_connections;
+    if (connection.placed) return;
     const auto own = handler.speaks_on(connection.number);
+    const auto places = [&placed](const std::string& origin) {
+      return std::count_if(placed.begin(), placed.end(), [&](const Connection* its) { return its->origin == origin; });
+    };
     Connection* yields = nullptr;
-    for (Connection& other : connections_) {
-      const auto its = handler.speaks_on(other.number);
-      if (!other.placed || other.ended || (its != RegisterHandler::Speaks::reader && its >= own)) continue;
-      const auto rank = std::pair(-places(&other.origin), other.asked);
-      if (yields == nullptr || rank < std::pair(-places(&yields->origin), yields->asked)) yields = &other;
+    for (Connection* other : placed) {
+      const auto its = handler.speaks_on(other->number);
+      if (its != RegisterHandler::Speaks::reader && its >= own) continue;
+      if (its == own && Clock::now() - other->asked < kIdle) continue;
+      const auto rank = std::pair(-places(other->origin), other->asked);
+      if (yields == nullptr || rank < std::pair(-places(yields->origin), yields->asked)) yields = other;
     }
     if (yields == nullptr) return;
-    yields->ended = true;
+    yields->placed = false;
     connection.placed = true;
   }
 
@@ -374,26 +437,23 @@ class TcpLink : public ServerLink {
     std::array<std::uint8_t, 4096> bytes{};
     const ssize_t got = ::recv(connection.socket.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
     if (got > 0) connection.heard.insert(connection.heard.end(), bytes.begin(), bytes.begin() + got);
-    connection.ended = got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR);
+    connection.ended = connection.ended || got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR);
   }
 
-  std::size_t answer(Connection& connection, RegisterHandler& handler) {
-    std::size_t answered = 0;
-    while (!connection.ended) {
-      const TcpCut cut = tcp_request_length(connection.heard);
-      connection.ended = cut.broken;
-      if (cut.broken || cut.length == 0 || connection.heard.size() < cut.length) break;
-      const auto frame = std::span<const std::uint8_t>(connection.heard).first(cut.length);
-      if (connection.admitted)
-        carry_out(frame, handler, connection.number, connection.origin, connection.channel, Clock::now(), {});
-      else
-        admit(connection, frame);
-      connection.asked = Clock::now();
-      connection.heard.erase(connection.heard.begin(),
-                             connection.heard.begin() + static_cast<std::ptrdiff_t>(cut.length));
-      ++answered;
-    }
-    return answered;
+  /// The oldest request that is whole. @return whether there was one
+  bool answer(Connection& connection, RegisterHandler& handler) {
+    const TcpCut cut = tcp_request_length(connection.heard);
+    connection.ended = connection.ended || cut.broken;
+    if (connection.ended || cut.length == 0 || connection.heard.size() < cut.length) return false;
+    const auto frame = std::span<const std::uint8_t>(connection.heard).first(cut.length);
+    if (connection.admitted)
+      carry_out(frame, handler, connection.number, connection.origin, connection.channel, Clock::now(), {});
+    else
+      admit(connection, frame);
+    connection.asked = Clock::now();
+    connection.heard.erase(connection.heard.begin(),
+                           connection.heard.begin() + static_cast<std::ptrdiff_t>(cut.length));
+    return true;
   }
 
   /// The first frame of a connection must show the token; anything else ends it, without an answer.
@@ -423,7 +483,9 @@ class TcpLink : public ServerLink {
   std::vector<std::uint8_t> token_;  ///< its digest; empty: none is asked for
   Descriptor listener_;
   std::uint16_t port_;
-  std::vector<Connection> connections_;
+  std::vector<Connection> connections_;  ///< in the order of their numbers
+  std::uint64_t served_ = 0;             ///< number of the one that was served last
+  bool unanswered_ = false;              ///< the budget was spent before all requests were answered
 };
 
 tl::unexpected<Problem> listen_problem(const TcpOptions& options) {

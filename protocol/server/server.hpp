@@ -31,9 +31,10 @@ struct PtyOptions {
 struct TcpOptions {
   std::uint16_t port = 0;  ///< 0: any free one
   int unit = kDefaultUnit;
-  std::size_t most_connections = 8;
-  std::string host = "127.0.0.1";  ///< IPv4 address of the interface; beyond loopback a token is needed
-  std::string token_file{};        ///< what every connection must show first; empty: nothing
+  std::size_t most_connections = 8;  ///< that have a place
+  std::string host = "127.0.0.1";    ///< IPv4 address of the interface; beyond loopback a token is needed
+  std::string token_file{};          ///< what every connection must show first; empty: nothing
+  std::size_t most_newcomers = 512;  ///< served without a place
 };
 
 class ModbusServer {

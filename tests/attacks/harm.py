@@ -232,7 +232,7 @@ def power_up_with_a_reader(bench):
                 host.status()
             time.sleep(0.1)
         time.sleep(0.5)
-        modes.append(json.loads(place.workshop("state")[1])["unit"]["mode"])
+        modes.append(place.state()["unit"]["mode"])
     place.end()
     place.mode = "integrate"
     place.start()

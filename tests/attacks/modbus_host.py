@@ -224,12 +224,15 @@ class Host:
         content = struct.pack(">HL", first, self.asked) + bytes_of(answer[:-4])
         return bytes_of(answer[-4:]) == cpace.keyed_check(self.secret_key, OF_ANSWER, content)
 
-    def look(self):
-        """Opens the session, or reads it as it is now."""
+    def session_block(self):
         name = words_of(b"attacker".ljust(16, b"\0"))
         self.asked += 1
-        block = checked([0] + long(self.asked) + [self.version] + words_of(struct.pack(">Q", self.key)) +
-                        long(self.number) + long(int(time.time())) + name)
+        return checked([0] + long(self.asked) + [self.version] + words_of(struct.pack(">Q", self.key)) +
+                       long(self.number) + long(int(time.time())) + name)
+
+    def look(self):
+        """Opens the session, or reads it as it is now."""
+        block = self.session_block()
         w = self.read(SESSION, SESSION_COUNT, SESSION_OPEN, block)
         self.session, self.sequence, self.windows = number(w[3:5]), number(w[5:7]), max(self.windows, number(w[7:9]))
         self.clock, self.stops, self.armed, self.wait = w[9:11], w[11], number(w[12:14]), w[14]

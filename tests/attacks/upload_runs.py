@@ -214,7 +214,7 @@ class SupplyFails(UploadRun):
     attempts = 12
 
     def powered(self):
-        return json.loads(self.place.workshop("state")[1])["unit"]["powered"]
+        return self.place.state()["unit"]["powered"]
 
     def trial(self, rng):
         """A map that is over before this many bytes, or whose host gave up before, is followed by another one."""

@@ -20,9 +20,11 @@ TRIES = 6
 class Place:
     """An emulator with a unit, and `ecs` with a state of its own."""
 
-    def __init__(self, options, folder, serial="MCM-0107", tcp=True, battery=False, modules=5, mode="integrate"):
+    def __init__(self, options, folder, serial="MCM-0107", tcp=True, battery=False, modules=5, mode="integrate",
+                 real_time=False):
         self.options, self.dir, self.tcp, self.serial, self.modules = options, folder, tcp, serial, modules
-        self.battery, self.mode, self.process, self.judged_as = battery, mode, None, (None, None)
+        self.battery, self.mode, self.real_time = battery, mode, real_time
+        self.process, self.judged_as = None, (None, None)
         folder.mkdir(parents=True, exist_ok=True)
         self.start()
 
@@ -32,6 +34,7 @@ class Place:
                  "--serial-number", self.serial, "--arm-code", CODE, "--modules", str(self.modules), "--with-parent"]
         words += ["--tcp", "0"] if self.tcp else ["--pty", str(self.dir / "line")]
         words += ["--memory", str(self.dir / "battery")] if self.battery else []
+        words += ["--real-time"] if self.real_time else []
         with open(self.dir / "emulator.err", "ab") as errors:
             self.process = subprocess.Popen([self.options.emulator] + words, stdout=subprocess.PIPE, stderr=errors)
         said = self.process.stdout.readline()
@@ -85,6 +88,9 @@ class Place:
         done = subprocess.run([self.options.emulator, "workshop", str(self.dir / "shop")] + list(words),
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=120)
         return done.returncode, done.stdout
+
+    def state(self):
+        return json.loads(self.workshop("state")[1])
 
     def sends(self, name):
         """A clean upload by `ecs`: the image that the unit then holds."""

@@ -39,6 +39,14 @@ TEST_CASE("one line of JSON keeps the order of its keys and replaces bytes that 
   CHECK(one_line(json) == "{\"z\":1,\"a\":\"x\xEF\xBF\xBDy\"}");
 }
 
+TEST_CASE("JSON of a file that is deeper than any of ECS is none, whatever its size") {
+  CHECK(json_in(std::string(40'000'000, '[')).is_discarded());
+  CHECK(json_in("{\"a\":" + std::string(101, '[') + std::string(101, ']') + "}").is_discarded());
+  CHECK(json_in("{\"a\":\"" + std::string(200, '[') + "\\\"[\"}").is_object());
+  CHECK(json_in("[[1],[2]]").is_array());
+  CHECK(json_in("{").is_discarded());
+}
+
 TEST_CASE("addresses have six hexadecimal digits") {
   CHECK(hex_address(0x10) == "0x000010");
   CHECK(hex_address(0x100000) == "0x100000");

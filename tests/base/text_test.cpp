@@ -1,6 +1,7 @@
 // Text: cutting, numbers, and the word that was probably meant.
 #include "base/text.hpp"
 
+#include <chrono>
 #include <clocale>
 #include <limits>
 
@@ -92,4 +93,10 @@ TEST_CASE("the nearest word is a likely typing error, or there is none") {
   CHECK(nearest_word("scoop", words) == "");  // two of five letters
   CHECK(nearest_word("interpolation", words) == "");
   CHECK(nearest_word("scope", {}) == "");
+}
+
+TEST_CASE("a word of three million characters is compared with none that is shorter by far") {
+  const auto begun = std::chrono::steady_clock::now();
+  CHECK(nearest_word(std::string(3'000'000, 'x'), std::vector<std::string>(200, "axis.X.deadband_um")).empty());
+  CHECK(std::chrono::steady_clock::now() - begun < std::chrono::seconds(1));
 }

@@ -374,3 +374,16 @@ TEST_CASE("targets beyond a twentieth of the travel speak against the machine fi
 
 }  // namespace
 }  // namespace ecs::laser
+
+TEST_CASE("texts leave for a file without a character that a terminal obeys or a spreadsheet computes") {
+  MeasurementSet set = must(read_measurement_set("samples/laser/x_axis.csv"));
+  set.metadata = {{"machine", "mill\x1b[31m\n# x\u009b\u202e"}};
+  for (Reading& reading : set.readings) reading.text_extras = {{"operator", "=cmd|'/C calc'!A0"}};
+  set.readings.front().text_extras = {{"operator", "''@NN\x1b"}};
+  const std::string text = to_csv(set);
+  CHECK(text.starts_with("# machine: mill?[31m # x??\n"));
+  CHECK(text.find(",=") == std::string::npos);
+  const MeasurementSet again = must(parse_measurement_set(text, "again.csv"));
+  CHECK(again.readings.back().text_extras.at("operator") == "=cmd|'/C calc'!A0");
+  CHECK(again.readings.front().text_extras.at("operator") == "''@NN?");
+}

@@ -1,4 +1,6 @@
 // The client against a unit on a real pseudo-terminal and on TCP, with the faults of a line.
+#include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include <fcntl.h>
@@ -7,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/process.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/test.hpp"
 #include "tests/support/unit_model.hpp"
@@ -278,17 +281,99 @@ TEST_CASE("the server makes its symbolic link, replaces a stale one and removes 
   CHECK_FALSE(std::filesystem::exists(std::filesystem::symlink_status(path)));
 }
 
-TEST_CASE("idle connections make room for a host, hosts at work do not") {
-  auto shop = Workshop::on_tcp();
-  std::vector<UnitClient> idle;
-  for (int k = 0; k < 8; ++k) idle.push_back(shop.client());
-  for (UnitClient& host : idle) REQUIRE(host.monitor().has_value());
-  std::this_thread::sleep_for(200ms);
-  REQUIRE(idle.front().monitor().has_value());
-  auto newcomer = shop.client();
-  CHECK(newcomer.monitor().has_value());
-  CHECK(idle.front().monitor().has_value());
-  CHECK_FALSE(idle[1].monitor().has_value());  // idle for longest
+namespace {
+
+/// A TCP connection that waits for nothing.
+class RawConnection {
+ public:
+  explicit RawConnection(const LinkAddress& address) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in place{};
+    place.sin_family = AF_INET;
+    place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    place.sin_port = htons(std::get<TcpPeer>(address.endpoint).port);
+    REQUIRE(::connect(socket_.get(), reinterpret_cast<sockaddr*>(&place), sizeof place) == 0);
+  }
+  /// Asks so often for the first register of the identity.
+  void ask(int times = 1) const {
+    const std::string request{"\0\1\0\0\0\6\1\3\1\0\0\1", 12};
+    std::string all;
+    for (int k = 0; k < times; ++k) all += request;
+    REQUIRE(::send(socket_.get(), all.data(), all.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(all.size()));
+  }
+  /// How many bytes have come; 0: the unit has closed the connection, -1: none yet.
+  [[nodiscard]] ssize_t heard() const {
+    std::array<char, 64> bytes{};
+    return ::recv(socket_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+  }
+
+ private:
+  Descriptor socket_;
+};
+
+/// Notes whose request comes when.
+struct NotedOrder : RegisterHandler {
+  std::vector<std::uint64_t> connections;
+  void arrives_on(std::uint64_t connection, const std::string&) override { connections.push_back(connection); }
+  tl::expected<Registers, ModbusException> read(std::uint16_t, std::uint16_t count) override {
+    return Registers(count, 0);
+  }
+  tl::expected<void, ModbusException> write(std::uint16_t, std::span<const std::uint16_t>) override { return {}; }
+};
+
+}  // namespace
+
+TEST_CASE("connections beyond the places are answered all the same, and the one idle for longest makes room") {
+  TcpOptions options;
+  options.most_connections = 2;
+  options.most_newcomers = 4;
+  auto server = ModbusServer::on_tcp(options).value();
+  NotedOrder handler;
+  std::vector<std::unique_ptr<RawConnection>> hosts;
+  const auto answers = [&](const RawConnection& host) {
+    host.ask();
+    for (int k = 0; k < 3; ++k) server.serve_ready(handler, 0ms);
+    return host.heard() > 0;
+  };
+  for (int k = 0; k < 6; ++k) CHECK(answers(*hosts.emplace_back(std::make_unique<RawConnection>(server.address()))));
+  CHECK(answers(*hosts[2]));  // the first without a place; the next one is idle for longest now
+  RawConnection newcomer(server.address());
+  CHECK(answers(newcomer));
+  CHECK(hosts[3]->heard() == 0);
+  for (const int k : {0, 1, 2, 4, 5}) CHECK(answers(*hosts[static_cast<std::size_t>(k)]));
+}
+
+TEST_CASE("many requests at once on one connection do not keep another one waiting") {
+  auto server = ModbusServer::on_tcp({}).value();
+  NotedOrder handler;
+  const RawConnection greedy(server.address()), other(server.address());
+  server.serve_ready(handler, 0ms);
+  constexpr int kMany = 300;
+  greedy.ask(kMany);
+  other.ask();
+  while (std::ssize(handler.connections) <= kMany) server.serve_ready(handler, 0ms);
+  const auto& order = handler.connections;
+  const auto its = std::find(order.begin(), order.end(), std::max(order.front(), order[1]));
+  CHECK(std::count(order.begin(), order.end(), *its) == 1);
+  CHECK(its - order.begin() <= 1);
+}
+
+TEST_CASE("a request on a serial line is answered with its last byte, whatever came before it") {
+  auto server = ModbusServer::on_pty({}).value();
+  const std::string device = std::get<SerialPort>(server.address().endpoint).device;
+  const Descriptor line(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  NotedOrder handler;
+  const std::string request{"\1\3\1\0\0\1\x85\xF6", 8};
+  std::string long_one{"\1\20\0\200\0\173\366", 7};  // the beginning of a block of 255 bytes
+  for (const std::string& before : {std::string(), std::string("x"), std::string(300, '\1'), long_one,
+                                    request.substr(0, 7) + "?", long_one + request.substr(0, 5)}) {
+    const std::string all = before + request;
+    REQUIRE(::write(line.get(), all.data(), all.size()) == static_cast<ssize_t>(all.size()));
+    const auto begun = std::chrono::steady_clock::now();
+    CHECK(server.serve_ready(handler, 1s) == 1);
+    CHECK(std::chrono::steady_clock::now() - begun < 20ms);
+    std::array<char, 16> reply{};
+    CHECK(::read(line.get(), reply.data(), reply.size()) == 7);
+  }
 }
 
 TEST_CASE("the symbolic link of a server leads through its own process, and nowhere once that has ended") {

@@ -13,7 +13,10 @@
  *   - A keyed check agrees only with what its host computed it over, and numbers by chance (session, token) are all
  *     different. The odds against this, 2^-64 for a check and 2^-32 for the numbers, are arithmetic, not protocol.
  *   - Arming is one step, which only who knows the code gets through, in the session that he names: the exchange of keys
- *     itself is not modelled (tests/protocol/registers/keys_test.cpp holds it to its document). No host forges.
+ *     itself is not modelled (tests/protocol/registers/keys_test.cpp holds it to its document).
+ *   - A forger lacks the keys and may know all else. What he sends is a copy of a request on the line with other
+ *     contents, or a request of his own, whose session and token he may guess: `forged`, its keyed check does not agree.
+ *     He gives one answer in the place of the unit's as well. Under a key a forged answer is one that was lost.
  *   - The tags of all windows on axis memory are the same: chance may make two alike, and nothing may depend on it.
  *     Windows on system RAM have no token; there the tags of two hosts differ, as they do by chance.
  *   - A map is BLOCKS blocks, a block is the name of its map. Two blocks are enough for a mixture.
@@ -47,6 +50,9 @@
 #endif
 #ifndef EXPIRIES
 #define EXPIRIES 0 /* armed hosts whose minutes end */
+#endif
+#ifndef FORGES
+#define FORGES 0 /* requests and answers of a forger */
 #endif
 #ifndef TICKS
 #define TICKS 0
@@ -97,7 +103,7 @@
 mtype:request = { identity, active_map, checks, session_open, command, window_open, block, acknowledgement }
 mtype:code = { arm, disarm, begin_staging, commit_staged, abandon_staged, output_compensation, output_off }
 mtype:error = { none, idle, no_answer, no_staging, check_mismatch, address_protected, token_expired, other_machine,
-                session_unknown, late, overtaken, not_armed, wrong_code }
+                session_unknown, late, overtaken, not_armed, wrong_code, wrong_key }
 
 #define NEEDS_ARMING(c) ((c) == begin_staging || (c) == commit_staged || (c) == output_compensation)
 
@@ -118,6 +124,7 @@ typedef Request {
   byte clock;
   byte stops;
   byte proof;    /* arm: the session that it was computed for; 0: with a wrong code */
+  bool forged;   /* the keyed check is not that of its host */
   /* what only the properties look at */
   byte staging;  /* the staging that the host means */
   byte given;    /* bit of the command in what its program gave */
@@ -140,6 +147,7 @@ typedef Answer {
   byte serial;   /* active map: serial number */
   byte commit;   /* commit sequence */
   bit bank;      /* active bank */
+  bool forged;   /* by somebody else than the unit */
   bool agrees;   /* acknowledgement: CRC of the window in memory is that of what was sent */
   /* what only the properties look at */
   byte staging;
@@ -203,6 +211,7 @@ byte restarts_left = RESTARTS;
 byte forgets_left = FORGETS;
 byte expiries_left = EXPIRIES;
 byte moves_left = MOVES;
+byte forges_left = FORGES;
 bool knows[HOSTS];     /* the host knows the unit's code */
 
 /* what only the properties look at; a bit for each program */
@@ -234,6 +243,7 @@ hidden byte no_write_reaches_the_active_bank;
 hidden byte not_taken_is_true;
 hidden byte only_an_armed_host_acts;
 hidden byte only_an_armed_host_writes;
+hidden byte own_command_is_heard;
 hidden byte right_code_is_accepted;
 hidden byte success_is_true;
 #define REQUIRE(name, condition) name = (condition); assert(name)
@@ -280,7 +290,12 @@ inline forget_session(p) {
 #else
 #define IS_ARMED(h) (!ARMING || unit[u].armed[h])
 #endif
-#define TRULY_ARMED(h) (!ARMING || unit[u].truly_armed[h])
+#define TRULY_ARMED(h) ((!ARMING || unit[u].truly_armed[h]) && !rq.forged)
+#ifdef NO_KEY
+#define KEY_AGREES true
+#else
+#define KEY_AGREES (!rq.forged) /* without a key: what a stranger uses up of a session is given back with its key */
+#endif
 
 /* A staging ends with the next one, with its commit and when it is abandoned. */
 inline stage_under(token_now) {
@@ -416,6 +431,16 @@ inline take_command() {
   forget_hosts_of_another_start();
   if
   :: SESSION(u, rq.program).id == 0 || SESSION(u, rq.program).id != rq.session -> an.error = session_unknown
+  :: SESSION(u, rq.program).id != 0 && SESSION(u, rq.program).id == rq.session && !KEY_AGREES ->
+     reached(17);
+     an.error = wrong_key;
+     if
+     :: rq.code == output_off -> unit[u].stops++; offs++; reached(18)
+     :: else
+     fi;
+#ifdef FORGED_SEQUENCE
+     SESSION(u, rq.program).sequence = rq.sequence
+#endif
 #ifndef NO_SEQUENCE
   :: else ->
      if
@@ -473,6 +498,13 @@ inline open_session() {
 inline open_window() {
   forget_hosts_of_another_start();
   if
+  :: !KEY_AGREES -> reached(19) /* leaves the open one as it is */
+  :: else -> open_window_of_host()
+  fi
+}
+
+inline open_window_of_host() {
+  if
   :: WINDOW.tag == rq.tag && WINDOW.session == rq.session && WINDOW.token == rq.token && WINDOW.bank == rq.bank &&
      WINDOW.ram == rq.ram && WINDOW.error == none -> skip
   :: else ->
@@ -515,6 +547,11 @@ inline open_window() {
 #endif
 
 /* A block is taken under the window's tag, with a check over its token, tag, number and payload. */
+#ifdef NO_KEY
+#define BLOCK_KEY_AGREES true
+#else
+#define BLOCK_KEY_AGREES (!rq.forged)
+#endif
 inline take_block() {
 #ifndef OLD_BLOCK_AFTER_START
   forget_hosts_of_another_start();
@@ -525,7 +562,9 @@ inline take_block() {
   :: else
   fi;
   if
-  :: WINDOW.error == none && rq.tag == WINDOW.tag && CHECK_AGREES ->
+  :: WINDOW.error == none && rq.tag == WINDOW.tag && !BLOCK_KEY_AGREES ->
+     reached(20); WINDOW.received = 0; WINDOW.error = check_mismatch
+  :: WINDOW.error == none && rq.tag == WINDOW.tag && CHECK_AGREES && BLOCK_KEY_AGREES ->
      if
      :: WINDOW.ram ->
         REQUIRE(only_an_armed_host_writes, TRULY_ARMED(rq.host));
@@ -575,7 +614,7 @@ inline compare_checks() {
 
 inline clear_answer() {
   an.kind = identity; an.ok = false; an.error = none; an.session = 0; an.sequence = 0; an.clock = 0; an.stops = 0; an.armed = false;
-  an.token = 0; an.value = 0; an.serial = 0; an.commit = 0; an.bank = 0; an.agrees = false; an.staging = 0; an.at = 0; an.offs = 0
+  an.forged = false; an.token = 0; an.value = 0; an.serial = 0; an.commit = 0; an.bank = 0; an.agrees = false; an.staging = 0; an.at = 0; an.offs = 0
 }
 
 /* A window that takes nothing more is as good as any other that does not: the fewer states. */
@@ -613,6 +652,8 @@ inline serve() {
 #define HAS_EFFECT(k) ((k) == command || (k) == window_open || (k) == block)
 
 #define NOBODY HOSTS
+#define WINDOW0 unit[0].window
+#define IS_ARMED_AT(v, h) unit[v].armed[h]
 
 active proctype Link() {
 end:
@@ -649,6 +690,83 @@ end:
        :: from == NOBODY
        fi
      }
+#if FORGES > 0
+  /* A forger who has heard a request sends another one like it, or one of his own. */
+  :: atomic { forges_left > 0 ->
+       forges_left--;
+       if
+#ifndef DEAF
+       :: call[0]?<rq>
+       :: call[1]?<rq>
+       :: stray?<rq>
+#endif
+       :: rq.host = 0; rq.program = 0; rq.session = SESSION(0, 0).id; rq.sequence = 9; rq.token = unit[0].token;
+            rq.tag = WINDOW0.tag; rq.bank = WINDOW0.bank; rq.ram = WINDOW0.ram; rq.kept = 0; rq.proof = 0;
+          if
+          :: rq.kind = command
+          :: rq.kind = window_open
+          :: rq.kind = block
+          fi
+       fi;
+       rq.forged = true; rq.staging = 0; rq.given = 0; rq.given_at = time; rq.offs = offs;
+       if
+       :: rq.kind == command ->
+          if
+          :: rq.code = begin_staging
+          :: rq.code = commit_staged
+          :: rq.code = abandon_staged
+          :: rq.code = output_compensation
+          :: rq.code = output_off
+          :: rq.code = disarm
+          fi;
+          if
+          :: rq.sequence++
+          :: true
+          fi;
+          rq.clock = unit[0].clock; rq.stops = unit[0].stops
+       :: rq.kind == window_open ->
+          if
+          :: rq.bank = 1 - rq.bank
+          :: rq.ram = 1 - rq.ram
+          :: rq.token = unit[0].token
+          fi
+       :: rq.kind == block ->
+          if
+          :: rq.map = OLD
+          :: rq.number = 1 - rq.number
+          :: true
+          fi
+       :: else
+       fi;
+       d_step { serve() }
+     }
+  /* He answers a question in the place of the unit, or changes its answer. */
+  :: atomic { forges_left > 0 && (nempty(call[0]) || nempty(call[1])) ->
+       if
+       :: call[0]?rq -> from = 0
+       :: call[1]?rq -> from = 1
+       fi;
+       forges_left--;
+       if
+       :: d_step { serve() }
+       :: d_step { clear_answer(); an.kind = rq.kind; an.session = rq.session; an.sequence = rq.sequence }
+       fi;
+       an.ok = true; an.forged = true; an.error = none;
+       if
+       :: rq.kind == active_map -> an.value = rq.map
+       :: rq.kind == checks || rq.kind == window_open || rq.kind == acknowledgement -> an.value = ALL; an.agrees = true
+       :: else
+       fi;
+       if
+#ifdef NO_ANSWER_CHECK
+       :: true -> back[from]!an
+#else
+       :: !IS_ARMED_AT(0, from) -> forges_left++; call[from]!rq /* who has no key asks for a session only: no property */
+       :: IS_ARMED_AT(0, from) -> reached(21); call[from]!rq
+#endif
+       fi
+     }
+#endif
 #if RESTARTS > 0
   /* The unit loses what is in RAM and keeps what the battery holds. */
   :: atomic { restarts_left > 0 ->
@@ -704,7 +822,7 @@ end:
 inline clear_request(k) {
   out.kind = k; out.host = h; out.program = p; out.session = session; out.sequence = 0; out.code = arm; out.token = 0;
   out.bank = 0; out.kept = 0; out.map = h + 1; out.tag = 0; out.ram = 0; out.number = 0; out.clock = 0; out.stops = 0;
-  out.proof = 0; out.staging = 0; out.given = 0; out.given_at = 0; out.offs = 0
+  out.proof = 0; out.forged = 0; out.staging = 0; out.given = 0; out.given_at = 0; out.offs = 0
 }
 
 /* The result of an earlier command is asked for by nobody any more: the fewer states. */
@@ -817,6 +935,7 @@ inline give(which) {
      out.offs = switched;
      ask();
      result = (in.ok -> in.error : no_answer);
+     REQUIRE(own_command_is_heard, (!in.ok || in.error != idle || FORGES == 0));
      if
      :: result == session_unknown -> session = 0;
 #ifndef REGIVEN_AFRESH

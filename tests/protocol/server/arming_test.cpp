@@ -1,4 +1,7 @@
 // Who may write to a unit, and what the unit keeps of what was done to it.
+#include <cstdlib>
+#include <limits>
+
 #include "protocol/registers/unit_registers.hpp"
 #include "protocol/server/host_sessions.hpp"
 #include "tests/support/test.hpp"
@@ -109,6 +112,56 @@ TEST_CASE_FIXTURE(GuardedUnit, "a block without the key of its host closes the w
         ModbusException::illegal_value);
   CHECK(armed.open(window).error == UnitError::check_mismatch);
   CHECK(model.bank_a[0] == 0);
+}
+
+TEST_CASE_FIXTURE(GuardedHost,
+                  "a stranger in the session of a host that is not armed yet uses up none of its numbers") {
+  Command last = host.next({.code = CommandCode::abandon_staged});
+  last.sequence = std::numeric_limits<std::uint32_t>::max();
+  (void)host.send(last);
+  CHECK(host.arm(kShownCode).error == UnitError::none);
+  CHECK(host.give({.code = CommandCode::begin_staging}).state == CommandState::done);
+}
+
+TEST_CASE_FIXTURE(GuardedHost,
+                  "a stop of a host without a key is carried out, whatever a stranger gives in its session") {
+  const Command off = host.next({.code = CommandCode::output_off});
+  Command strangers = off;
+  for (const std::uint32_t sequence : {off.sequence, std::numeric_limits<std::uint32_t>::max()}) {
+    strangers.code = CommandCode::check_memory;
+    strangers.address = kBankA.first;
+    strangers.length = 4;
+    strangers.sequence = sequence;
+    CHECK(host.send(strangers).state == CommandState::done);
+    model.log.clear();
+    CHECK(host.send(off).state == CommandState::done);
+    CHECK(model.log == std::vector{CommandCode::output_off});
+  }
+}
+
+TEST_CASE_FIXTURE(GuardedUnit, "of blocks with checks by chance none is taken") {
+  const char* const wanted = std::getenv("ECS_FORGED_BLOCKS");  // 10000000 take a minute
+  const std::uint64_t count = wanted == nullptr ? 50'000 : std::strtoull(wanted, nullptr, 10);
+  RegisterHost armed(server, 1);
+  (void)armed.arm(kShownCode);
+  WindowOpen window{0,     kBankA.first,        4, armed.give({.code = CommandCode::begin_staging}).token,
+                    false, {armed.session(), 1}};
+  std::uint64_t taken = 0, looked_at = 0;
+  for (std::uint64_t k = 0; k < count; ++k) {
+    ++window.number;
+    looked_at += armed.open(window).error == UnitError::none ? 1U : 0U;
+    Registers block = block_registers(std::nullopt, window, 0, kFourBytes);
+    const std::uint64_t check = chance_64();  // everything else is what its host would send
+    for (std::size_t i = 0; i < kKeyedCheckRegisters; ++i) block[2 + i] = static_cast<std::uint16_t>(check >> 16 * i);
+    taken += server.write(kBlockWrite.first, block) ? 1U : 0U;
+  }
+  if (wanted != nullptr) MESSAGE(count << " forged blocks, " << taken << " taken");
+  CHECK(looked_at == count);
+  CHECK(taken == 0);
+  CHECK(model.bank_a[0] == 0);
+  ++window.number;
+  (void)armed.open(window);
+  CHECK(server.write(kBlockWrite.first, block_registers(armed.key(), window, 0, kFourBytes)).has_value());
 }
 
 TEST_CASE_FIXTURE(GuardedUnit,

@@ -144,7 +144,7 @@ TEST_CASE_FIXTURE(ServedHost, "a unit that has started again knows no session, n
   CHECK(host.give({.code = CommandCode::abandon_staged, .token = token}).error == UnitError::no_staging);
 }
 
-TEST_CASE("the session used least lately gives way to the seventeenth, that of an armed host last") {
+TEST_CASE("the session used least lately gives way to one too many, that of an armed host last") {
   UnitModel model;
   RegisterServer server(model, {"271828", true});
   RegisterHost first(server, 100), armed(server, 101);
@@ -157,6 +157,50 @@ TEST_CASE("the session used least lately gives way to the seventeenth, that of a
   for (std::uint32_t k = 1; k <= kSessions; ++k) RegisterHost(server, 200 + k);
   CHECK(first.send(first.next({.code = CommandCode::clear_fault})).error == UnitError::session_unknown);
   CHECK(armed.give({.code = CommandCode::clear_fault}).state == CommandState::done);
+}
+
+TEST_CASE("sessions of a stranger by the thousand take that of no host from elsewhere") {
+  UnitModel model;
+  RegisterServer server(model, {"271828", true});
+  server.arrives_on(1, "host");
+  RegisterHost host(server, 1);
+  const auto session = host.session();
+  server.arrives_on(2, "stranger");
+  for (std::uint32_t k = 0; k < 1000; ++k) RegisterHost(server, 100 + k);
+  server.arrives_on(1, "host");
+  CHECK(host.arm("271828").error == UnitError::none);
+  CHECK(host.session() == session);
+}
+
+TEST_CASE("sessions that the programs of an armed host have left keep no other host out") {
+  UnitModel model;
+  RegisterServer server(model, {"271828", true});
+  RegisterHost armed(server, 1);
+  CHECK(armed.arm("271828").error == UnitError::none);
+  for (std::uint32_t number = 1; number < 2 * kSessions; ++number) {
+    RegisterHost program(server, 1, number);
+    program.share_with(armed);
+    CHECK(program.give({.code = CommandCode::clear_fault}).state == CommandState::done);
+  }
+  std::vector<RegisterHost> others;
+  for (std::uint32_t k = 0; k < kSessions - kKeptForArmed; ++k) others.emplace_back(server, 100 + k);
+  for (RegisterHost& other : others)
+    CHECK(other.send(other.next({.code = CommandCode::check_memory})).error != UnitError::session_unknown);
+}
+
+TEST_CASE("commands on many connections of strangers take the place of no armed host") {
+  UnitModel model;
+  RegisterServer server(model, {"271828", true});
+  RegisterHost armed(server, 1), stranger(server, 2);
+  server.arrives_on(1, "armed");
+  (void)armed.arm("271828");
+  for (std::uint64_t connection = 2; connection < 3 * kSessions; ++connection) {
+    server.arrives_on(connection, "stranger");
+    (void)stranger.give({.code = CommandCode::abandon_staged});
+    CHECK(server.speaks_on(connection) == RegisterHandler::Speaks::commander);
+  }
+  CHECK(server.speaks_on(1) == RegisterHandler::Speaks::armed);
+  CHECK(server.speaks_on(2) == RegisterHandler::Speaks::reader);  // forgotten
 }
 
 TEST_CASE_FIXTURE(ServedUnit,
