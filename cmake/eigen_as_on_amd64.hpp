@@ -1,6 +1,6 @@
-// Makes Eigen compute on arm64 as on amd64, in the same order and with one rounding an operation, so that a diagnosis gives the same bits.
-// Included before every source for arm64 (cmake/libraries.cmake), and by Eigen once more as its plugin. Eigen's own pow() of arrays is less exact
-// with it: use std::pow.
+// Makes Eigen compute on arm64 as on amd64, in the same order and with one rounding an operation, so that a diagnosis
+// gives the same bits. Included before every source for arm64 (cmake/libraries.cmake), and by Eigen once more as its
+// plugin. Eigen's own pow() of arrays is less exact with it: use std::pow.
 #ifndef ECS_EIGEN_AS_ON_AMD64
 #define ECS_EIGEN_AS_ON_AMD64
 #include <arm_neon.h>
