@@ -198,6 +198,49 @@ void find_unmeasured_directions(MapFromModel& built, const Model& model, const p
   }
 }
 
+/// Where an effect is zero; "" for one that depends on no temperature and no time, or of which no value is known.
+std::string zero_at(const EffectInstance& effect, const std::optional<model::Origin>& origin) {
+  const model::EffectDefinition& definition = effect.definition();
+  if (definition.has_need(model::Need::material_temperature)) return "t_material_degC = 20 degC";
+  if (definition.has_need(model::Need::two_sensors)) return fmt::format("{} = {}", effect.sensor, effect.sensor2);
+  if (!effect.traits().from_origin || !origin) return {};
+  if (definition.has_need(model::Need::time)) return "the time of the first reading";
+  const auto first = origin->sensors_degC.find(effect.sensor);
+  return first == origin->sensors_degC.end() ? std::string()
+                                             : fmt::format("{} = {:.4g} degC", first->first, first->second);
+}
+
+/// "4.13 um/m/degC"
+std::string sizes_of(const EffectInstance& effect) {
+  std::vector<std::string> sizes;
+  for (const model::ParameterDefinition& parameter : effect.definition().parameters)
+    for (const auto* values : {&effect.parameters, &effect.fitted})
+      if (const auto value = values->find(std::string(parameter.name)); value != values->end())
+        sizes.push_back(fmt::format("{} {:.3g} {}", parameter.meaning, value->second, unit_of(effect, parameter)));
+  return fmt::format("{} ({})", to_text(effect), fmt::join(sizes, ", "));
+}
+
+/// The temperatures for which the map is made, and the error at others.
+void note_temperatures(MapFromModel& built, const Model& model) {
+  std::vector<std::string> effects;
+  for (const EffectInstance& effect : model.effects) {
+    if (effect.undetermined || effect.traits().of_measurement || effect.definition().is_carried()) continue;
+    const std::string at = zero_at(effect, model.origin);
+    if (at.empty()) continue;
+    if (std::find(built.holds_at.begin(), built.holds_at.end(), at) == built.holds_at.end())
+      built.holds_at.push_back(at);
+    effects.push_back(sizes_of(effect));
+  }
+  if (effects.empty()) return;
+  const std::string at = fmt::format("the map holds at {}", fmt::join(built.holds_at, " and "));
+  built.compiled.map.header.processing.push_back(at);
+  built.notes.push_back(fmt::format(
+      "{}, where {} {} zero. In other conditions their error remains. For a map at the working temperature, measure "
+      "there "
+      "and fit a model without {}",
+      at, fmt::join(effects, " and "), effects.size() == 1 ? "is" : "are", effects.size() == 1 ? "it" : "them"));
+}
+
 Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments& arguments) {
   const auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
@@ -232,6 +275,7 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
   const auto levers = model::add_own_levers(built.compiled, *model, *machine, built.increment_mm);
   note_short_periods(built, *model);
   trace(built, *model, levers, arguments.model);
+  note_temperatures(built, *model);
   ECS_DO(complete_header(built, arguments));
   take_squareness(built.parameters, built.compiled);
   declare_missing_zero(built, arguments.zero_missing);
@@ -345,7 +389,8 @@ Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments)
       "declared"_shown(declared_text(b)), "missing"_is(lines_cell(objections_in(b.findings), "")),
       "findings"_is(findings_cell(b.findings)),
       "verdict"_shown(verdict_text(b.findings, !made_for_two_machines(b.compiled.map.header, b.identity).empty())),
-      "notes"_is(paragraphs_cell(b.notes, "note: ")), "header"_is(header_cell(b.compiled.map.header)));
+      "holds_at"_is(lines_cell(b.holds_at, "")), "notes"_is(paragraphs_cell(b.notes, "note: ")),
+      "header"_is(header_cell(b.compiled.map.header)));
 }
 
 }  // namespace ecs::commissioning

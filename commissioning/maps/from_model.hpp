@@ -38,6 +38,7 @@ struct MapFromModel {
   UnitParameters parameters;                              ///< with the model's squareness
   params::Identity identity;
   double increment_mm = 0.0;
+  std::vector<std::string> holds_at;  ///< temperatures at which the effects that it leaves out are zero
   std::vector<std::string> notes;
   std::vector<laser::MapFinding> findings;
   std::vector<Component> missing;  ///< needed by the parameters, without an effect, not declared zero

@@ -15,10 +15,28 @@ namespace {
 
 using model::Comparison;
 
-Cell direction_cell(const model::DirectionSummary& d, bool rotary) {
+/// A residual of this many times the noise of one reading is no noise, whatever a test against repeats says.
+constexpr double kFarAboveNoise = 2.0;
+constexpr std::string_view kFits = "the model fits";
+
+/// That a model fits the scatter of repeats says little where the runs differ far more than readings of one run.
+bool runs_differ(const Cell& lack_of_fit, double rms_um, double noise_um) {
+  return lack_of_fit.text.ends_with(kFits) && rms_um > kFarAboveNoise * noise_um;
+}
+
+std::string lack_of_fit_text(const std::optional<model::LackOfFit>& test, double rms_um, double noise_um) {
+  const Cell cell = lack_of_fit_cell(test);
+  return cell.text + (runs_differ(cell, rms_um, noise_um)
+                          ? ", but this means little: repeats in different runs differ as much as the residual"
+                          : "");
+}
+
+Cell direction_cell(const model::DirectionSummary& d, bool rotary, double noise_um) {
   Cell lack_of_fit = lack_of_fit_cell(d.lack_of_fit);  // without its F, which has no room in the table
   if (const std::size_t comma = lack_of_fit.text.find(", "); comma != std::string::npos)
     lack_of_fit.text.erase(0, comma + 2);
+  if (!is_rotation(d.sense) && runs_differ(lack_of_fit, d.rms_um, noise_um))
+    lack_of_fit.text.replace(lack_of_fit.text.size() - kFits.size(), kFits.size(), "runs differ");
   return record_cell(
       "{sense:<5} {axis:<4} {approach:<11} {readings:>8} {bias_um:>8} {rms_um:>8} {peak_um:>8}   {lack_of_fit}\n",
       "sense"_is(d.path.empty() ? std::string(name_of(d.sense)) : d.path),
@@ -30,7 +48,7 @@ Cell direction_cell(const model::DirectionSummary& d, bool rotary) {
 
 Cell directions_cell(const Comparison& c) {
   Cell list = list_cell(
-      c.directions, [&](const auto& one) { return direction_cell(one, c.rotary); },
+      c.directions, [&](const auto& one) { return direction_cell(one, c.rotary, c.noise.noise_um); },
       "sense axis direction   readings     bias      rms     peak   lack of fit\n");
   list.text += "bias, rms, peak of the residual (reading - model): um; um/m for EA EB EC\n";
   return list;
@@ -98,9 +116,10 @@ std::string outliers_text(const Comparison& c) {
 
 Cell comparison_cell(const Comparison& c, std::size_t readings) {
   const Cell lack_of_fit = lack_of_fit_cell(c.lack_of_fit);
-  const std::string summary = paragraph(
-      fmt::format("{} readings: rms {:.3f} {}, peak {:.3f} {}; noise of one reading {}; lack of fit: {}", readings,
-                  c.rms_um, c.noise.unit, c.peak_um, c.noise.unit, noise_text(c.noise), lack_of_fit.text));
+  const std::string judged = lack_of_fit_text(c.lack_of_fit, c.outliers.empty() ? c.rms_um : 0.0, c.noise.noise_um);
+  const std::string summary =
+      paragraph(fmt::format("{} readings: rms {:.3f} {}, peak {:.3f} {}; noise of one reading {}; lack of fit: {}",
+                            readings, c.rms_um, c.noise.unit, c.peak_um, c.noise.unit, noise_text(c.noise), judged));
   return record_cell(
       "{summary}\n{directions}{variables}{worst}{outliers}", "observations"_is(readings), "summary"_shown(summary),
       "rms_um"_is(c.rms_um), "peak_um"_is(c.peak_um), "noise_um"_is(c.noise.noise_um),
@@ -114,9 +133,6 @@ using model::Candidate;
 using model::Diagnosis;
 using model::Verdict;
 
-/// A residual of this many times the noise of one reading is no noise, whatever a test against repeats says.
-constexpr double kFarAboveNoise = 2.0;
-
 std::string summary(const Diagnosis& d) {
   std::string text =
       fmt::format("{} readings. The residual is {:.3f} {} rms{}; the noise of one reading is {}. ", d.observations,
@@ -124,11 +140,8 @@ std::string summary(const Diagnosis& d) {
   if (d.verdict != Verdict::adequate && d.rms_after_um < d.rms_um)
     text += fmt::format("With {}: rms {:.3f} {}. ", d.add ? "the proved or likely effects" : "the named effects",
                         d.rms_after_um, d.noise.unit);
-  const std::string lack_of_fit = lack_of_fit_cell(d.lack_of_fit).text;
-  text += "Lack-of-fit test: " + lack_of_fit;
-  if (d.rms_um > kFarAboveNoise * d.noise.noise_um && (d.outliers.empty() || d.verdict != Verdict::adequate) &&
-      lack_of_fit.ends_with("the model fits"))
-    text += ", but this means little: repeats in different runs differ as much as the residual";
+  const bool is_judged = d.outliers.empty() || d.verdict != Verdict::adequate;
+  text += "Lack-of-fit test: " + lack_of_fit_text(d.lack_of_fit, is_judged ? d.rms_um : 0.0, d.noise.noise_um);
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)
     text += fmt::format("; afterwards {}", lack_of_fit_cell(d.lack_of_fit_after).text);
   return paragraph(text + ".");

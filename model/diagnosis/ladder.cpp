@@ -179,12 +179,16 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
   added.model = with_values(added.model, fit);
   added.model.compensated_readings = static_cast<int>(std::ranges::count(data.compensated, true));
   hold_nonlinear(added.model.effects.back(), fit.effects.back());
-  if (fit.effects.back().readings == 0 || fit.effects.back().rms_um == 0.0)
+  if (fit.effects.back().readings == 0 || fit.effects.back().rms_um == 0.0) {
+    const bool is_there =
+        std::ranges::any_of(model.effects, [&](const EffectInstance& one) { return same_candidate(one, *effect); });
     return problem(
         ProblemKind::usage,
-        fmt::format(
-            "{}: no reading of these data depends on it (`ecs laser show` lists their axes, senses and columns)",
-            to_text(*effect)));
+        fmt::format("{}: {}", to_text(*effect),
+                    is_there ? "it is in the model already"
+                             : "no reading of these data depends on it (`ecs laser show` lists their axes, senses and "
+                               "columns)"));
+  }
   added.effect = fit.effects.back();
   added.rms_before_um = rms_of(before.core.residual);
   added.rms_after_um = fit.rms_um;

@@ -351,7 +351,8 @@ std::vector<Term> terms_of_position(const LeftReadings& r, const std::string& to
   if (told == "odd") terms.clear();
   for (int power = 1; power <= (is_flat ? 1 : 5); ++power)
     if (told.empty() || (told == "odd") == (power % 2 == 1))
-      terms.push_back({power == 1 ? scaled : fmt::format("{}^{}", scaled, power), (x / r.half).array().pow(power)});
+      terms.push_back({power == 1 ? scaled : fmt::format("{}^{}", scaled, power),
+                       (x / r.half).unaryExpr([power](double part) { return std::pow(part, power); })});
   if (is_flat) return terms;
   constexpr double kTargetsAPeriod = 2.5, kMostPeriods = 40.0, kTurn_deg = 360.0;
   const double travel = r.data.rotary ? kTurn_deg : 2.0 * r.half;  // what turns comes back

@@ -175,7 +175,7 @@ class ShapeSearch {
     fit.sizes = solved_symmetric(squares, products);
     fit.left = std::max(0.0, y_.squaredNorm() - fit.sizes.dot(products));
     fit.waves = waves;
-    fit.size = std::hypot(fit.sizes(1), fit.sizes(2));
+    fit.size = fit.sizes.tail<2>().norm();
     return fit;
   }
   /// Kind and number of parameters stay.

@@ -18,7 +18,7 @@ EffectDefinition thermal_scale() {
       .headline = "{where} with an expansion of {um_per_m_degC} with the material's temperature",
       .parameters = {{"um_per_m_degC", "um/m/degC", "expansion"}},
       .carrier = Carrier::none,
-      .how = "a scale that follows temperature; the unit has no sensor, so set the scale for the working temperature",
+      .how = "the unit has no temperature input",
       .separated_by = separations::kOtherTemperature,
       .traits = {.of_condition = true, .one_per_axis = true},
       .needs = {Need::material_temperature},

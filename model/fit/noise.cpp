@@ -300,7 +300,7 @@ std::vector<NoiseGroup> groups_of(const Observations& data) {
 
 }  // namespace
 
-double NoiseGroup::sigma() const { return std::hypot(white, correlated); }
+double NoiseGroup::sigma() const { return std::sqrt(white * white + correlated * correlated); }
 
 std::vector<double> NoiseModel::sigma_by_row(std::size_t n) const {
   std::vector<double> sigma(n, 1.0);

@@ -9,12 +9,17 @@
 #include <limits>
 #include <utility>
 
-// Boost.Math would calculate with long double, which is another type on another processor.
+// Boost.Math would calculate with long double, which is another type on another processor, and sum in another order
+// with SSE2.
 #define BOOST_MATH_PROMOTE_DOUBLE_POLICY false
+#pragma push_macro("__SSE2__")
+#undef __SSE2__
 #include <boost/math/distributions/students_t.hpp>
 #include <boost/math/special_functions/beta.hpp>
+#include <boost/math/special_functions/erf.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <boost/math/tools/fraction.hpp>
+#pragma pop_macro("__SSE2__")
 
 namespace ecs::model {
 
@@ -65,7 +70,7 @@ double ln_f_tail(double f, double k, double v) {
   return ln_beta_ratio(0.5 * v, 0.5 * k, v / (v + k * f));
 }
 
-double normal_two_sided(double z) { return std::erfc(std::abs(z) / std::sqrt(2.0)); }
+double normal_two_sided(double z) { return boost::math::erfc(std::abs(z) / std::sqrt(2.0)); }
 
 double tail_probability(std::vector<double> noise_replicates, double value) {
   constexpr std::size_t kTailPart = 5;    // a fifth: a choice; less leaves too few excesses, more is no tail

@@ -349,7 +349,7 @@ void add_harmonic(const EffectInstance& effect, std::vector<ParameterEstimate>& 
                   const Eigen::MatrixXd& covariance, Eigen::Index at, std::span<const ParameterDefinition, 2> names) {
   if (at + 1 >= c.size()) return;
   const double a = c(at), b = c(at + 1);
-  const double size = std::hypot(a, b);
+  const double size = std::sqrt(a * a + b * b);
   ParameterEstimate amplitude{std::string(names[0].name), unit_of(effect, names[0]), size, {}, false, false};
   ParameterEstimate phase{std::string(names[1].name), std::string(names[1].unit), std::atan2(b, a), {}, false, false};
   if (covariance.rows() > at + 1 && size > 0.0) {

@@ -151,7 +151,7 @@ nlohmann::ordered_json json_of(const HiddenEffect& hidden) {
   return json;
 }
 
-/// "300 readings of EX over X; 3 runs; TXYZ": what anybody sees who opens the files.
+/// "300 readings of EX over X; 3 runs; configuration TXYZ": what anybody sees who opens the files.
 std::string line_about(const HiddenCase& c) {
   std::string lines;
   int runs = 1;
@@ -160,8 +160,9 @@ std::string line_about(const HiddenCase& c) {
     const std::string line = fmt::format("{} over {}", name_of(stop.sense), letter_of(stop.axis));
     if (lines.find(line) == std::string::npos) lines += (lines.empty() ? "" : ", ") + line;
   }
-  return fmt::format("{} readings of {}; {} run{}; {}{}; the truth is in truth.sealed", c.readings.size(), lines, runs,
-                     runs == 1 ? "" : "s", c.scene.machine.configuration, c.scene.map.empty() ? "" : "; map active");
+  return fmt::format("{} readings of {}; {} run{}; configuration {}{}; the truth is in truth.sealed", c.readings.size(),
+                     lines, runs, runs == 1 ? "" : "s", c.scene.machine.configuration,
+                     c.scene.map.empty() ? "" : "; an error map was active");
 }
 
 /// A folder that is made under another name and becomes the real one in a single step, or vanishes.

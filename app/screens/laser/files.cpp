@@ -67,7 +67,7 @@ class FilesPage final : public LaserPage {
       return;
     }
     const int below = std::min(4, area.rows / 3);
-    canvas.text(area, 0, 2, fmt::format("{:<28} {:<26} {}", "file", "read as", "holds"), Tone::faint);
+    canvas.text(area, 0, 2, fmt::format("{:<28} {:<26} {}", "file", "read as", "contents"), Tone::faint);
     std::vector<ListRow> rows;
     for (const LaserFileChoice& choice : controller().choices().files) rows.push_back(row_of(work, choice));
     draw_list(canvas, {area.row + 1, area.column, std::max(0, area.rows - 1 - below), area.columns}, rows, place_);

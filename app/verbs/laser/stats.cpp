@@ -355,11 +355,14 @@ Cell turn_cell(const MeasuredLine& line) {
 Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, const StatsRequest& request) {
   const auto unit = laser::unit_of(iso.sense);
   std::string layout =
-      "{file}: {component} ({sense} along {axis}), parked at {parked_mm} mm, {count} targets, compensated: "
-      "{compensated}\n";
+      "{file}: {component} ({sense} along {axis}), parked at {parked_mm} mm, {count} targets, "
+      "{compensation}\n";
   AnswerFields fields =
       described("file"_is(line.files.front(), fmt::format("{}", fmt::join(line.files, " + "))), "files"_is(line.files));
   append(fields, measured_line_fields(line.group));
+  append(fields, "compensation"_shown(!line.group.compensated   ? "compensation not stated"
+                                      : *line.group.compensated ? "with compensation"
+                                                                : "without compensation"));
   for (const LaserQuantity& q : kLaserQuantities) {
     fields.push_back(FieldKey(q.key)(quantity_cell(q.symbol, iso.*q.value, unit, q.name)));
     layout += fmt::format("{{{}}}", q.key);

@@ -13,9 +13,10 @@
 namespace ecs::app {
 namespace {
 
-constexpr double kWidth = 460.0, kLeft = 50.0, kRight = 8.0, kPanel = 190.0, kFoot = 36.0;
-constexpr double kTitle = 20.0, kKeyRow = 17.0;
-constexpr double kLetter = 6.0;  ///< width of a letter of the key, on average
+// As wide as a telephone, so that its words can be read there; a wide window enlarges it and has smaller letters.
+constexpr double kWidth = 340.0, kLeft = 48.0, kRight = 8.0, kPanel = 150.0, kFoot = 36.0;
+constexpr double kTitle = 16.0, kKeyRow = 17.0;
+constexpr double kLetter = 6.0, kTitleLetter = 7.3;  ///< width of a letter of key and title, on average
 constexpr std::size_t kMarksAcross = 40;
 
 struct Frame {
@@ -34,9 +35,9 @@ struct Look {
 };
 
 Look look_of(Mark mark) {
-  constexpr std::string_view kUp = "m0-3.6l3.2 5.6h-6.4z", kDown = "m0 3.6l3.2-5.6h-6.4z",
-                             kDot = "m-2 0a2 2 0 1 0 4 0a2 2 0 1 0-4 0z",
-                             kDiamond = "m0-3.4l3.4 3.4l-3.4 3.4l-3.4-3.4z";
+  constexpr std::string_view kUp = "m0-3l2.6 4.6h-5.2z", kDown = "m0 3l2.6-4.6h-5.2z",
+                             kDot = "m-1.7 0a1.7 1.7 0 1 0 3.4 0a1.7 1.7 0 1 0-3.4 0z",
+                             kDiamond = "m0-2.8l2.8 2.8l-2.8 2.8l-2.8-2.8z";
   switch (mark) {
     case Mark::forward:
       return {"fwd", true, kUp};
@@ -96,9 +97,28 @@ std::string series_svg(const Frame& frame, const PlotSeries& series) {
   return svg + fmt::format("<path class=\"mark {}\" d=\"{}\"/>", look.style, d);
 }
 
-/// The series by their names, as many in a row as there is room for. @return the height that they take
-double add_key(std::string& svg, const PlotPanel& panel) {
-  double x = kLeft, y = kTitle + 10.0;
+/// The title in as many lines as it needs. @return the height that they take
+double add_title(std::string& svg, std::string_view title) {
+  constexpr auto kLetters = static_cast<std::size_t>(kWidth / kTitleLetter);
+  double height = 0.0;
+  std::string row;
+  for (const std::string_view word : split(title, ' ')) {
+    if (!row.empty() && row.size() + word.size() >= kLetters) {
+      svg += label(0.0, height + 13.0, "name", row);
+      height += kTitle;
+      row.clear();
+    }
+    row += (row.empty() ? "" : " ") + std::string(word);
+  }
+  svg += label(0.0, height + 13.0, "name", row);
+  return height + kTitle;
+}
+
+/// The series by their names, as many in a row as there is room for. @param y  the height above them
+/// @return the height with them
+double add_key(std::string& svg, const PlotPanel& panel, double y) {
+  double x = kLeft;
+  y += 14.0;
   for (const PlotSeries& series : panel.series) {
     if (series.name.empty() || series.points.empty()) continue;
     const double width = 42.0 + kLetter * static_cast<double>(series.name.size());
@@ -152,8 +172,8 @@ std::string panel_svg(const PlotPanel& panel) {
   Frame frame{ranges.x, ranges.y};
   frame.x.pad(0.02);
   frame.y.pad(0.06);
-  std::string inside = label(0.0, 13.0, "name", panel.title);
-  frame.top = add_key(inside, panel);
+  std::string inside;
+  frame.top = add_key(inside, panel, add_title(inside, panel.title));
   inside += grid_svg(frame);
   for (const PlotSeries& series : panel.series) inside += series_svg(frame, series);
   const double height = frame.top + kPanel + kFoot;
@@ -164,14 +184,40 @@ std::string panel_svg(const PlotPanel& panel) {
                      text(words_for(panel)).html(), inside);
 }
 
-/// Bars by name say how long they are.
-PlotFigure with_numbers(PlotFigure figure) {
-  for (PlotPanel& panel : figure.panels)
-    for (PlotSeries& series : panel.series)
-      if (series.mark == Mark::bar && series.labels.empty())
-        for (const PlotPoint& point : series.points)
-          series.labels.push_back(number_text(point.y, decimals_for(point.y)));
-  return figure;
+/// Bars one below the other, each under its name and with its number; a dashed line for the level.
+std::string bars_svg(const PlotFigure& figure) {
+  constexpr double kRow = 32.0, kBar = 12.0, kNumbers = 48.0;
+  const PlotPanel& panel = figure.panels.front();
+  PlotRanges ranges;
+  ranges.take(panel);
+  const double scale = ranges.y.to > 0.0 ? (kWidth - kNumbers) / ranges.y.to : 0.0;
+  const double foot = kRow * static_cast<double>(panel.x_names.size());
+  std::string inside, words = figure.title + ".";
+  double level = 0.0;
+  for (const PlotSeries& series : panel.series)
+    if (series.mark == Mark::level && !series.points.empty()) level = scale * series.points.front().y;
+  for (std::size_t row = 0; row < panel.x_names.size(); ++row)
+    inside += label(0.0, kRow * static_cast<double>(row) + 12.0, "tick", panel.x_names[row]);
+  for (const PlotSeries& series : panel.series) {
+    if (series.points.empty()) continue;
+    for (const PlotPoint& point : series.points) {
+      if (series.mark != Mark::bar) break;
+      const std::string number = number_text(point.y, decimals_for(point.y));
+      const double top = kRow * point.x + 16.0, end = scale * point.y;
+      inside += fmt::format("<rect class=\"bar\" x=\"0\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>", top,
+                            std::max(0.5, end), kBar);
+      inside += label((level > end && level < end + kNumbers ? level : end) + 5.0, top + kBar - 2.0, "tick", number);
+      words += fmt::format(" {}: {}.", panel.x_names[static_cast<std::size_t>(point.x)], number);
+    }
+    if (series.mark != Mark::level) continue;
+    const bool is_right = level > kWidth / 2.0;
+    inside += fmt::format("<path class=\"level\" d=\"M{:.1f} 0V{:.1f}\"/>", level, foot + 4.0);
+    inside += label(level + (is_right ? -4.0 : 4.0), foot + 12.0, is_right ? "tick end" : "tick", series.name);
+    const double value = series.points.front().y;
+    words += fmt::format(" {}: {}.", series.name, number_text(value, decimals_for(value)));
+  }
+  return fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\">{}</svg>\n", kWidth,
+                     foot + 16.0, text(words).html(), inside);
 }
 
 }  // namespace
@@ -186,7 +232,7 @@ Result<void> write_plot(const std::filesystem::path& path, const PlotFigure& fig
   const bool bars = !figure.panels.empty() && !figure.panels.front().x_names.empty();
   std::string svg;
   if (bars)
-    svg = inline_svg(with_numbers(figure)).html();
+    svg = bars_svg(figure);
   else
     for (const PlotPanel& panel : figure.panels) svg += panel_svg(panel);
   return write_file(path, svg);

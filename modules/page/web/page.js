@@ -575,7 +575,9 @@ async function saveReport() {
   return save("report.html", await readBytes("report.html"), "text/html");
 }
 
+/** In the game not before a guess: a diagnosis is the answer. */
 function showTake() {
+  if (bench.game && !bench.hinted && !bench.added.length) return fill("take");
   const button = (id, words, work) =>
     element("button", { id, type: "button", click: () => during("The file is being written.", work) }, words);
   fill("take", card("Take away", element("p", { class: "row" },
@@ -698,6 +700,7 @@ function hint() {
   return during("The diagnosis is being computed.", async () => {
     bench.hinted = true;
     await diagnose();
+    showTake();
     byId("verdict").scrollIntoView({ block: "nearest" });
     rankEffects();
   });

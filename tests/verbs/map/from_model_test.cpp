@@ -54,5 +54,22 @@ TEST_CASE("the map of a model cancels what the model predicts everywhere, on eve
   }
 }
 
+TEST_CASE("the answer states the temperatures at which the effects that a map leaves out are zero") {
+  const Folder folder;
+  const std::string model_file = folder.with(
+      "model.toml",
+      "[origin]\ntemperatures = { t_spindle_degC = 25.13 }\n"
+      "[[effect]]\nid = \"scale\"\naxis = \"X\"\nsense = \"EX\"\nfitted = { um_per_m = 11.4 }\n"
+      "[[effect]]\nid = \"thermal_drift\"\naxis = \"X\"\nsense = \"EX\"\nsensor = \"t_spindle_degC\"\n"
+      "fitted = { um_per_degC = 1.22 }\n"
+      "[[effect]]\nid = \"thermal_scale\"\naxis = \"X\"\nsense = \"EX\"\nfitted = { um_per_m_degC = 4.13 }\n");
+  const std::string machine_file =
+      folder.with("machine.toml", "configuration = \"TX\"\n[axis.X]\ntravel_mm = [0.0, 500.0]\n");
+  const auto built = ran({"map", "build", "--from-model", model_file, "--machine", machine_file, "--json"});
+  CHECK(built.code == 0);
+  check_holds(built.out, {"the map holds at t_spindle_degC = 25.13 degC and t_material_degC = 20 degC",
+                          "thermal_drift:X:EX (growth 1.22 um/degC)", "thermal_scale:X:EX (expansion 4.13 um/m/degC)"});
+}
+
 }  // namespace
 }  // namespace ecs::app
