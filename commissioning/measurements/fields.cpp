@@ -74,6 +74,11 @@ std::string_view compensated_text(const laser::Group& group) {
   return *group.compensated ? "yes" : "no";
 }
 
+std::string_view compensation_text(const laser::Group& group) {
+  if (!group.compensated) return "compensation not stated";
+  return *group.compensated ? "with compensation" : "without compensation";
+}
+
 std::vector<ConditionSummary> conditions_in(const laser::MeasurementSet& set) {
   std::vector<ConditionSummary> all;
   for (const laser::Reading& reading : set.readings) {

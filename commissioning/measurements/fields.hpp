@@ -34,6 +34,8 @@ struct LineSummary {
 [[nodiscard]] std::string parked_text(const laser::Group& group);
 /// "yes", "no", "?"
 [[nodiscard]] std::string_view compensated_text(const laser::Group& group);
+/// "with compensation", "compensation not stated".
+[[nodiscard]] std::string_view compensation_text(const laser::Group& group);
 
 /// Smallest and largest value of everything measured besides the error: sensors, air, feed, time.
 struct ConditionSummary {

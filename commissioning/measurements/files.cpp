@@ -34,8 +34,9 @@ Result<PerAxis<std::optional<double>>> parked_in(std::string_view text) {
     const auto axis = name.size() == 1 ? axis_of(static_cast<char>(name[0] - 'a' + 'A')) : std::nullopt;
     const auto value = sides.size() == 2 ? number_in(sides[1]) : std::nullopt;
     if (!axis || !value)
-      return problem(ProblemKind::usage,
-                     fmt::format("--parked: expected AXIS=MM, as in y=-1400,z=0, got \"{}\"", trimmed(part)));
+      return problem(
+          ProblemKind::usage,
+          fmt::format("position of the other axes: expected AXIS=MM, as in y=-1400,z=0, got \"{}\"", trimmed(part)));
     parked[index_of(*axis)] = *value;
   }
   return parked;
@@ -204,7 +205,7 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
   using F = cli::Fields<A>;
   using cli::Range, cli::Words;
   return {
-      {"--axis", &A::axis, "moving axis; replaces that in the file of an instrument, but not that in a measurement CSV",
+      {"--axis", &A::axis, "moving axis; overrides an instrument's file, but not a measurement CSV",
        Words{"X", "Y", "Z", "A", "B", "C"}},
       {sense_option, &A::sense, "measured component, if the file does not state it",
        Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
@@ -232,7 +233,7 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
         {"--keep-set-up", &A::keep_set_up,
          "do not remove shift and rotation of the set-up from measured_x_mm, measured_y_mm, ..."}}
           .under("With --columns"),
-      F{{"--channel", &A::channel, "channel to read from a log with several"},
+      F{{"--channel", &A::channel, "channel to read if a log has several"},
         {"--channels", &A::channels, "channels to join by time, as in x_mm=ENC[mm],reading=AI1[um]"},
         {"--join", &A::join, "interpolation of channels in time; linear if not given",
          Words{"linear", "nearest", "previous"}},

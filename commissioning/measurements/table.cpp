@@ -108,8 +108,8 @@ auto unfit(const std::filesystem::path& file, std::string message) {
 std::string lines_of_set(const std::vector<laser::Group>& groups) {
   std::string text;
   for (const laser::Group& g : groups)
-    text += fmt::format("{}{} along {} at {}, compensated {}", text.empty() ? "" : "; ", name_of(g.sense),
-                        letter_of(g.axis), parked_text(g), compensated_text(g));
+    text += fmt::format("{}{} along {} at {}, {}", text.empty() ? "" : "; ", name_of(g.sense), letter_of(g.axis),
+                        parked_text(g), compensation_text(g));
   return text;
 }
 

@@ -305,7 +305,7 @@ Cell unit_cell(const StatusSnapshot& snapshot) {
   for (const Axis axis : kAllAxes)
     if (id.axis_present[index_of(axis)]) axes += letter_of(axis);
   return record_cell(
-      "unit {serial_number} ({name}), firmware {firmware}, {memory_modules} memory module(s){of_machine}\n",
+      "unit {serial_number} ({name}), firmware {firmware}, memory modules: {memory_modules}{of_machine}\n",
       "serial_number"_is(text_cell(id.serial_number)), "name"_is(text_cell(id.unit_name)),
       "firmware"_is(fmt::format("{}.{}", id.firmware_major, id.firmware_minor)),
       "protocol_version"_is(id.protocol_version), "axes"_is(axes), "memory_modules"_is(id.memory_modules),

@@ -425,7 +425,7 @@ Cell repair_cell(const RepairAnswer& answer) {
       answer.readings, answer.noise_um, answer.places);
   if (has_circle)
     head += fmt::format(", a circle of {:.0f} mm in {} through the middle", answer.diameter_mm, answer.plane);
-  head += ". The volume and the circle contain only the causes of the model; the residual comes on top";
+  head += ". The volume and the circle contain only the causes of the model, not the residual";
   return record_cell(
       "{head}\n                           unchanged       compensated          repaired\n{causes}{notes}",
       "head"_shown(paragraph(head + ".")), "readings"_is(answer.readings), "points"_is(answer.places),

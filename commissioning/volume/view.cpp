@@ -140,8 +140,8 @@ std::string bound_text(const VolumeWork& work) {
       shares.push_back(
           fmt::format("{} {:.0f} %", one.rotary.empty() ? name_of(one.component) : one.rotary, 100.0 * one.share));
   return paragraph(fmt::format(
-      "With the uncertainty of the map{} the remaining error is at most {:.1f} um anywhere and {:.1f} um "
-      "rms (95 %; 50 %: {:.1f} and {:.1f} um). Errors that the map lacks come on top. Largest contribution: {}.",
+      "From the uncertainty of the map{} alone the remaining error is at most {:.1f} um anywhere and {:.1f} um "
+      "rms (95 %; 50 %: {:.1f} and {:.1f} um). Errors that the map lacks add to it. Largest contribution: {}.",
       work.prepared.machine.rotary ? " and of the rotary axes" : "", u.largest_95_um, u.rms_95_um, u.largest_50_um,
       u.rms_50_um, fmt::join(shares, ", ")));
 }

@@ -477,8 +477,7 @@ extern const std::vector<Action> kLengths{
            "ecs lengths fit lengths.csv --machine machine.toml --params parameters.toml -o map.csv --params-out "
            "measured.toml",
            fit_lengths),
-    action("lengths plan",
-           "plan the lengths that reach a required uncertainty of the error in the volume in the fewest minutes",
+    action("lengths plan", "plan the lengths that reach a required uncertainty of the volume in the shortest time",
            "ecs lengths plan --machine machine.toml --volume-um 2 -o plan.csv", plan_the_lengths)};
 
 }  // namespace ecs::app

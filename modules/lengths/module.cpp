@@ -66,7 +66,7 @@ FormEntry lengths_entry() {
 }
 
 FormEntry plan_entry() {
-  return {"the lengths to measure for a required uncertainty, in the fewest minutes",
+  return {"the lengths that reach a required uncertainty in the shortest time",
           {.verb = "lengths plan",
            .title = "PLAN OF LENGTHS",
            .asks = "Choose the machine and the required uncertainty of its volume.",

@@ -150,7 +150,7 @@ Result<Outcome> report(VerbContext& context, const ReportArguments& request) {
 }
 
 const std::vector<Action> kReport{
-    action("report", "write one self-contained HTML page of a commissioning",
+    action("report", "write the report of a commissioning as one HTML page",
            "ecs report plan.toml --before before/ --after after/ --map map.csv --params parameters.toml "
            "-o report.html\n  ecs report commissioning/ -o report.html",
            report, {.logged = Logged::when_written, .kind = "report"})};

@@ -112,7 +112,7 @@ Result<LinkAddress> tcp_address_of(std::string_view text, std::string_view rest)
 Result<LinkAddress> link_address_of(std::string_view text) {
   if (text.starts_with("rtu:")) return rtu_address_of(text, split(text.substr(4), ':'));
   if (text.starts_with("tcp:")) return tcp_address_of(text, text.substr(4));
-  return wrong(text, "neither rtu: nor tcp:", fmt::format("{}, or {}", kRtuForm, kTcpForm));
+  return wrong(text, "unknown kind of link", fmt::format("{}, or {}", kRtuForm, kTcpForm));
 }
 
 std::string to_text(const LinkAddress& address) {

@@ -360,9 +360,7 @@ Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, const Stats
   AnswerFields fields =
       described("file"_is(line.files.front(), fmt::format("{}", fmt::join(line.files, " + "))), "files"_is(line.files));
   append(fields, measured_line_fields(line.group));
-  append(fields, "compensation"_shown(!line.group.compensated   ? "compensation not stated"
-                                      : *line.group.compensated ? "with compensation"
-                                                                : "without compensation"));
+  append(fields, "compensation"_shown(compensation_text(line.group)));
   for (const LaserQuantity& q : kLaserQuantities) {
     fields.push_back(FieldKey(q.key)(quantity_cell(q.symbol, iso.*q.value, unit, q.name)));
     layout += fmt::format("{{{}}}", q.key);
