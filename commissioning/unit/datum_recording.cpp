@@ -112,7 +112,8 @@ std::string to_csv(const DatumRecording& recording) {
   std::string text = fmt::format("# axis: {}\n# sample_period_us: {}\n# um_per_count: {}\n", letter_of(recording.axis),
                                  recording.sample_period_us, recording.um_per_count);
   if (!recording.taken.empty()) text += fmt::format("# taken: {}\n", recording.taken);
-  if (!recording.serial_number.empty()) text += fmt::format("# serial_number: {}\n", shown_line(recording.serial_number));
+  if (!recording.serial_number.empty())
+    text += fmt::format("# serial_number: {}\n", shown_line(recording.serial_number));
   text += fmt::format("{}\n", kColumns);
   const auto speeds = speeds_mm_min(recording);
   for (std::size_t i = 0; i < recording.samples.size(); ++i) {

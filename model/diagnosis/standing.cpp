@@ -261,7 +261,7 @@ Verdict verdict_of(const ReportInput& in, const std::vector<Standing>& standings
   if (noise && in.found.objection.empty() && all.size() == standings.size() && !is_shape)
     return Verdict::missing_effect;
   return share_of_found(in, proved) >= kPartExplained && !repeat(members) ? Verdict::partly_explained
-                                                                           : Verdict::unexplained_structure;
+                                                                          : Verdict::unexplained_structure;
 }
 
 /// Effects of the model, one of them with a free searched parameter, that cancel each other beyond the range of the

@@ -90,7 +90,9 @@ bool are_pitches_or_fractions(const std::vector<Family>& families, const std::ve
 }
 
 bool are_shape_that_repeats(const std::vector<Family>& families, const std::vector<Choice>& chosen) {
-  const auto is_other_wave = [&](const Choice& choice) { return !is_pitch_or_no_wave(families[choice.family], choice); };
+  const auto is_other_wave = [&](const Choice& choice) {
+    return !is_pitch_or_no_wave(families[choice.family], choice);
+  };
   return std::ranges::any_of(chosen, [&](const Choice& one) {
     return is_other_wave(one) && std::ranges::any_of(chosen, [&](const Choice& other) {
              return is_other_wave(other) && same_line(families[one.family].effect, families[other.family].effect) &&

@@ -421,9 +421,8 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
         add(fmt::format("{}: that is proved, but {}.", proved,
                         explainable_share(d.rms_um, d.rms_after_um, d.noise.noise_um) < kPartExplained
                             ? "it is the lesser part"
-                        : names_a_wave(d)
-                            ? "the waves are only the first terms of a repeating shape"
-                            : "the residual contains more"));
+                        : names_a_wave(d) ? "the waves are only the first terms of a repeating shape"
+                                          : "the residual contains more"));
       add(likely_text(d, data));
   }
   return text;
