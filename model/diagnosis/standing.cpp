@@ -256,7 +256,9 @@ Verdict verdict_of(const ReportInput& in, const std::vector<Standing>& standings
   }
   if (all.empty() && noise && in.found.stands_out) return Verdict::adequate;  // or too little known of it
   const auto repeat = [&](const std::vector<Choice>& of) { return are_shape_that_repeats(in.found.families, of); };
-  const bool is_shape = !in.regressors.data().rotary && repeat(all);  // a turn has many waves of its own
+  const auto is_nearly_all = [&](std::size_t g) { return share_of_found(in, {g}) >= kNearlyAll; };
+  // a turn has many waves of its own, and a wave that is nearly all is a cause of that period
+  const bool is_shape = !in.regressors.data().rotary && repeat(all) && std::ranges::none_of(proved, is_nearly_all);
   if (proved.empty()) return all.empty() || is_shape ? Verdict::unexplained_structure : Verdict::likely_effect;
   if (noise && in.found.objection.empty() && all.size() == standings.size() && !is_shape)
     return Verdict::missing_effect;
