@@ -217,7 +217,7 @@ protocol::CommandResult Unit::commit(std::uint32_t length, std::uint64_t digest)
     return failed(UnitError::unit_fault, "the commit record could not be stored");
   if (on_commit_ && !memory_.power_failed() && !on_commit_()) {
     // The record in force before comes back before the new one goes, so that there is one if the supply fails
-    // meanwhile; and the battery, of which nobody knows what it holds, is written once more.
+    // meanwhile. Nobody knows what the battery holds now, so it is written once more.
     for (const std::uint32_t which : {1 - slot, slot})
       memory_.write(kCommitRecords.first + which * kCommitSlotBytes,
                     ByteView(records_before).subspan(which * kCommitSlotBytes, kCommitSlotBytes));

@@ -123,13 +123,13 @@ struct Link::Connection {
 tl::expected<Bytes, Trouble> Link::Connection::transact(const Bytes& pdu) {
   const auto listening = [this] { return cancelled(); };
   if (cancelled()) return tl::unexpected(Trouble{LinkFailure::cancelled, 0});
-  const auto begun = line->now();
+  const auto start = line->now();
   const auto sent = line->send(pdu);
   if (!sent) return tl::unexpected(Trouble{sent.error(), 0});
   statistics.bytes_sent += *sent;
   auto reply = line->receive(reply_bytes(pdu), listening);
   if (!reply) return tl::unexpected(Trouble{reply.error(), 0});
-  const double round_trip_ms = std::chrono::duration<double, std::milli>(line->now() - begun).count();
+  const double round_trip_ms = std::chrono::duration<double, std::milli>(line->now() - start).count();
   statistics.bytes_received += reply->size() + (address.is_serial() ? 3 : 7);
   ++statistics.replies;
   statistics.total_round_trip_ms += round_trip_ms;
