@@ -139,8 +139,11 @@ std::string value_text(const ParameterEstimate& p) {
 
 std::string parameters_text(const std::vector<ParameterEstimate>& parameters) {
   std::vector<std::string> parts;
-  for (const ParameterEstimate& one : parameters)
-    if (one.value != 0.0 || one.sigma) parts.push_back(fmt::format("{} {}", shown_name(one), value_text(one)));
+  for (const ParameterEstimate& one : parameters) {
+    if (one.value == 0.0 && !one.sigma) continue;
+    const std::string name = model::spoken_name(shown_name(one), one.unit);
+    parts.push_back(fmt::format("{}{}{}", name, name.empty() ? "" : " ", value_text(one)));
+  }
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 

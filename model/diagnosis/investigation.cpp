@@ -104,17 +104,22 @@ std::vector<Choice> others(std::vector<Choice> chosen, std::size_t i) {
   return chosen;
 }
 
-/// Groups of the effects found, and the effects at their members; once more where a wave has turned out to be another.
+/// Groups of the effects found, and the effects at their members; again where a member has become another effect or
+/// another wave, for what the others explain beside it is then another amount.
 void settle_groups(const Search& search, Found& found) {
   constexpr double kSamePeak = 0.01;
-  for (int round = 0; round < 2; ++round) {
+  constexpr int kRounds = 3;
+  for (int round = 0; round < kRounds; ++round) {
     found.groups = groups_of(search, found.solution, found.entry_score);
-    for (std::size_t i = 0; i < found.groups.size(); ++i) found.solution.chosen[i] = found.groups[i].member;
+    bool same = true;
+    for (std::size_t i = 0; i < found.groups.size(); ++i) {
+      same = same && found.solution.chosen[i].family == found.groups[i].member.family;
+      found.solution.chosen[i] = found.groups[i].member;
+    }
     found.solution = search.refined(found.solution.chosen, found.solution.own);
     const auto moved = [](const Choice& choice, const Group& group) {
       return std::abs(choice.nonlinear - group.member.nonlinear) > kSamePeak * std::abs(choice.nonlinear);
     };
-    bool same = true;
     for (std::size_t i = 0; i < found.groups.size(); ++i) {
       const bool periodic = found.families[found.groups[i].member.family].effect.traits().periodic;
       same = same && !(periodic && moved(found.solution.chosen[i], found.groups[i]));

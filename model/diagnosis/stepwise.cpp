@@ -301,6 +301,28 @@ Solution merged(const Search& search, Solution best, const StepwiseOptions& opti
   return best;
 }
 
+/// The reverse: a curve that keeps its slope may stand for a curve without it and another effect that is nearly a
+/// slope. The pair takes its place where that is clearly better; step by step the search passes it by, for either of
+/// the two is far behind the whole at first.
+Solution parted(const Search& search, Solution best, const StepwiseOptions& options) {
+  for (std::size_t i = 0; i < best.chosen.size(); ++i) {
+    const EffectInstance& whole = search.families()[best.chosen[i].family].effect;
+    const Solution rest = search.solution(without_member(best.chosen, i), best.own);
+    for (std::size_t f = 0; f < search.candidates(); ++f) {
+      if (!may_be_curve_and_slope(whole, search.families()[f].effect)) continue;
+      const Choice curve = search.refined_choice(rest.space, f, 0.0);
+      if (curve.gain <= 0.0) continue;
+      const Solution with_curve = search.solution(with(rest.chosen, curve), rest.own);
+      for (const Choice& other : search.expand(with_curve.space, kExchangeExact)) {
+        Solution tried = search.refined(with(with_curve.chosen, other), rest.own);
+        if (tried.chosen.size() > options.most_effects || !plausible(search, tried.chosen)) continue;
+        if (tried.score() > best.score() + kIndistinguishable) return parted(search, std::move(tried), options);
+      }
+    }
+  }
+  return best;
+}
+
 /// Sets of effects one larger than a state: the best solution of every set.
 class NextSets {
  public:
@@ -368,7 +390,7 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
       if (more > kLeastProgress) best = solution;
     }
   }
-  return merged(search, exchanged(search, std::move(best), options), options);
+  return parted(search, merged(search, exchanged(search, std::move(best), options), options), options);
 }
 
 std::vector<Group> groups_of(const Search& search, const Solution& solution, double entry_score) {

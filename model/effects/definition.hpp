@@ -167,6 +167,9 @@ struct ParameterEstimate {
 /// direction of an axis line "um_per_m" for "um".
 [[nodiscard]] std::string shown_name(std::string_view parameter, const EffectInstance& effect);
 [[nodiscard]] std::string shown_name(const ParameterEstimate& parameter);
+/// A shown name as people read it before its value: "period" of "period_mm", nothing of "um_per_m".
+/// @param unit  that follows the value; empty: nothing of the name is left out
+[[nodiscard]] std::string spoken_name(std::string_view shown, std::string_view unit);
 /// The name of the library for what a model file or JSON shows.
 [[nodiscard]] std::string library_name(std::string_view shown, const EffectInstance& effect);
 /// Of a parameter at its place: "deg" for "mm" of a rotary axis, "um/m" for "um" in readings of a rotation and of the

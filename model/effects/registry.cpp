@@ -1,6 +1,8 @@
 // The effects of the library, a line each. A new effect is a file that defines it and a line in this list.
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <ranges>
 
 #include <fmt/format.h>
 
@@ -129,6 +131,17 @@ std::string shown_name(std::string_view parameter, const EffectInstance& effect)
 std::string shown_name(const ParameterEstimate& parameter) {
   if (parameter.is_direction && parameter.name == kShift) return std::string(kTilt);
   return parameter.unit == "deg" ? in_degrees(parameter.name) : parameter.name;
+}
+
+std::string spoken_name(std::string_view shown, std::string_view unit) {
+  constexpr std::array<std::string_view, 7> kUnits{"um", "mm", "m", "s", "rad", "mrad", "deg"};
+  std::string words;
+  for (const auto part : shown | std::views::split('_')) {
+    const std::string_view word(part.begin(), part.end());
+    if (!unit.empty() && std::ranges::find(kUnits, word) != kUnits.end()) break;
+    words.append(words.empty() ? "" : " ").append(word);
+  }
+  return words;
 }
 
 std::string library_name(std::string_view shown, const EffectInstance& effect) {

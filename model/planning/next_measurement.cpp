@@ -405,6 +405,13 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
   return {};
 }
 
+/// The step after a proof: compensate and confirm, or why the unit cannot.
+std::string step_after_proof(const EffectInstance& effect, const params::Machine& machine) {
+  if (is_carried(effect, machine))
+    return " Add it to the model, compensate, and measure the same lines again to confirm it.";
+  return fmt::format(" Add it to the model. The unit cannot compensate it ({}).", how_compensated(effect, machine));
+}
+
 }  // namespace
 
 std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
@@ -416,16 +423,20 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
          std::ranges::any_of(candidate.parameters, [](const ParameterEstimate& one) { return one.undetermined; })))
       return std::nullopt;
   return "No further measurement is needed to find the cause: it is proved, and no other effect of the library fits "
-         "these data as well. Add it to the model, compensate, and measure the same lines again to confirm it." +
-         (diagnosis.reservation.empty() ? "" : " " + diagnosis.reservation);
+         "these data as well.";
 }
 
 NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis,
                              const MeasuringTimes& times) {
-  if (auto settled = nothing_in_doubt(diagnosis)) {
-    for (Candidate& candidate : diagnosis.candidates)
-      if (candidate.in_answer()) candidate.next_measurement = *settled;
-    return {{}, {}, {std::move(*settled)}};
+  if (const auto settled = nothing_in_doubt(diagnosis)) {
+    NextMeasurement next;
+    for (Candidate& candidate : diagnosis.candidates) {
+      if (!candidate.in_answer()) continue;
+      candidate.next_measurement = *settled + step_after_proof(candidate.effect, data.machine) +
+                                   (diagnosis.reservation.empty() ? "" : " " + diagnosis.reservation);
+      if (next.notes.empty()) next.notes.push_back(candidate.next_measurement);
+    }
+    return next;
   }
   NextMeasurement next = next_measurement(model, data, diagnosis, times);
   if (next.proposals.empty() || diagnosis.candidates.empty() || !diagnosis.candidates.front().in_answer()) return next;

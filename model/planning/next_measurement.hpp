@@ -101,8 +101,9 @@ struct NextMeasurement {
                                                const MeasuringTimes& times = {});
 
 /// What to measure after a diagnosis, the same in every answer: next_measurement(), or no proposal and a note where
-/// nothing_in_doubt(). Named candidates and their rivals that the first proposal decides between take its sentence as
-/// Candidate::next_measurement, in place of the advice of their effect.
+/// nothing_in_doubt(), with the step that follows: compensate and confirm, or why the unit cannot. Named candidates and
+/// their rivals that the first proposal decides between take its sentence as Candidate::next_measurement, in place of
+/// the advice of their effect.
 [[nodiscard]] NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis,
                                            const MeasuringTimes& times = {});
 

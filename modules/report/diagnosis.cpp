@@ -121,17 +121,7 @@ std::optional<ReportedDiagnosis> diagnosis_in(const Json& object) {
 
 std::string parameter_text(std::string_view name, std::string_view unit, double value,
                            const std::optional<double>& sigma) {
-  std::string ending(unit);
-  for (std::size_t at = 0; (at = ending.find('/', at)) != std::string::npos;) ending.replace(at, 1, "_per_");
-  std::string words(name);
-  if (words == ending)
-    words.clear();
-  else if (!ending.empty() && words.ends_with("_" + ending))
-    words.erase(words.size() - ending.size() - 1);
-  else if (words.ends_with("_um"))
-    words.erase(words.size() - 3);
-  for (char& c : words)
-    if (c == '_') c = ' ';
+  const std::string words = model::spoken_name(name, unit);
   std::string number = few_digits(value);
   if (sigma && *sigma > 0.0) {
     const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(*sigma))), 0, 6);

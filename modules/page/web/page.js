@@ -243,17 +243,13 @@ function showVerdict(said) {
 const placeOf = ({ name, approach, sensor, sensor2 }) => name + (approach && approach !== "both" ? `, ${approach}` : "")
   + (sensor ? ` with ${sensor}${sensor2 ? ` and ${sensor2}` : ""}` : "");
 
-/** What to do next; an effect that the unit cannot compensate is not advised to be. */
-const nextOf = (candidate, known) => known && !known.compensated && candidate.next_measurement
-  ? candidate.next_measurement.replace(/ Add it to the model, compensate, [^.]*\./, "") : candidate.next_measurement;
-
 /** A candidate: its title from the library, its standing, its reasons, and the button that adds it. */
 function candidateBox(candidate, library) {
   const known = library.get(candidate.effect);
   const facts = [
     ["because", candidate.because], ["but", candidate.but], ["to decide", candidate.decide],
     ["cause", known && known.cause], ["check", known && known.check], [known && known.compensated ? "compensated" : "not compensated", known && known.how],
-    ["next", nextOf(candidate, known)],
+    ["next", candidate.next_measurement],
   ].filter(([, text]) => text);
   return element("article", { class: "candidate" },
     element("h3", {}, known ? known.title : candidate.effect, element("code", {}, placeOf(candidate)),

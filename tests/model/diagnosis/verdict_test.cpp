@@ -211,6 +211,28 @@ TEST_CASE("an angle that acts through one lever is one cause, and a note says th
                               [](const std::string& note) { return contains(note, "a slope and a curve"); }) == 1);
 }
 
+TEST_CASE("a curve beside an effect that is nearly a slope is two causes, though one angle is nearly both") {
+  Plan off_the_line;
+  off_the_line.parked_mm = {0.0, -300.0, -500.0};
+  const auto truth = [](const Reading& r) {
+    const double m = p(r) / 1000.0, from_middle = m - 0.5;  // even about the middle: without a slope
+    return 2.0 * std::cos(7.0 * from_middle) + 1.5 * std::cos(13.0 * from_middle) + 2.0 * d(r) +
+           4.0 * (r.sensors_degC.at("t_material_degC") - 20.0) * m;
+  };
+  const auto hardly_warmer = [](Reading& r) {
+    r.sensors_degC["t_material_degC"] = 22.0 + 0.1 * std::sin(*r.time_s / 500.0);
+  };
+  Model level;
+  level.effects = {effect(effects::offset, Axis::X, Sense::EX)};
+  const Diagnosis found = diagnosed(level, session(off_the_line, truth, hardly_warmer));
+  CHECK_MESSAGE(found.verdict == Verdict::missing_effect, found.headline);
+  std::vector<std::string> names;
+  for (const Candidate& one : found.candidates)
+    if (one.named) names.push_back(to_text(one.effect));
+  std::ranges::sort(names);
+  CHECK(fmt::format("{}", fmt::join(names, " ")) == "backlash:X:EX progressive:X:EX thermal_scale:X:EX");
+}
+
 TEST_CASE("a free wave takes much of the noise of few readings: noise alone rarely names an effect beside it") {
   Model model;
   model.effects = {effect(effects::offset, Axis::X, Sense::EX), effect(effects::cyclic, Axis::X, Sense::EX)};

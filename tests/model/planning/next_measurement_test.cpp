@@ -169,6 +169,26 @@ TEST_CASE("where one cause is proved and nothing else fits, nothing is in doubt;
   CHECK_FALSE(nothing_in_doubt(diagnosis));
 }
 
+TEST_CASE("after a proof, compensation is advised only for a cause that the unit can compensate") {
+  Diagnosis diagnosis;
+  diagnosis.verdict = Verdict::missing_effect;
+  Candidate proved;
+  proved.named = true;
+  proved.e_value = 1e6;
+  const auto advice = [&](const EffectInstance& cause) {
+    proved.effect = cause;
+    diagnosis.candidates = {proved};
+    const NextMeasurement next = planned_next(straight(), Observations{}, diagnosis);
+    REQUIRE(next.notes.size() == 1);
+    CHECK(next.notes[0] == diagnosis.candidates[0].next_measurement);
+    return next.notes[0];
+  };
+  CHECK(contains(advice(effect(backlash, Axis::X, Sense::EX)), "compensate, and measure the same lines again"));
+  const std::string cosine_advice = advice(effect(cosine, Axis::X, Sense::EX));
+  CHECK_FALSE(contains(cosine_advice, "compensate, and measure"));
+  CHECK(contains(cosine_advice, "cannot compensate it (an error of the measurement: align the beam)"));
+}
+
 TEST_CASE("what an answer says of the next measurement is what is proposed first, or that nothing is in doubt") {
   auto set = session(
       {}, [](const Reading& r) { return 1.0 * d(r); }, [](Reading& r) { r.feed_mm_min = 2000.0; });
