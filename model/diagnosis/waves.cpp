@@ -94,9 +94,11 @@ bool are_shape_that_repeats(const std::vector<Family>& families, const std::vect
     return !is_pitch_or_no_wave(families[choice.family], choice);
   };
   return std::ranges::any_of(chosen, [&](const Choice& one) {
+    const EffectInstance& wave = families[one.family].effect;
     return is_other_wave(one) && std::ranges::any_of(chosen, [&](const Choice& other) {
-             return is_other_wave(other) && same_line(families[one.family].effect, families[other.family].effect) &&
-                    other.nonlinear > one.nonlinear * (1.0 + kSamePeriod);
+             const EffectInstance& rival = families[other.family].effect;
+             return is_other_wave(other) && same_line(wave, rival) &&
+                    (other.nonlinear > one.nonlinear * (1.0 + kSamePeriod) || rival.approach != wave.approach);
            });
   });
 }

@@ -43,8 +43,8 @@ struct ChangeOfWave {
 /// and no step stands on the line of one.
 [[nodiscard]] bool are_pitches_or_fractions(const std::vector<Family>& families, const std::vector<Choice>& chosen);
 
-/// Whether two waves of one line and of unlike periods among these effects are no pitch of the machine: a shape that
-/// repeats, of which they are the first terms, rather than two causes.
+/// Whether two waves of one line, of unlike periods or in unlike approaches, among these effects are no pitch of the
+/// machine: a shape that repeats, of which they are the first terms, or lost motion that does, rather than two causes.
 [[nodiscard]] bool are_shape_that_repeats(const std::vector<Family>& families, const std::vector<Choice>& chosen);
 
 /// Turns a mm of a wave as its targets show it: at even ones it looks like a slower wave (Nyquist).

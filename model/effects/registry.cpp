@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <ranges>
 
 #include <fmt/format.h>
 
@@ -136,10 +135,12 @@ std::string shown_name(const ParameterEstimate& parameter) {
 std::string spoken_name(std::string_view shown, std::string_view unit) {
   constexpr std::array<std::string_view, 7> kUnits{"um", "mm", "m", "s", "rad", "mrad", "deg"};
   std::string words;
-  for (const auto part : shown | std::views::split('_')) {
-    const std::string_view word(part.begin(), part.end());
+  for (std::size_t at = 0; at <= shown.size();) {
+    const std::size_t end = std::min(shown.find('_', at), shown.size());
+    const std::string_view word = shown.substr(at, end - at);
     if (!unit.empty() && std::ranges::find(kUnits, word) != kUnits.end()) break;
     words.append(words.empty() ? "" : " ").append(word);
+    at = end + 1;
   }
   return words;
 }

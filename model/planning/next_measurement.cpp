@@ -175,7 +175,7 @@ std::vector<MeasurementProposal> all_options(const Observations& data, const std
       return in_sense && (!e.axis || *e.axis == line.axis || !e.sense);
     });
   };
-  std::ranges::stable_partition(lines, concerns);
+  std::stable_partition(lines.begin(), lines.end(), concerns);
   if (lines.size() > kMostLines) lines.resize(kMostLines);
   std::vector<MeasurementProposal> options;
   for (const PresentLine& line : lines)
@@ -311,7 +311,7 @@ Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup
   next.rivals = group.names;
   const std::vector<MeasurementProposal> options = all_options(in.data, group.rivals, in.times);
   NextMeasurement decisive = next;
-  const auto asked = ask_group_by(decisive, in, group, without_ties(options, in.data, group.rivals));
+  auto asked = ask_group_by(decisive, in, group, without_ties(options, in.data, group.rivals));
   if (!decisive.proposals.empty() || !asked) {
     next = std::move(decisive);
     return asked;
