@@ -19,6 +19,8 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include "base/process.hpp"
+
 namespace ecs {
 namespace {
 
@@ -142,22 +144,65 @@ std::filesystem::path led_to(const std::filesystem::path& path) {
 
 namespace {
 
+bool fill(int handle, const std::filesystem::path& path, std::string_view content) {
+  return write_all(handle, content) && ::fchmod(handle, mode_for(path)) == 0 && ::fsync(handle) == 0;
+}
+
+/// rename(), or else nothing is left under the old name. @return errno; 0: done
+int rename_or_remove(const std::string& from, const std::filesystem::path& to) {
+  if (::rename(from.c_str(), to.c_str()) == 0) return 0;
+  const int error = errno;
+  ::unlink(from.c_str());
+  return error;
+}
+
+/// In a file that has no name until it is whole, so that a program killed meanwhile leaves nothing behind (open(2),
+/// O_TMPFILE). A file that exists is replaced by rename() from a second name, always the same: what a program killed
+/// between the two system calls has left there, the next one removes.
+/// @return errno; 0: done; ENOTSUP: not on this file system, or others write the same file all the time
+int write_nameless(const std::filesystem::path& path, std::string_view content) {
+  constexpr int kMostOthers = 20;
+  const std::filesystem::path folder = path.parent_path();
+  const Descriptor file(::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600));
+  if (!file) return ENOTSUP;
+  if (!fill(file.get(), path, content)) return errno;
+  const std::string whole = fmt::format("/proc/self/fd/{}", file.get());
+  const auto name_it = [&whole](const std::string& name) {
+    return ::linkat(AT_FDCWD, whole.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
+  };
+  if (const int error = name_it(path.string()); error != EEXIST) return error == 0 ? 0 : ENOTSUP;
+  const std::string beside = (folder / fmt::format(".{}.ecs-new", path.filename().string())).string();
+  for (int others = 0; others < kMostOthers; ++others) {
+    if (const int error = name_it(beside); error == 0) {
+      const int renamed = rename_or_remove(beside, path);
+      return renamed == ENOENT ? ENOTSUP : renamed;  // another program has removed it
+    } else if (error != EEXIST) {
+      return ENOTSUP;
+    }
+    ::unlink(beside.c_str());
+  }
+  return ENOTSUP;
+}
+
+/// In a file with a name of its own. @return errno; 0: done
+int write_beside(const std::filesystem::path& path, std::string_view content) {
+  std::string beside = path.string() + ".XXXXXX";
+  const Descriptor file(::mkstemp(beside.data()));
+  if (!file) return errno;
+  if (fill(file.get(), path, content)) return rename_or_remove(beside, path);
+  const int error = errno;
+  ::unlink(beside.c_str());
+  return error;
+}
+
 Result<void> write_to_disc(const std::filesystem::path& name, std::string_view content) {
   const std::filesystem::path path = led_to(name);
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
   if (std::filesystem::is_other(status)) return write_into(path, content);
-  std::string beside = path.string() + ".XXXXXX";
-  const int handle = ::mkstemp(beside.data());
-  if (handle < 0) return tl::unexpected(write_problem(name, errno));
-  const bool written = write_all(handle, content) && ::fchmod(handle, mode_for(path)) == 0 && ::fsync(handle) == 0;
-  const int write_error = errno;
-  ::close(handle);
-  if (!written || ::rename(beside.c_str(), path.c_str()) != 0) {
-    const int error = written ? errno : write_error;
-    ::unlink(beside.c_str());
-    return tl::unexpected(write_problem(name, error));
-  }
+  int error = write_nameless(path, content);
+  if (error == ENOTSUP) error = write_beside(path, content);
+  if (error != 0) return tl::unexpected(write_problem(name, error));
   return {};
 }
 

@@ -1,4 +1,4 @@
-// Files whole or not at all: read in one piece; written beside, flushed, checked, then renamed over the old one.
+// Files whole or not at all: read in one piece; written without a name, flushed, then put in the place of the old one.
 // Nothing is overwritten unasked: a screen asks, a verb wants --force. What a thread reads and writes here is seen by
 // whoever keeps a record of it, or answered from a record in place of the disc.
 #pragma once
@@ -22,9 +22,9 @@ namespace ecs {
 /// leads nowhere at all (a ring of links), as it is.
 [[nodiscard]] std::filesystem::path led_to(const std::filesystem::path& path);
 
-/// Replaces `path` by `content`: the old file stays whole until the new one is safely on disc. A symbolic link stays a
-/// link, its target is replaced and keeps its mode, or is made; a device or FIFO is written into. `output` problem if
-/// not possible.
+/// Replaces `path` by `content`, which is on disc before. A killed program leaves at most `.NAME.ecs-new`, which the
+/// next write removes (more on FAT and NFS, where every file has a name). A link stays one, and its target keeps its
+/// mode, or is made; a device or FIFO is written into. `output` problem if not possible.
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::string_view content);
 
 /// The name of a file that was written lasts over a loss of power: its folder is on the disc.

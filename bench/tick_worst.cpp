@@ -1,5 +1,6 @@
 // How long the slowest of very many ticks take, in nanoseconds, beside the slowest readings of the clock alone: what
 // both have in common is the computer's (interrupts, other programs), not the tick's.
+// The loop of a unit beside its worst hosts is measured by `tests/attacks/attacks ECS ECS_EMULATOR --only loop`.
 // Run: tick_worst [TICKS]   (100,000,000 if not given), on a quiet computer, with the map of tick_bench
 #include <algorithm>
 #include <chrono>

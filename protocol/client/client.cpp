@@ -42,13 +42,17 @@ UnitClient::UnitClient(Link link, const Host& host) : link_(std::move(link)) {
 Result<UnitClient> UnitClient::connect(const LinkAddress& address, const LinkOptions& options, const Host& host) {
   ECS_TRY(link, Link::open(address, options));
   UnitClient client(std::move(link), host);
-  ECS_TRY(version, client.link_.ask(kEchoAlone, kEchoOnly, kVersion));
-  if (version[1] != kProtocolVersion)
+  auto answer = client.link_.ask(kEchoAlone, kEchoOnly, kIdentity);
+  if (!answer && client.link_.last_failure() == LinkFailure::exception)  // another version may have a shorter one
+    answer = client.link_.ask(kEchoAlone, kEchoOnly, kVersion);
+  if (!answer) return tl::unexpected(std::move(answer.error()));
+  if ((*answer)[1] != kProtocolVersion)
     return problem(
         ProblemKind::link,
         fmt::format("{}: the unit speaks protocol version {}, this program version {}; use matching versions",
-                    to_text(address), version[1], kProtocolVersion));
-  ECS_DO(client.identity());
+                    to_text(address), (*answer)[1], kProtocolVersion));
+  ECS_TRY(identity, value_in<Identity>(*answer));
+  client.serial_number_ = identity.serial_number;
   return client;
 }
 
@@ -228,8 +232,9 @@ Result<SessionState> UnitClient::armed_session() {
 
 /// Session, number and, where the command acts at once, the unit's clock as it is now.
 Result<void> UnitClient::make_ready(Command& command) {
-  if (session_ == 0 || needs_arming(command.code)) {
-    ECS_TRY(now, needs_arming(command.code) ? armed_session() : session_now());
+  const bool armed = needs_arming(command.code);
+  if (session_ == 0 || acts_at_once(command.code) || (armed && !key_)) {
+    ECS_TRY(now, armed ? armed_session() : session_now());
     command.clock_ms = now.clock_ms;
     if (command.asker.session == 0)
       command.stops = now.stops;  // given again, it still is overtaken by a stop of before
@@ -253,9 +258,11 @@ Result<CommandResult> UnitClient::run(Command command, std::chrono::milliseconds
     // which counts but for a staging, whose end the start was.
     const bool once = needs_arming(command.code) && command.code != CommandCode::begin_staging;
     const bool lapsed = (first->error == UnitError::not_armed && knows_code()) || first->error == UnitError::wrong_key;
+    const bool had_key = key_.has_value();
     if (lapsed) ECS_DO(session_now());
-    const bool finds_key = lapsed && (key_ || knows_code());
-    const bool not_taken = unknown ? !once : finds_key || first->error == UnitError::late;
+    // Without a key any more it is given once more, and the unit says why it is refused.
+    const bool other_key = lapsed && (key_ || had_key || knows_code());
+    const bool not_taken = unknown ? !once : other_key || first->error == UnitError::late;
     if (!not_taken || link_.now() > until) return wait_for(command, std::move(*first), limit, busy);
   }
 }

@@ -51,7 +51,9 @@ Registers registers_of(const WindowOpen& window, const BlockFrame& frame, const 
 using Image = std::span<const std::uint8_t>;
 
 /// The image is compared with what the unit holds in pieces of this many bytes.
-constexpr std::size_t kPieceBytes = 480;
+constexpr std::size_t kPieceBytes = 600;
+/// Checks in one request: the unit looks at no more than 16 384 bytes for one, so that its loop waits for none.
+constexpr std::size_t kPiecesAtOnce = std::min(kMostChecks, std::size_t{16'384} / kPieceBytes);
 /// A share of the pieces from which on the rest is sent without looking for more: asking costs as much as a piece.
 constexpr double kNearlyAll = 0.8;
 
@@ -244,7 +246,7 @@ Result<std::vector<bool>> UnitClient::held_at(Address bank, Image image) {
   std::vector<bool> held;
   while (held.size() < pieces) {
     const std::size_t at = held.size() * kPieceBytes;
-    const std::size_t count = std::min(kMostChecks, pieces - held.size());
+    const std::size_t count = std::min(kPiecesAtOnce, pieces - held.size());
     const auto length = static_cast<std::uint32_t>(std::min(count * kPieceBytes, image.size() - at));
     const Block answer{kChecks.first, static_cast<std::uint16_t>(1 + kKeyedCheckRegisters * (count + 1))};
     ECS_TRY(asked, ask_sealed(

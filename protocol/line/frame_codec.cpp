@@ -63,10 +63,12 @@ Registers words_at(std::span<const std::uint8_t> bytes, std::size_t at, std::siz
   return words;
 }
 
-/// The codes whose length the library knows.
-bool library_knows(std::uint8_t function) {
-  constexpr std::array<std::uint8_t, 11> known{1, 2, 3, 4, 5, 6, 15, 16, 17, 22, 23};
-  return std::find(known.begin(), known.end(), function) != known.end();
+/// The functions of docs/protocol.md; libmodbus itself would answer coils, and its own name to function 17.
+bool is_of_protocol(std::uint8_t function) {
+  constexpr std::array<std::uint8_t, 6> all{MODBUS_FC_READ_HOLDING_REGISTERS, MODBUS_FC_READ_INPUT_REGISTERS,
+                                            MODBUS_FC_WRITE_SINGLE_REGISTER,  MODBUS_FC_WRITE_MULTIPLE_REGISTERS,
+                                            MODBUS_FC_MASK_WRITE_REGISTER,    MODBUS_FC_WRITE_AND_READ_REGISTERS};
+  return std::find(all.begin(), all.end(), function) != all.end();
 }
 
 }  // namespace
@@ -226,7 +228,7 @@ std::vector<std::uint8_t> FrameCodec::answer(std::span<const std::uint8_t> frame
   }
   const bool broadcast = frame[library_->pdu_at() - 1] == MODBUS_BROADCAST_ADDRESS && library_->framing == Framing::rtu;
   if (broadcast) return {};  // what is for everybody acts on nobody
-  if (!library_knows(query[library_->pdu_at()])) return refuse(ModbusException::illegal_function);
+  if (!is_of_protocol(query[library_->pdu_at()])) return refuse(ModbusException::illegal_function);
   if (::send(library_->sockets[1], frame.data(), frame.size(), MSG_DONTWAIT | MSG_NOSIGNAL) < 0) return {};
   const int length = modbus_receive(library_->context, query.data());
   Adu rest{};

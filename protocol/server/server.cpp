@@ -12,9 +12,9 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
-#include <string_view>
-#include <tuple>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -49,8 +49,9 @@ class ServerLink {
   [[nodiscard]] virtual LinkAddress address() const = 0;
   [[nodiscard]] virtual std::vector<pollfd> poll_fds() const = 0;
   [[nodiscard]] virtual std::optional<Clock::time_point> next_deadline() const = 0;
-  /// Reads what is there, answers what is complete and due, writes what is due. @return requests answered
-  virtual std::size_t step(RegisterHandler& handler) = 0;
+  /// Reads what is there, answers what is complete and due, writes what is due.
+  /// @param polled  poll_fds(), after poll()  @return requests answered
+  virtual std::size_t step(RegisterHandler& handler, std::span<const pollfd> polled) = 0;
 
   LinkFaults faults;
   std::optional<Clock::time_point> last_request;
@@ -204,7 +205,7 @@ class PtyLink : public ServerLink {
     if (request_.empty() && !heard_.empty()) consider(last_heard_ + kFrameSilence);
     return earliest;
   }
-  std::size_t step(RegisterHandler& handler) override {
+  std::size_t step(RegisterHandler& handler, std::span<const pollfd> /*polled*/) override {
     const auto until = Clock::now() + kServingBudget;
     listen();
     std::size_t answered = 0;
@@ -303,10 +304,12 @@ constexpr auto kIdle = 2s;  ///< after which one that only reads gives its place
 
 struct Connection {
   Descriptor socket;
-  std::string origin;  ///< the peer's address
+  in_addr_t address = 0;  ///< of the peer
+  std::string origin;     ///< the same in words
   std::vector<std::uint8_t> heard;
   ReplyChannel channel;
   std::chrono::steady_clock::time_point asked;  ///< when it was made, or asked last
+  bool readable = true;                         ///< as poll() found it; a newcomer may be
   bool admitted = false;                        ///< has shown the token, or needs none
   bool placed = false;                          ///< has one of the places
   bool ended = false;
@@ -338,9 +341,10 @@ class TcpLink : public ServerLink {
       if (const auto next = connection.channel.next()) earliest = earliest ? std::min(*earliest, *next) : *next;
     return earliest;
   }
-  std::size_t step(RegisterHandler& handler) override {
+  std::size_t step(RegisterHandler& handler, std::span<const pollfd> polled) override {
     const auto until = Clock::now() + kServingBudget;
-    take_newcomers();
+    for (std::size_t i = 0; i < connections_.size(); ++i) connections_[i].readable = polled[i + 1].revents != 0;
+    if (polled.front().revents != 0) take_newcomers(until - kServingBudget / 2);
     std::size_t answered = 0, idle = 0;
     for (unanswered_ = false; idle < connections_.size(); unanswered_ = Clock::now() >= until) {
       if (unanswered_) break;
@@ -355,8 +359,8 @@ class TcpLink : public ServerLink {
  private:
   /// The one after that which was served last.
   Connection& next_in_turn() {
-    const auto next = std::find_if(connections_.begin(), connections_.end(),
-                                   [this](const Connection& connection) { return connection.number > served_; });
+    const auto next = std::partition_point(connections_.begin(), connections_.end(),
+                                           [this](const Connection& its) { return its.number <= served_; });
     Connection& its = next == connections_.end() ? connections_.front() : *next;
     served_ = its.number;
     return its;
@@ -365,7 +369,7 @@ class TcpLink : public ServerLink {
   /// @return whether it had a request, which is answered now
   bool serve(Connection& connection, RegisterHandler& handler) {
     bool answered = answer(connection, handler);
-    if (!answered) {
+    if (!answered && connection.readable) {
       listen(connection);
       answered = answer(connection, handler);
     }
@@ -374,9 +378,22 @@ class TcpLink : public ServerLink {
     return answered;
   }
 
+  /// Those without a place, and how many of them each address has.
+  struct Newcomers {
+    std::size_t count = 0;
+    std::unordered_map<in_addr_t, int> of_origin{};
+  };
+  [[nodiscard]] Newcomers newcomers() const {
+    Newcomers all;
+    for (const Connection& connection : connections_)
+      if (!connection.placed && !connection.ended) ++all.count, ++all.of_origin[connection.address];
+    return all;
+  }
+
   /// Answered at once, as long as there are not too many.
-  void take_newcomers() {
-    for (std::size_t taken = 0; taken < kMostTakenIn; ++taken) {
+  void take_newcomers(Clock::time_point until) {
+    std::optional<Newcomers> all;
+    for (std::size_t taken = 0; taken < kMostTakenIn && (taken == 0 || Clock::now() < until); ++taken) {
       sockaddr_in peer{};
       socklen_t size = sizeof peer;
       Descriptor socket(
@@ -386,26 +403,28 @@ class TcpLink : public ServerLink {
       (void)::inet_ntop(AF_INET, &peer.sin_addr, name.data(), name.size());
       const int on = 1;
       (void)::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-      make_room();
-      connections_.push_back(
-          {std::move(socket), name.data(), {}, {}, Clock::now(), token_.empty(), false, false, next_connection()});
+      if (!all) all = newcomers();
+      if (all->count >= options_.most_newcomers) make_room(*all);
+      connections_.push_back({std::move(socket), peer.sin_addr.s_addr, name.data(), {}, {}, Clock::now()});
+      Connection& connection = connections_.back();
+      connection.admitted = token_.empty();
+      connection.number = next_connection();
+      ++all->count, ++all->of_origin[connection.address];
     }
   }
 
-  /// Where there are too many without a place, one of them gives way to the next: of an origin that has many of them,
-  /// else of all, the one that has asked nothing for longest. A flood of 1,000 a second leaves each half a second
-  /// between two requests.
-  void make_room() {
-    std::map<std::string_view, int> of_origin;
-    std::size_t newcomers = 0;
-    for (const Connection& connection : connections_)
-      if (!connection.placed) ++newcomers, ++of_origin[connection.origin];
-    if (newcomers < options_.most_newcomers) return;
-    const auto rank = [&](const Connection& connection) {
-      return std::tuple(connection.placed, -(of_origin[connection.origin] / kManyOfOrigin), connection.asked);
-    };
-    connections_.erase(std::min_element(connections_.begin(), connections_.end(),
-                                        [&](const auto& a, const auto& b) { return rank(a) < rank(b); }));
+  /// One of those without a place gives way to the next: of an origin that has many of them, else of all, the one that
+  /// has asked nothing for longest. A flood of 1,000 a second leaves each half a second between two requests.
+  void make_room(Newcomers& all) {
+    Connection* yields = nullptr;
+    std::pair<int, Clock::time_point> first;
+    for (Connection& connection : connections_) {
+      if (connection.placed || connection.ended) continue;
+      const std::pair rank(-(all.of_origin[connection.address] / kManyOfOrigin), connection.asked);
+      if (yields == nullptr || rank < first) yields = &connection, first = rank;
+    }
+    yields->ended = true;
+    --all.count, --all.of_origin[yields->address];
   }
 
   /// Who has asked gets a place, as soon as one is free or somebody gives way: of the origin that has most places the
@@ -436,6 +455,7 @@ class TcpLink : public ServerLink {
   static void listen(Connection& connection) {
     std::array<std::uint8_t, 4096> bytes{};
     const ssize_t got = ::recv(connection.socket.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+    connection.readable = got == static_cast<ssize_t>(bytes.size());
     if (got > 0) connection.heard.insert(connection.heard.end(), bytes.begin(), bytes.begin() + got);
     connection.ended = connection.ended || got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR);
   }
@@ -556,7 +576,7 @@ std::size_t ModbusServer::serve_ready(RegisterHandler& handler, std::chrono::mil
   auto fds = link_->poll_fds();
   const timespec limit = timespec_of(wait);
   (void)::ppoll(fds.data(), fds.size(), &limit, nullptr);
-  return link_->step(handler);
+  return link_->step(handler, fds);
 }
 
 }  // namespace ecs::protocol

@@ -27,7 +27,7 @@ def connects(port, over, rate=CONNECTS_A_SECOND):
     """Connections at their rate, which ask nothing and are dropped when there are many."""
     held, begun, made = [], time.monotonic(), 0
     while not over.is_set():
-        while made < rate * (time.monotonic() - begun):
+        while made < rate * (time.monotonic() - begun) and not over.is_set():
             made += 1
             connection = socket.socket()
             connection.bind((origin(0), 0))
@@ -45,7 +45,7 @@ def askers(port, over, rate=CONNECTS_A_SECOND):
     held, begun, made = [], time.monotonic(), 0
     request = modbus.tcp_frame(modbus.fc3(modbus.STATUS, 58))
     while not over.is_set():
-        while made < rate * (time.monotonic() - begun):
+        while made < rate * (time.monotonic() - begun) and not over.is_set():
             made += 1
             connection = socket.socket()
             with contextlib.suppress(OSError):

@@ -16,9 +16,24 @@ SEALED = (modbus.RESULT, modbus.ACK, modbus.SESSION, modbus.ACTIVE_MAP, modbus.C
 KINDS = {}
 
 
-def kind(function):
-    KINDS[function.__name__.replace("_", " ")] = function
-    return function
+def kind(is_its=lambda forger, to, pdu: True):
+    """@param is_its  whether a frame is one of those that this kind spoils"""
+    def register(function):
+        def act(forger, to, pdu):
+            return function(forger, to, pdu) if is_its(forger, to, pdu) else None
+
+        KINDS[function.__name__.replace("_", " ")] = act
+        return act
+
+    return register
+
+
+def request(block):
+    return lambda forger, to, pdu: forger.writes(to, pdu, block)
+
+
+def answer(block=None):
+    return lambda forger, to, pdu: forger.answers(to, pdu, block)
 
 
 def with_words(pdu, at, words):
@@ -26,6 +41,11 @@ def with_words(pdu, at, words):
     head = 2 if pdu[0] == 23 and len(pdu) == 2 + pdu[1] else 10 if pdu[0] == 23 else 6
     data = modbus.bytes_of(words)
     return pdu[:head + 2 * at] + data + pdu[head + 2 * at + len(data):]
+
+
+def spliced(before, pdu, join):
+    """With a part of a frame of before; None: there was none as long."""
+    return [join(before)] if before and len(before) == len(pdu) else None
 
 
 def flipped(forger, pdu, at, count):
@@ -37,85 +57,75 @@ def flipped(forger, pdu, at, count):
 
 # Each: what comes instead of the request (to: UNIT) or of the answer (to: HOST); None: this frame is none of its.
 
-@kind
+@kind(request(modbus.BLOCK))
 def block_changed_crc_kept(forger, to, pdu):
-    if not forger.writes(to, pdu, modbus.BLOCK) or len(pdu) < AT_PAYLOAD + len(NEUTRAL):
+    if len(pdu) < AT_PAYLOAD + len(NEUTRAL):
         return None
     at = forger.rng.randrange(AT_PAYLOAD, len(pdu) - len(NEUTRAL) + 1)
     changed = bytes(a ^ b for a, b in zip(pdu[at:], NEUTRAL))
     return [pdu[:at] + changed + pdu[at + len(NEUTRAL):]]
 
 
-@kind
+@kind(request(modbus.BLOCK))
 def block_added(forger, to, pdu):
-    if not forger.writes(to, pdu, modbus.BLOCK):
-        return None
     check = forger.rng.choice((pdu[10:18], forger.rng.randbytes(8), bytes(8)))
     return [pdu[:10] + check + forger.rng.randbytes(len(pdu) - AT_PAYLOAD), pdu]
 
 
-@kind
+@kind(request(modbus.BLOCK))
 def block_of_another_number(forger, to, pdu):
-    return [flipped(forger, pdu, 1, 1)] if forger.writes(to, pdu, modbus.BLOCK) else None
+    return [flipped(forger, pdu, 1, 1)]
 
 
-@kind
+@kind(request(modbus.BLOCK))
 def blocks_exchanged(forger, to, pdu):
     """The payload of the block before, with its check."""
-    if not forger.writes(to, pdu, modbus.BLOCK):
-        return None
     before, forger.before = forger.before, pdu
-    return [pdu[:10] + before[10:]] if before and len(before) == len(pdu) else None
+    return spliced(before, pdu, lambda old: pdu[:10] + old[10:])
 
 
-@kind
+@kind(request(modbus.WINDOW))
 def window_moved(forger, to, pdu):
-    return [flipped(forger, pdu, 5, 9)] if forger.writes(to, pdu, modbus.WINDOW) else None
+    return [flipped(forger, pdu, 5, 9)]
 
 
-@kind
+@kind(request(modbus.COMMAND))
 def command_changed(forger, to, pdu):
-    return [flipped(forger, pdu, 5, 14)] if forger.writes(to, pdu, modbus.COMMAND) else None
+    return [flipped(forger, pdu, 5, 14)]
 
 
-@kind
+@kind(request(modbus.COMMAND))
 def command_of_zeros_key(forger, to, pdu):
-    if not forger.writes(to, pdu, modbus.COMMAND):
-        return None
     words = modbus.words_of(pdu[10:])
     words[7] = forger.rng.choice((modbus.COMMIT, modbus.ABANDON, modbus.BEGIN, modbus.OUTPUT, words[7]))
     return [with_words(pdu, 0, modbus.sealed(words[:-4], modbus.OF_COMMAND, None)), pdu]
 
 
-@kind
+@kind(answer())
 def answer_changed(forger, to, pdu):
-    return [flipped(forger, pdu, 1, forger.words(pdu) - 1)] if forger.answers(to, pdu) else None
+    return [flipped(forger, pdu, 1, forger.words(pdu) - 1)]
 
 
-@kind
+@kind(answer())
 def answer_without_check(forger, to, pdu):
-    if not forger.answers(to, pdu):
-        return None
     return [with_words(flipped(forger, pdu, 1, forger.words(pdu) - 5), forger.words(pdu) - 4, [0] * 4)]
 
 
-@kind
+@kind(answer())
 def answer_of_before(forger, to, pdu):
     """The answer to the same question of before, with the echo of this one."""
-    if not forger.answers(to, pdu):
-        return None
     before = forger.old.get(forger.asked)
     forger.old[forger.asked] = pdu
-    return [with_words(before, 0, modbus.words_of(pdu[2:4]))] if before and len(before) == len(pdu) else None
+    return spliced(before, pdu, lambda old: with_words(old, 0, modbus.words_of(pdu[2:4])))
 
 
-@kind
+@kind(answer(modbus.ACTIVE_MAP))
 def said_to_be_active(forger, to, pdu):
     """The active map is named as that which is to be sent, from the first question on."""
-    return [forger.named_as_sent(pdu)] if forger.answers(to, pdu, modbus.ACTIVE_MAP) else None
+    return [forger.named_as_sent(pdu)]
 
 
-@kind
+@kind()
 def said_to_be_done(forger, to, pdu):
     """The commit never arrives; its result and the active map are as if it had."""
     if forger.writes(to, pdu, modbus.COMMAND) and modbus.words_of(pdu[10:])[7] == modbus.COMMIT:
@@ -128,7 +138,7 @@ def said_to_be_done(forger, to, pdu):
     return None
 
 
-@kind
+@kind()
 def said_to_have_arrived(forger, to, pdu):
     """Blocks are kept back, and acknowledged."""
     if forger.writes(to, pdu, modbus.BLOCK):
@@ -138,12 +148,12 @@ def said_to_have_arrived(forger, to, pdu):
     return None
 
 
-@kind
+@kind(answer(modbus.SESSION))
 def session_of_another(forger, to, pdu):
-    return [flipped(forger, pdu, 3, 17)] if forger.answers(to, pdu, modbus.SESSION) else None
+    return [flipped(forger, pdu, 3, 17)]
 
 
-@kind
+@kind()
 def exchange_changed(forger, to, pdu):
     """Shares, confirmations, points of low order and of no order in an exchange of keys."""
     low = modbus.words_of(forger.rng.choice((bytes(32), b"\xFF" * 32, b"\1" + bytes(31), forger.rng.randbytes(32))))
@@ -157,7 +167,7 @@ def exchange_changed(forger, to, pdu):
     return None
 
 
-@kind
+@kind()
 def version_lowered(forger, to, pdu):
     if forger.answers(to, pdu, modbus.SESSION) or forger.answers(to, pdu, modbus.IDENTITY):
         return [with_words(pdu, 1, [2])]

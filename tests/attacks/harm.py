@@ -177,6 +177,16 @@ def code_without_end(bench):
 
 
 @probe
+def other_functions(bench):
+    """Functions that the protocol does not use are carried out."""
+    host, answers = bench.stranger(True), {}
+    for function in set(range(1, 128)) - {3, 4, 6, 16, 22, 23}:
+        answers[function] = host.ask(bytes([function, 0, 0, 0, 1]))
+    wrong = {function: reply for function, reply in answers.items() if reply != bytes([function | 0x80, 1])}
+    return not wrong and bench.unchanged(), str(wrong)
+
+
+@probe
 def idle_connections(bench):
     """Idle connections keep other hosts out."""
     idle = [modbus.connected_to(bench.place.port) for _ in range(12)]

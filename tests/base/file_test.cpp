@@ -6,7 +6,9 @@
 #include <fstream>
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "tests/support/folder.hpp"
@@ -66,6 +68,69 @@ TEST_CASE("a file is replaced, and readable by others as the mask of the user sa
   CHECK(*read_file(file) == "new");
   std::ofstream(folder.path / "plain") << "x";
   CHECK(fs::status(file).permissions() == fs::status(folder.path / "plain").permissions());
+}
+
+TEST_CASE(
+    "a program killed while it replaces a file leaves that file whole, and beside it none that the next write keeps") {
+  const Folder folder;
+  const int nameless = ::open(folder.path.c_str(), O_TMPFILE | O_WRONLY, 0600);
+  SKIP_UNLESS(nameless >= 0, "this file system has no files without a name");
+  ::close(nameless);
+  constexpr std::size_t kBytes = 1 << 20;
+  const fs::path file = folder.path / "a.bin";
+  REQUIRE(write_file(file, std::string(kBytes, 'a')));
+  for (int turn = 0; turn < 20; ++turn) {
+    const pid_t writer = ::fork();
+    if (writer == 0)
+      for (char letter = 'a';; letter = letter == 'z' ? 'a' : static_cast<char>(letter + 1))
+        if (!write_file(file, std::string(kBytes, letter))) ::_exit(1);
+    ::usleep(static_cast<useconds_t>(1'000 + 700 * turn));
+    REQUIRE(::kill(writer, SIGKILL) == 0);
+    int status = 0;
+    REQUIRE(::waitpid(writer, &status, 0) == writer);
+    CHECK(WIFSIGNALED(status));
+    CHECK(files_in(folder) <= 2);
+    const std::string content = must(read_file(file));
+    CHECK(content == std::string(kBytes, content.front()));
+    REQUIRE(write_file(file, content));
+    CHECK(files_in(folder) == 1);
+  }
+}
+
+TEST_CASE(
+    "what a killed program has left in the place of the new file is no obstacle, also where it cannot be removed") {
+  const Folder folder;
+  REQUIRE(write_file(folder.path / "a.txt", "old"));
+  std::ofstream(folder.path / ".a.txt.ecs-new") << "left";
+  REQUIRE(write_file(folder.path / "a.txt", "new"));
+  CHECK(*read_file(folder.path / "a.txt") == "new");
+  CHECK(files_in(folder) == 1);
+  fs::create_directory(folder.path / ".a.txt.ecs-new");
+  REQUIRE(write_file(folder.path / "a.txt", "newer"));
+  CHECK(*read_file(folder.path / "a.txt") == "newer");
+  CHECK(files_in(folder) == 2);
+}
+
+TEST_CASE("programs that write one file at once leave one of their contents, whole, and nothing beside it") {
+  const Folder folder;
+  constexpr std::size_t kBytes = 1 << 16;
+  const fs::path file = folder.path / "a.bin";
+  std::vector<pid_t> writers;
+  for (const char letter : {'a', 'b', 'c'}) {
+    writers.push_back(::fork());
+    if (writers.back() != 0) continue;
+    for (int i = 0; i < 40; ++i)
+      if (!write_file(file, std::string(kBytes, letter))) ::_exit(1);
+    ::_exit(0);
+  }
+  for (const pid_t writer : writers) {
+    int status = 1;
+    REQUIRE(::waitpid(writer, &status, 0) == writer);
+    CHECK(status == 0);
+  }
+  const std::string content = must(read_file(file));
+  CHECK(content == std::string(kBytes, content.front()));
+  CHECK(files_in(folder) == 1);
 }
 
 TEST_CASE("a folder that does not exist cannot be written to") {

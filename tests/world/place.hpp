@@ -1,6 +1,6 @@
 // The unit's end of a world: the unit with its register server, the disk that its battery lies on, and who has a look
 // at every command and every write before they are carried out. Does not live here: the line (line.hpp), what is judged
-// (world.cpp).
+// (rules.hpp).
 #pragma once
 
 #include <functional>

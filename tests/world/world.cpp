@@ -1,8 +1,6 @@
 #include "tests/world/world.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,6 +12,7 @@
 #include "protocol/registers/unit_registers.hpp"
 #include "tests/world/forger.hpp"
 #include "tests/world/line.hpp"
+#include "tests/world/rules.hpp"
 
 namespace ecs::world {
 namespace {
@@ -26,13 +25,10 @@ using protocol::CommandState;
 using protocol::UnitError;
 
 const std::string kCode = "271828";
-constexpr Span kLongestAttempt = 10min;
 constexpr Span kLongestNoise = 4h;
 /// When faults have stopped, a map sent again and again is active within this time.
 constexpr Span kCalmLimit = 3min;
 constexpr Span kBetweenSends = 5s;
-/// A command that acts is carried out at most so long after it was sent: kMostAge_ms, and a period of the loop.
-constexpr Span kMostAge = 2020ms;
 
 // --- the system's source of chance, from the seed
 Random* chance_source = nullptr;
@@ -99,65 +95,15 @@ class Secrets final : public protocol::SecretStore {
 };
 
 struct Host {
-  std::string name;
   bool knows_code = true;
   bool gives_code = true;  ///< to every program; otherwise only to one that arms, and the others find the secret
   std::uint64_t key = 0;
   std::shared_ptr<Secrets> secrets = std::make_shared<Secrets>();
   std::atomic<bool> cancelled = false;
   std::unique_ptr<Program> program{};
-  Time answered_since{};
   bool wants_arming = true;  ///< this time `ecs unit arm` comes before
-  // of the attempt under way
-  Time begun{};
-  bool sends = false;
-  std::size_t image = 0;
-  bool staging = false, commit_sent = false, armed_in_it = false, settles = false;
+  Attempt attempt{};         ///< the last one
 };
-
-/// The map that was active from then on.
-struct Held {
-  Time since{};
-  std::optional<std::size_t> image;  ///< nothing: none, or a torn one that the unit refuses
-  std::uint32_t commit = 0;
-};
-
-/// Told to the user at the end of an attempt: that map is not active, and will not become so by this attempt.
-struct NotTaken {
-  Time since{};
-  std::size_t image = 0;
-  bool over = false;  ///< somebody has begun to send the same map
-};
-
-bool holds(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
-
-/// The number behind `words`; nothing: they are not there.
-std::optional<std::uint32_t> number_after(const std::string& text, std::string_view words) {
-  const auto at = text.find(words);
-  if (at == std::string::npos) return std::nullopt;
-  std::uint32_t number = 0;
-  const char* const from = text.data() + at + words.size();
-  return std::from_chars(from, text.data() + text.size(), number).ec == std::errc() ? std::optional(number)
-                                                                                    : std::nullopt;
-}
-
-/// A request without what a repeat of it changes: function, first register written, registers behind the echo.
-Bytes meaning_of(std::span<const std::uint8_t> pdu) {
-  if (pdu.empty() || (pdu[0] != 16 && pdu[0] != 23)) return {};
-  const std::size_t at = pdu[0] == 23 ? 5 : 1;
-  if (pdu.size() < at + 5) return {};
-  Bytes meaning{pdu[at], pdu[at + 1]};
-  const bool echoed = (pdu[at] << 8 | pdu[at + 1]) != protocol::kBlockWrite.first;
-  const std::size_t from = std::min(pdu.size(), at + (echoed ? 7 : 5));
-  meaning.insert(meaning.end(), pdu.begin() + static_cast<std::ptrdiff_t>(from), pdu.end());
-  return meaning;
-}
-
-std::uint64_t hash_of(std::uint64_t hash, const void* data, std::size_t size) {
-  const auto* bytes = static_cast<const std::uint8_t*>(data);
-  for (std::size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 0x100000001B3ULL;
-  return hash;
-}
 
 /// What happens when the unit is asked for something, or writes.
 enum class Action : std::uint8_t { supply, process, power, battery, bit, silence, cancel, kill, cut, sessions };
@@ -173,24 +119,11 @@ class World {
   Report run();
 
  private:
-  template <class... Words>
-  void say(fmt::format_string<Words...> format, Words&&... words) {
-    if (!say_) return;
-    const double s = std::chrono::duration<double>(schedule_.now() - Time{1h}).count();
-    say_(fmt::format("{:10.4f} {}", s, fmt::format(format, std::forward<Words>(words)...)));
-  }
-  template <class... Words>
-  void violated(fmt::format_string<Words...> format, Words&&... words) {
-    report_.violations.push_back(fmt::format(format, std::forward<Words>(words)...));
-    say("VIOLATION {}", report_.violations.back());
-  }
-  void reached(Sometimes state) { ++report_.reached[static_cast<std::size_t>(state)]; }
   [[nodiscard]] std::uint32_t draw(std::uint32_t count) { return one_of(random_, count); }
   [[nodiscard]] Span draw(Span from, Span to) {
     return from + Span(static_cast<Span::rep>(uniform(random_) * double((to - from).count())));
   }
   [[nodiscard]] bool now_and_then(double probability) { return chance(random_, probability); }
-  void trace(const void* data, std::size_t size) { report_.trace = hash_of(report_.trace, data, size); }
 
   void begin();
   void draw_faults();
@@ -198,36 +131,31 @@ class World {
   void hear(int from, int to, const Bytes& frame);
   void hear_unit(int to, const Bytes& pdu);
   void before_command(const Command& command);
-  void after_command(const Command& command, const CommandResult& result);
   void before_write(Address address, std::span<const std::uint8_t> bytes);
   void before_keep();
   void strike(Action action);
   void look();
-  void look_at_map();
-  void look_at_outputs();
   void restart(bool power, Span off);
   [[nodiscard]] Host& join(std::string name, bool knows_code);
   [[nodiscard]] Result<protocol::UnitClient> connected(Host& host);
   void send(Host& host, std::size_t image);
-  void judge(Host& host, const Result<commissioning::SentMap>& sent, bool cancelled);
-  [[nodiscard]] bool was_held(Time from, Time to, const std::function<bool(const Held&)>& held) const;
   void uploads(Host& host);
   void operates(Host& host);
   void give_rare_command(protocol::UnitClient& client);
   void tries_without_code(Host& host);
   void calm();
 
-  std::function<void(const std::string&)> say_;
   Breaks breaks_;
   SeededChance chance_;
   Random random_;
   Random line_random_;
   Schedule schedule_;
-  Report report_;
+  Record record_;
   std::vector<std::unique_ptr<Host>> hosts_;
   std::vector<std::unique_ptr<Program>> dead_programs_;  ///< events may still name them
   std::map<int, Host*> host_at_;
   std::unique_ptr<Place> place_;
+  std::optional<Rules> rules_;
   std::unique_ptr<Line> line_;
   std::unique_ptr<Forger> forger_;
   std::vector<Moment> moments_;
@@ -236,27 +164,16 @@ class World {
   // of the request at hand
   bool ends_process_ = false, ends_power_ = false;
   CommandCode last_command_ = CommandCode::none;
-  std::set<std::uint64_t> meant_;  ///< by a host that knows the code
-  std::map<std::uint64_t, Time> meant_at_;
-  std::set<std::pair<std::uint32_t, std::uint32_t>> carried_out_;
-  std::set<std::uint64_t> carried_out_meanings_;
-  Time stopped_{};  ///< when something was switched off last
-  Time opened_{};   ///< when every relay was opened last
-  Time output_asked_{};
-  std::uint64_t meaning_ = 0;
-  emulator::Drives drives_{};
-  std::vector<Held> held_;
-  std::vector<NotTaken> not_taken_;
-  std::uint32_t promised_ = 0;  ///< commit that some host was told to be active
-  std::optional<std::uint64_t> seen_version_;
-  bool supply_comes_back_ = false, lying_disk_ = false;
+  bool supply_comes_back_ = false;
   bool calm_ = false, ended_ = false;
 };
 
 World::World(std::uint64_t seed, const Breaks& breaks, const std::function<void(const std::string&)>& say)
-    : say_(say), breaks_(breaks), chance_(seed * 3 + 1), random_(seed * 3 + 2), line_random_(seed * 3 + 3) {
-  report_.trace = 0xCBF29CE484222325ULL;
-}
+    : breaks_(breaks),
+      chance_(seed * 3 + 1),
+      random_(seed * 3 + 2),
+      line_random_(seed * 3 + 3),
+      record_(schedule_, say) {}
 
 void World::install(std::size_t image) {
   emulator::UnitMemory& memory = place_->unit().memory();
@@ -285,20 +202,17 @@ void World::begin() {
   place_ = std::make_unique<Place>(
       schedule_, random_,
       Looks{[this](const Command& command) { before_command(command); },
-            [this](const Command& command, const CommandResult& result) { after_command(command, result); },
+            [this](const Command& command, const CommandResult& result) { rules_->after_command(command, result); },
             [this](Address address, std::span<const std::uint8_t> bytes) { before_write(address, bytes); },
             [this] { before_keep(); }},
       breaks_.unit, kCode, now_and_then(0.1));
-  place_->disk.lies = lying_disk_ = now_and_then(0.1);
+  place_->disk.lies = now_and_then(0.1);
+  rules_.emplace(record_, schedule_, *place_, images(), place_->disk.lies);
   line_ = std::make_unique<Line>(schedule_, line_random_, *place_, shared,
                                  std::array{9'600, 115'200, 115'200, 921'600}[draw(4)]);
   line_->turnaround = now_and_then(0.2) ? draw(1ms, 200ms) : Span(1ms);
   line_->heard = [this](int from, int to, const Bytes& frame) { hear(from, to, frame); };
-  line_->arrives = [this](int /*from*/, const Bytes& pdu) {
-    const Bytes meaning = meaning_of(pdu);
-    meaning_ = hash_of(0, meaning.data(), meaning.size());
-    if (carried_out_meanings_.count(meaning_) > 0) reached(Sometimes::replayed_command_ignored);
-  };
+  line_->arrives = [this](int /*from*/, const Bytes& pdu) { rules_->arrives(pdu); };
   if (now_and_then(0.9)) install(draw(kImages));
   if (now_and_then(0.5)) {  // what an earlier transfer has left
     const Bytes& left = images()[draw(kImages)];
@@ -342,7 +256,7 @@ void World::begin() {
 Host& World::join(std::string name, bool knows_code) {
   hosts_.push_back(std::make_unique<Host>());
   Host& host = *hosts_.back();
-  host.name = std::move(name);
+  host.attempt.host = std::move(name);
   host.knows_code = knows_code;
   host.key = random_() | 1U;
   return host;
@@ -350,15 +264,15 @@ Host& World::join(std::string name, bool knows_code) {
 
 void World::hear(int from, int to, const Bytes& frame) {
   const auto at_us = (schedule_.now() - Time{}).count();
-  trace(&at_us, sizeof at_us);
-  trace(&from, sizeof from);
-  trace(frame.data(), frame.size());
-  if (say_) {
+  record_.trace(&at_us, sizeof at_us);
+  record_.trace(&from, sizeof from);
+  record_.trace(frame.data(), frame.size());
+  if (record_.is_heard()) {
     const auto host = host_at_.find(from == kUnitEnd ? to : from);
-    const std::string who = host == host_at_.end() ? "forger" : host->second->name;
+    const std::string who = host == host_at_.end() ? "forger" : host->second->attempt.host;
     std::string bytes;
     for (std::size_t i = 1; i < std::min<std::size_t>(frame.size(), 26); ++i) bytes += fmt::format("{:02X}", frame[i]);
-    say("{} {} {} bytes: {}", from == kUnitEnd ? "  unit to" : "to unit from", who, frame.size(), bytes);
+    record_.say("{} {} {} bytes: {}", from == kUnitEnd ? "  unit to" : "to unit from", who, frame.size(), bytes);
   }
   if (forger_ && !calm_) forger_->hear(from, to, frame);
   if (from == kUnitEnd) return hear_unit(to, Line::unframed(frame));
@@ -368,19 +282,18 @@ void World::hear(int from, int to, const Bytes& frame) {
   const Bytes pdu = Line::unframed(frame);
   const Bytes meaning = meaning_of(pdu);
   if (meaning.size() < 2) return;
-  const std::uint64_t hash = hash_of(0, meaning.data(), meaning.size());
   const std::size_t first = std::size_t{meaning[0]} << 8 | meaning[1];
-  if (host.knows_code && meant_.insert(hash).second) meant_at_[hash] = schedule_.now();
+  if (host.knows_code) rules_->meant(pdu);
   constexpr std::size_t kCodeAt = 2 + 2 * 6 + 1;
-  if (first == protocol::kArmConfirm.first) host.armed_in_it = true;
-  if (first == protocol::kResultSelect.first && host.commit_sent) {
-    host.settles = true;
-    reached(Sometimes::commit_answer_lost);
+  if (first == protocol::kArmConfirm.first) host.attempt.armed_in_it = true;
+  if (first == protocol::kResultSelect.first && host.attempt.commit_sent) {
+    host.attempt.settles = true;
+    record_.reached(Sometimes::commit_answer_lost);
   }
   if (first != protocol::kCommand.first || meaning.size() <= kCodeAt) return;
   const auto code = static_cast<CommandCode>(meaning[kCodeAt]);
-  if (code == CommandCode::begin_staging) host.staging = true, host.armed_in_it = false;
-  if (code == CommandCode::commit_staged) host.commit_sent = true;
+  if (code == CommandCode::begin_staging) host.attempt.staging = true, host.attempt.armed_in_it = false;
+  if (code == CommandCode::commit_staged) host.attempt.commit_sent = true;
 }
 
 /// What the unit refuses, and why.
@@ -389,47 +302,22 @@ void World::hear_unit(int to, const Bytes& pdu) {
   constexpr std::size_t kResult = 2 + 2 * protocol::kCommandResult.count, kAck = 2 + 2 * protocol::kWindowAck.count;
   if (host == host_at_.end() || (pdu.size() != kResult && pdu.size() != kAck)) return;
   const auto error = static_cast<UnitError>(pdu[pdu.size() == kResult ? 15 : 9]);
-  if (pdu.size() == kAck && error == UnitError::check_mismatch) reached(Sometimes::window_closed_by_forger);
-  if (error == UnitError::wrong_key) reached(Sometimes::wrong_key_refused);
-  if (pdu.size() == kResult && error == UnitError::late) reached(Sometimes::late_refused);
-  if (pdu.size() == kResult && error == UnitError::overtaken) reached(Sometimes::overtaken_refused);
+  if (pdu.size() == kAck && error == UnitError::check_mismatch) record_.reached(Sometimes::window_closed_by_forger);
+  if (error == UnitError::wrong_key) record_.reached(Sometimes::wrong_key_refused);
+  if (pdu.size() == kResult && error == UnitError::late) record_.reached(Sometimes::late_refused);
+  if (pdu.size() == kResult && error == UnitError::overtaken) record_.reached(Sometimes::overtaken_refused);
 }
 
-/// Only what a host with the code has sent may write, commit or move an output; once, and in time.
 void World::before_command(const Command& command) {
-  say("the unit is asked for \"{}\", session {:08X}, sequence {}", name_of(command.code), command.asker.session,
-      command.sequence);
-  if (protocol::needs_arming(command.code)) {
-    const auto sent = meant_at_.find(meaning_);
-    if (sent == meant_at_.end())
-      return violated("\"{}\" was carried out that no host with the code has given", name_of(command.code));
-    carried_out_meanings_.insert(meaning_);
-    if (!carried_out_.insert({command.asker.session, command.sequence}).second)
-      violated("\"{}\" was carried out twice", name_of(command.code));
-    if (protocol::acts_at_once(command.code)) {
-      if (schedule_.now() - sent->second > kMostAge)
-        violated("\"{}\" was carried out {:.3f} s after it was given", name_of(command.code),
-                 std::chrono::duration<double>(schedule_.now() - sent->second).count());
-      if (stopped_ > sent->second)
-        violated("\"{}\" was carried out after something else had switched off", name_of(command.code));
-    }
-  }
-  if (command.code == CommandCode::output_compensation && command.relay_on) output_asked_ = schedule_.now();
+  rules_->before_command(command);
   const int which = ++commands_[command.code];
   last_command_ = command.code;
   for (const Moment& moment : moments_)
     if (moment.at == command.code && moment.which == which) strike(moment.action);
 }
 
-void World::after_command(const Command& command, const CommandResult& result) {
-  if (result.state != CommandState::done && result.state != CommandState::busy) return;
-  if (protocol::switches_off(command.code)) stopped_ = schedule_.now();
-  if (protocol::switches_off(command.code) && command.code != CommandCode::stop) opened_ = schedule_.now();
-}
-
 void World::before_write(Address address, std::span<const std::uint8_t> bytes) {
-  if (meant_.count(meaning_) == 0)
-    violated("{} bytes at {:06X} were written that no host with the code has sent", bytes.size(), address);
+  rules_->before_write(address, bytes);
   ++writes_;
   for (const Moment& moment : moments_)
     if (moment.at == CommandCode::none && moment.which == writes_) strike(moment.action);
@@ -437,10 +325,11 @@ void World::before_write(Address address, std::span<const std::uint8_t> bytes) {
 
 void World::before_keep() {
   const Disk& disk = place_->disk;
-  if (disk.writes_fail > 0 || disk.names_fail > 0) reached(Sometimes::battery_not_written);
+  if (disk.writes_fail > 0 || disk.names_fail > 0) record_.reached(Sometimes::battery_not_written);
   if (!disk.ends_after) return;
-  reached(std::array{Sometimes::process_ended_before_battery, Sometimes::process_ended_before_name,
-                     Sometimes::process_ended_after_battery}[static_cast<std::size_t>(std::max(0, *disk.ends_after))]);
+  record_.reached(
+      std::array{Sometimes::process_ended_before_battery, Sometimes::process_ended_before_name,
+                 Sometimes::process_ended_after_battery}[static_cast<std::size_t>(std::max(0, *disk.ends_after))]);
 }
 
 void World::strike(Action action) {
@@ -448,20 +337,20 @@ void World::strike(Action action) {
   const auto some_host = [this]() -> Host& { return *hosts_[draw(static_cast<std::uint32_t>(hosts_.size()))]; };
   switch (action) {
     case Action::supply:
-      say("the supply fails within the next bytes");
+      record_.say("the supply fails within the next bytes");
       place_->unit().memory().power_fails_after(draw(140));
       return;
     case Action::power:
       ends_power_ = true;
       [[fallthrough]];
     case Action::process:
-      say("the process of the unit ends");
+      record_.say("the process of the unit ends");
       place_->disk.ends_after = static_cast<int>(draw(3));
       ends_process_ = true;
       schedule_.after(1ms, [this] { look(); });
       return;
     case Action::battery:
-      say("the battery file cannot be written");
+      record_.say("the battery file cannot be written");
       place_->disk.writes_fail = static_cast<int>(draw(3));
       place_->disk.names_fail = 1 + static_cast<int>(draw(2));
       if (now_and_then(0.3)) schedule_.after(draw(1ms, 600ms), [this] { strike(Action::process); });
@@ -469,18 +358,18 @@ void World::strike(Action action) {
     case Action::bit: {
       const Address bank = emulator::inactive_bank(place_->unit().memory());
       const Address at = bank + draw(static_cast<std::uint32_t>(images()[3].size()));
-      say("a bit of {:06X} flips", at);
-      if (commands_[CommandCode::commit_staged] > 0) reached(Sometimes::staged_bit_flipped);
+      record_.say("a bit of {:06X} flips", at);
+      if (commands_[CommandCode::commit_staged] > 0) record_.reached(Sometimes::staged_bit_flipped);
       place_->unit().memory().corrupt(at, static_cast<std::uint8_t>(1U << draw(8)));
       return;
     }
     case Action::silence:
-      say("the line is dead");
+      record_.say("the line is dead");
       line_->dead_until = schedule_.now() + draw(100ms, 20s);
       return;
     case Action::cancel: {
       Host& host = some_host();
-      say("{} is cancelled", host.name);
+      record_.say("{} is cancelled", host.attempt.host);
       schedule_.after(draw(0ms, 50ms), [this, &host] {
         if (calm_) return;
         host.cancelled = true;
@@ -492,11 +381,11 @@ void World::strike(Action action) {
       Host& host = some_host();
       schedule_.after(draw(0ms, 50ms), [this, &host] {
         if (host.program->ended() || calm_) return;
-        say("{} is killed", host.name);
-        if (host.staging) reached(Sometimes::host_killed_while_staging);
-        const bool sends = holds(host.name, "sender");
+        record_.say("{} is killed", host.attempt.host);
+        if (host.attempt.staging) record_.reached(Sometimes::host_killed_while_staging);
+        const bool sends = holds(host.attempt.host, "sender");
         host.program->kill();
-        host.sends = false;
+        host.attempt.sends = false;
         dead_programs_.push_back(std::move(host.program));
         host.program = std::make_unique<Program>(schedule_, [this, &host, sends] {
           if (sends) uploads(host);
@@ -518,94 +407,42 @@ void World::look() {
   if (ended_) return;
   if (ends_process_ || place_->disk.process_ended()) {
     if (!place_->process_runs()) return;
-    if (!place_->disk.process_ended()) look_at_map();
+    if (!place_->disk.process_ended()) rules_->look_at_map();
     restart(ends_power_, draw(1ms, 5s));
     return;
   }
   if (!place_->process_runs()) return;
   if (!place_->unit().powered() && !supply_comes_back_) {
-    say("no supply");
-    reached(last_command_ == CommandCode::commit_staged ? Sometimes::supply_lost_in_record
-                                                        : Sometimes::supply_lost_while_staging);
+    record_.say("no supply");
+    record_.reached(last_command_ == CommandCode::commit_staged ? Sometimes::supply_lost_in_record
+                                                                : Sometimes::supply_lost_while_staging);
     supply_comes_back_ = true;
     schedule_.after(calm_ ? Span(1ms) : draw(1ms, 5s), [this] {
       supply_comes_back_ = false;
       if (!place_->process_runs()) return;
       place_->supply(true);
-      say("supply is back");
+      record_.say("supply is back");
       look();
     });
-    look_at_map();
+    rules_->look_at_map();
     return;
   }
-  look_at_map();
-  look_at_outputs();
-}
-
-void World::look_at_map() {
-  if (seen_version_ == place_->version()) return;
-  seen_version_ = place_->version();
-  const Bytes active = place_->active();
-  Held now{schedule_.now(), std::nullopt, place_->commit()};
-  const auto found = std::find(images().begin(), images().end(), active);
-  if (found != images().end()) now.image = static_cast<std::size_t>(found - images().begin());
-  const bool known = held_.empty() ? !now.image && now.commit == 0
-                                   : held_.back().image == now.image && held_.back().commit == now.commit;
-  if (known && !held_.empty()) return;
-  if (!now.image && !held_.empty()) {
-    CompiledMap map;
-    const bool refused =
-        emulator::test_map(place_->unit().memory(), place_->unit().settings().axis_modules, map).fault != Fault::none;
-    if (now.commit == 0 && !held_.front().image && promised_ == 0)
-      say("the commit is undone, there is no map as before");
-    else if (place_->disk.torn() && refused)
-      reached(Sometimes::torn_file_refused_or_isolated);
-    else if (refused && !place_->running() && place_->unit().status().ram_test == protocol::TestOutcome::failed)
-      say("the supply was lost within the RAM test, and the map is refused");
-    else
-      violated("the active map is none that was sent ({} bytes, commit {})", active.size(), now.commit);
-  }
-  say("active: map {}, commit {}", now.image ? static_cast<int>(*now.image) : -1, now.commit);
-  trace(&now.commit, sizeof now.commit);
-  if (!lying_disk_) {
-    if (now.commit < promised_) violated("commit {} is active, {} was told before", now.commit, promised_);
-    for (const NotTaken& told : not_taken_)
-      if (!told.over && now.image == told.image)
-        violated("map {} is active, and a host was told that it was not taken", told.image);
-  }
-  held_.push_back(now);
-}
-
-/// A relay that closes, or an output that changes, was asked for just now by a host with the code (before_command()).
-void World::look_at_outputs() {
-  place_->catch_up();
-  const emulator::Drives now = place_->drives();
-  for (std::size_t a = 0; a < kAxes; ++a) {
-    const bool closed = now[a].relay_closed && !drives_[a].relay_closed;
-    if (now[a].relay_closed && place_->unit().mode() == UnitMode::compensating) continue;
-    if (closed) reached(Sometimes::output_closed);
-    if (now[a].relay_closed && opened_ > output_asked_ && schedule_.now() - opened_ > 40ms)
-      violated("a relay is closed after everything was switched off");
-    if (!now[a].relay_closed && drives_[a].relay_closed && schedule_.now() - output_asked_ > 59s)
-      reached(Sometimes::output_ended_by_silence);
-  }
-  drives_ = now;
+  rules_->look_at_map();
+  rules_->look_at_outputs();
 }
 
 void World::restart(bool power, Span off) {
-  say("the unit's process has ended{}", power ? ", with the power of its computer" : "");
+  record_.say("the unit's process has ended{}", power ? ", with the power of its computer" : "");
   ends_process_ = ends_power_ = false;
-  if (place_->end_process(power)) reached(Sometimes::file_taken_back_by_power);
+  if (place_->end_process(power)) record_.reached(Sometimes::file_taken_back_by_power);
   schedule_.after(calm_ ? Span(1ms) : off, [this] {
     if (place_->process_runs()) return;
     if (!place_->start_process()) {
-      reached(Sometimes::torn_file_refused_or_isolated);
-      if (!place_->disk.torn()) violated("the battery file is refused");
+      record_.reached(Sometimes::torn_file_refused_or_isolated);
+      if (!place_->disk.torn()) record_.violated("the battery file is refused");
     }
-    carried_out_.clear();
-    seen_version_.reset();
-    drives_ = {};
-    say("the unit has started");
+    rules_->unit_started();
+    record_.say("the unit has started");
     look();
   });
 }
@@ -614,23 +451,23 @@ Result<protocol::UnitClient> World::connected(Host& host) {
   protocol::LinkOptions options;
   options.cancelled = &host.cancelled;
   options.line = [this, &host] {
-    auto end = std::make_unique<HostEnd>(*line_, host.answered_since);
+    auto end = std::make_unique<HostEnd>(*line_, host.attempt.answered_since);
     host_at_[end->number()] = &host;
     return end;
   };
   return protocol::UnitClient::connect(
       line_->address(), options,
-      {host.key, host.name, host.knows_code && host.gives_code ? kCode : std::string(), host.secrets});
+      {host.key, host.attempt.host, host.knows_code && host.gives_code ? kCode : std::string(), host.secrets});
 }
 
 /// `ecs map send`, from opening the link on.
 void World::send(Host& host, std::size_t image) {
-  host.begun = host.answered_since = schedule_.now();
-  host.sends = true;
-  host.image = image;
-  host.staging = host.commit_sent = host.armed_in_it = host.settles = false;
-  say("{} sends map {}", host.name, image);
-  for (NotTaken& told : not_taken_) told.over = told.over || told.image == image;
+  host.attempt.begun = host.attempt.answered_since = schedule_.now();
+  host.attempt.sends = true;
+  host.attempt.image = image;
+  host.attempt.staging = host.attempt.commit_sent = host.attempt.armed_in_it = host.attempt.settles = false;
+  record_.say("{} sends map {}", host.attempt.host, image);
+  rules_->begins(host.attempt);
   Result<commissioning::SentMap> sent = tl::unexpected(Problem{});
   {
     auto client = connected(host);
@@ -648,76 +485,14 @@ void World::send(Host& host, std::size_t image) {
       sent = commissioning::send_map(*client, map, "map.csv", false);
     }
   }
-  host.sends = false;
-  if (breaks_.host == HostBreak::believes_commits && !sent && host.commit_sent)
+  host.attempt.sends = false;
+  if (breaks_.host == HostBreak::believes_commits && !sent && host.attempt.commit_sent)
     sent = commissioning::SentMap{{}, {}, 0, {}, 0.0};
-  judge(host, sent, host.cancelled);
-}
-
-bool World::was_held(Time from, Time to, const std::function<bool(const Held&)>& held) const {
-  for (std::size_t i = 0; i < held_.size(); ++i) {
-    const bool over = i + 1 < held_.size() && held_[i + 1].since < from;
-    if (!over && held_[i].since <= to && held(held_[i])) return true;
-  }
-  return false;
-}
-
-/// What was told against what was so: of the time between the last answer to this host and the end.
-void World::judge(Host& host, const Result<commissioning::SentMap>& sent, bool cancelled) {
-  const Time now = schedule_.now(), since = host.answered_since;
-  const auto is_sent = [&](const Held& held) { return held.image == host.image; };
-  const auto end = [&](std::string verdict) {
-    say("{}: {}{}", host.name, verdict, sent ? std::string() : ": " + to_text(sent.error()));
-    trace(verdict.data(), verdict.size());
-    ++report_.endings[std::move(verdict)];
-  };
-  if (now - host.begun > kLongestAttempt)
-    violated("{}: an upload took {} s", host.name,
-             std::chrono::duration_cast<std::chrono::seconds>(now - host.begun).count());
-  if (sent) {
-    if (!was_held(since, now, is_sent))
-      return violated("{}: success was told, map {} is not active", host.name, host.image);
-    if (sent->report.already_held) reached(Sometimes::already_held);
-    if (sent->report.bytes_sent < sent->report.bytes && !sent->report.already_held) reached(Sometimes::resumed);
-    if (host.settles) reached(Sometimes::settled_as_active);
-    if (host.armed_in_it) reached(Sometimes::armed_again_in_transfer);
-    promised_ = std::max(promised_, sent->report.commit_sequence);
-    return end(sent->report.already_held ? "right, already held" : "right");
-  }
-  const std::string& words = sent.error().message;
-  host.wants_arming = true;
-  trace(words.data(), words.size());
-  if (holds(words, "try again in")) reached(Sometimes::code_delayed);
-  const bool says_none = holds(words, "the unit contains no map, as before");
-  const auto old_commit = number_after(words, "the old map is active (commit ");
-  const auto new_commit = number_after(words, "it is active (commit ");
-  const bool doubt = holds(words, "it is not known which map is active") ||
-                     holds(words, "the active map has changed") || holds(words, "another map is now active") ||
-                     holds(words, "the active map in the unit differs") || holds(words, "the old map is active unless");
-  if (new_commit) {
-    if (!was_held(host.begun, now, [&](const Held& held) { return is_sent(held) && held.commit == *new_commit; }))
-      return violated("{}: told that the new map is active (commit {}), it was not: {}", host.name, *new_commit, words);
-    promised_ = std::max(promised_, *new_commit);
-    reached(Sometimes::told_new_with_failure);
-    if (cancelled) reached(Sometimes::cancelled_after_commit);
-    return end("new, told");
-  }
-  if (old_commit || says_none) {
-    if (!was_held(since, now, [&](const Held& held) { return held.commit == old_commit.value_or(0); }))
-      return violated("{}: told that the old map is active, it was not: {}", host.name, words);
-    not_taken_.push_back({now, host.image, false});
-    for (const auto& other : hosts_)
-      if (other.get() != &host && other->sends && other->image == host.image) not_taken_.back().over = true;
-    reached(Sometimes::told_old);
-    return end("old, told");
-  }
-  if (doubt) {
-    reached(Sometimes::told_in_doubt);
-    if (holds(words, "the active map has changed")) reached(Sometimes::another_host_committed);
-    return end(was_held(now, now, is_sent) ? "in doubt, new active" : "in doubt, old active");
-  }
-  if (host.staging) return violated("{}: a failure that does not name the active map: {}", host.name, words);
-  end("before staging");
+  host.wants_arming = host.wants_arming || !sent;
+  std::vector<const Attempt*> others;
+  for (const auto& other : hosts_)
+    if (other->attempt.sends) others.push_back(&other->attempt);
+  rules_->ends(host.attempt, sent, host.cancelled, others);
 }
 
 void World::uploads(Host& host) {
@@ -802,7 +577,7 @@ void World::tries_without_code(Host& host) {
         done = client->output_compensation(Axis::X, 50.0, true);
         break;
       case 1:
-        if (client->output_off() && place_->running()) reached(Sometimes::output_opened_by_stranger);
+        if (client->output_off() && place_->running()) record_.reached(Sometimes::output_opened_by_stranger);
         break;
       case 2:
         done = client->arm(fmt::format("{:06}", draw(100'000)));
@@ -817,7 +592,7 @@ void World::tries_without_code(Host& host) {
         (void)client->status();
         break;
     }
-    if (!done && done.error().kind == ProblemKind::refused) reached(Sometimes::stranger_refused);
+    if (!done && done.error().kind == ProblemKind::refused) record_.reached(Sometimes::stranger_refused);
     schedule_.wait_until(schedule_.now() + draw(1ms, 2s));
   }
 }
@@ -834,7 +609,7 @@ void World::calm() {
   for (const auto& host : hosts_) {
     if (!host->program->ended()) host->program->kill();
     host->cancelled = false;
-    host->sends = false;
+    host->attempt.sends = false;
   }
   const Time begun = schedule_.now();
   Host& host = *hosts_.front();
@@ -843,39 +618,41 @@ void World::calm() {
   dead_programs_.push_back(std::move(host.program));
   host.program = std::make_unique<Program>(schedule_, [&] {
     for (int sends = 0; !active; ++sends) {
-      if (sends == 1) reached(Sometimes::needed_second_send_when_calm);
-      const auto right_before = report_.endings["right"] + report_.endings["right, already held"];
+      if (sends == 1) record_.reached(Sometimes::needed_second_send_when_calm);
+      const auto right_before = record_.report.endings["right"] + record_.report.endings["right, already held"];
       send(host, image);
-      active = report_.endings["right"] + report_.endings["right, already held"] > right_before;
+      active = record_.report.endings["right"] + record_.report.endings["right, already held"] > right_before;
       if (!active) schedule_.wait_until(schedule_.now() + kBetweenSends);
     }
   });
   look();
-  while (!host.program->ended() && report_.violations.empty() && schedule_.now() < begun + kCalmLimit)
+  while (!host.program->ended() && record_.report.violations.empty() && schedule_.now() < begun + kCalmLimit)
     if (schedule_.step(begun + kCalmLimit)) look();
-  report_.calm_s = std::chrono::duration<double>(schedule_.now() - begun).count();
-  if (!active && report_.violations.empty())
-    violated("{} s after the faults have stopped map {} is not active", report_.calm_s, image);
-  if (active && place_->active() != images()[image]) violated("map {} is not active at the end", image);
+  record_.report.calm_s = std::chrono::duration<double>(schedule_.now() - begun).count();
+  if (!active && record_.report.violations.empty())
+    record_.violated("{} s after the faults have stopped map {} is not active", record_.report.calm_s, image);
+  if (active && place_->active() != images()[image]) record_.violated("map {} is not active at the end", image);
 }
 
 Report World::run() {
   begin();
   Host& sender = *hosts_.front();
   const Time end = schedule_.now() + kLongestNoise;
-  while (!sender.program->ended() && report_.violations.empty() && schedule_.now() < end)
+  while (!sender.program->ended() && record_.report.violations.empty() && schedule_.now() < end)
     if (schedule_.step(end)) look();
-  if (!sender.program->ended() && report_.violations.empty()) violated("{} has not ended", sender.name);
-  if (report_.violations.empty()) calm();
+  if (!sender.program->ended() && record_.report.violations.empty())
+    record_.violated("{} has not ended", sender.attempt.host);
+  if (record_.report.violations.empty()) calm();
   ended_ = true;
   for (const auto& host : hosts_)
     if (!host->program->ended()) host->program->kill();
-  report_.frames = line_->frames;
-  for (const auto struck : line_->struck) report_.faults += struck;
-  if (line_->collisions > 0) reached(Sometimes::collision);
-  if (line_->struck[static_cast<std::size_t>(LineFault::flip_agreeing)] > 0) reached(Sometimes::spoilt_frame_taken);
-  report_.virtual_s = std::chrono::duration<double>(schedule_.now() - Time{1h}).count();
-  return std::move(report_);
+  record_.report.frames = line_->frames;
+  for (const auto struck : line_->struck) record_.report.faults += struck;
+  if (line_->collisions > 0) record_.reached(Sometimes::collision);
+  if (line_->struck[static_cast<std::size_t>(LineFault::flip_agreeing)] > 0)
+    record_.reached(Sometimes::spoilt_frame_taken);
+  record_.report.virtual_s = std::chrono::duration<double>(schedule_.now() - Time{1h}).count();
+  return std::move(record_.report);
 }
 
 }  // namespace

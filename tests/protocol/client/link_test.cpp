@@ -516,8 +516,29 @@ TEST_CASE("a unit that starts between the look at the session and begin begins a
   unit.know_code("271828");
   REQUIRE(unit.begin_staging(StagingFrom::cleared));
   shop.in_model([](UnitModel& model) { model.starts_on_look = true; });
+  CHECK(unit.armed_s().value() > 0);
   CHECK(unit.begin_staging(StagingFrom::cleared).has_value());
   CHECK(shop.in_model([](UnitModel& model) { return model.unit_clock.starts; }) == 2);
+}
+
+TEST_CASE(
+    "a host without the code whose time has ended is told so at begin, though it has looked at its session before") {
+  Workshop shop(ModbusServer::on_tcp({}).value(), "271828");
+  auto unit = shop.client();
+  REQUIRE(unit.arm("271828", 1));
+  REQUIRE(unit.begin_staging(StagingFrom::cleared));
+  shop.in_model([](UnitModel& model) { model.unit_clock.ms += 60'000; });
+  const auto late = unit.begin_staging(StagingFrom::cleared);
+  CHECK(says(late, "the time for which this host was armed has ended; the unit is read-only"));
+}
+
+TEST_CASE("begin staging of an armed host is one request: the clock need not be looked at") {
+  Workshop shop(ModbusServer::on_tcp({}).value(), "271828");
+  auto unit = shop.client();
+  REQUIRE(unit.arm("271828"));
+  const auto before = unit.link().statistics().requests;
+  REQUIRE(unit.begin_staging(StagingFrom::cleared));
+  CHECK(unit.link().statistics().requests - before == 1);
 }
 
 TEST_CASE("a host without the code says whether its time has ended or the unit was restarted since it was armed") {

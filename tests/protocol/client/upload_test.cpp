@@ -243,9 +243,9 @@ TEST_CASE("of an image that differs from the active one in a byte only that piec
   const auto sent = unit.upload_image(image);
   CHECK_SENT(sent);
   REQUIRE(sent.has_value());
-  CHECK(sent->bytes_sent == 480);
+  CHECK(sent->bytes_sent == 600);
   CHECK(shop.active_image() == image);
-  CHECK(unit.link().statistics().bytes_sent < 1500);
+  CHECK(unit.link().statistics().bytes_sent < 1600);
 }
 
 TEST_CASE("a map that is active already is not sent again, and nothing is committed") {

@@ -80,10 +80,31 @@ TEST_CASE_FIXTURE(FrameUnit, "requests outside the map get Modbus exceptions, un
   CHECK(exception_to({3, 0x01, 0x00, 0, 126}) == 3);                      // too many
   CHECK(exception_to({6, 0x01, 0x00, 0, 1}) == 2);                        // an answer block cannot be written
   CHECK(exception_to({16, 0x00, 0x80, 0, 3, 6, 0, 1, 0, 0, 0, 0}) == 3);  // a block without a window
-  CHECK(exception_to({1, 0, 0, 0, 1}) == 2);                              // coils
   CHECK(exception_to({0x2B, 0x0E, 1, 0}) == 1);
-  CHECK(exception_to({0x41, 1, 2, 3, 4, 5, 6, 7, 8}) == 1);
   CHECK(exception_to({3, 0x01, 0x00, 0, 1}) == 0);
+}
+
+TEST_CASE_FIXTURE(FrameUnit, "every function but 3, 4, 6, 16, 22 and 23 gets exception 1, on RTU and on TCP") {
+  auto tcp = FrameCodec::make(Framing::tcp, 1).value();
+  auto rtu = FrameCodec::make(Framing::rtu, 1).value();
+  for (int function = 0; function < 128; ++function) {
+    const bool of_protocol =
+        function == 3 || function == 4 || function == 6 || function == 16 || function == 22 || function == 23;
+    if (of_protocol) continue;
+    CAPTURE(function);
+    const auto code = static_cast<std::uint8_t>(function);
+    const auto refused = static_cast<std::uint8_t>(code | 0x80);
+    CHECK(tcp.answer(FrameBytes{0, 1, 0, 0, 0, 6, 1, code, 0, 0, 0, 1}, server) ==
+          FrameBytes{0, 1, 0, 0, 0, 3, 1, refused, 1});
+    FrameBytes frame{1, code, 0, 0, 0, 1};
+    const auto crc = crc16_of(frame);
+    frame.push_back(static_cast<std::uint8_t>(crc & 0xFF));
+    frame.push_back(static_cast<std::uint8_t>(crc >> 8));
+    const auto reply = rtu.answer(frame, server);
+    REQUIRE(reply.size() == 5);
+    CHECK(crc_agrees(reply));
+    CHECK(FrameBytes(reply.begin(), reply.begin() + 3) == FrameBytes{1, refused, 1});
+  }
 }
 
 TEST_CASE_FIXTURE(FrameUnit, "function 23 whose ranges overlap reads what the unit answers") {
