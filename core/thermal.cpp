@@ -53,6 +53,13 @@ void add_scaled(const ThermalPolynomial& of_one, double by, ThermalPolynomial& t
 
 }  // namespace
 
+namespace {
+constexpr WordTable<ThermalLaw, kThermalLaws> kLaws{{"shift", "growth", "bending"}};
+}  // namespace
+
+std::string_view name_of(ThermalLaw law) noexcept { return kLaws.of(law); }
+std::optional<ThermalLaw> thermal_law_named(std::string_view word) noexcept { return kLaws.value_of(word); }
+
 bool sound(const ThermalRow& row) noexcept {
   const bool known = index_of(row.component) < kCurves && static_cast<std::uint8_t>(row.law) < kThermalLaws &&
                      row.source < kThermalSources;
@@ -227,7 +234,8 @@ bool step_thermal(const ThermalWorking& working, ThermalState& state, const Inpu
       const double now = input_of(state, row, moved_mm, seconds);
       if (!state.has_begun[k]) state.lagged[k] = follows_motion(row.source) ? 0.0 : now;
       state.has_begun[k] = true;
-      state.lagged[k] += (now - state.lagged[k]) * seconds / (row.lag_s + seconds);
+      const double part = row.lag_s > 0.0 ? seconds / (row.lag_s + seconds) : 1.0;
+      state.lagged[k] += (now - state.lagged[k]) * part;
     }
     const double target = doubtful_s(state, row) > working.settings.hold_s ? 0.0 : state.lagged[k];
     const double change = target - state.applied[k];

@@ -34,6 +34,9 @@ inline constexpr std::uint8_t kThermalSources = kMotionOfX + kAxes;
 enum class ThermalLaw : std::uint8_t { shift, growth, bending };
 inline constexpr std::uint8_t kThermalLaws = 3;
 
+[[nodiscard]] std::string_view name_of(ThermalLaw law) noexcept;
+[[nodiscard]] std::optional<ThermalLaw> thermal_law_named(std::string_view word) noexcept;
+
 struct ThermalRow {
   Component component = Component::EXX;  ///< a curve: its direction and its axis; a rotation only with `shift`
   ThermalLaw law = ThermalLaw::shift;
@@ -169,7 +172,7 @@ bool begin_thermal(const ThermalWorking& working, ThermalState& state, const Inp
                    const Vector3& position_mm, const StoredThermal* stored, double age_s) noexcept;
 
 /// One step of the slow loop. No input, whatever it does, moves the output faster than `rate_um_per_s`.
-/// @param seconds  since the last one, above 0
+/// @param seconds  since the last one; 0: the inputs are judged, nothing moves
 /// @return  an input has become doubtful
 bool step_thermal(const ThermalWorking& working, ThermalState& state, const InputValues& inputs,
                   const Vector3& position_mm, double seconds) noexcept;
