@@ -14,8 +14,20 @@
 
 namespace ecs::bench {
 
+/// Rows for all components and laws in turn, each temperature input used, lags of seconds to hours.
+inline std::vector<ThermalRow> thermal_rows(std::size_t count) {
+  std::vector<ThermalRow> rows;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto component = static_cast<Component>(k % kCurves);
+    const auto law = is_angular(component) ? ThermalLaw::shift : static_cast<ThermalLaw>(k % kThermalLaws);
+    rows.push_back({component, law, static_cast<std::uint8_t>(k % kTemperatureInputs), kNoInput, -2.0, 20.0,
+                    10.0 * static_cast<double>(k * k), -500.0});
+  }
+  return rows;
+}
+
 /// An XYTZ machine with a tool offset, so that every component acts; `values` error values in all.
-inline std::vector<std::uint8_t> full_image(std::uint32_t values) {
+inline std::vector<std::uint8_t> full_image(std::uint32_t values, const std::vector<ThermalRow>& thermal = {}) {
   UnitParameters parameters;
   parameters.configuration = {'X', 'Y', 'T', 'Z', 0};
   parameters.C0Y_um_per_m = 16.0;
@@ -26,11 +38,13 @@ inline std::vector<std::uint8_t> full_image(std::uint32_t values) {
   for (auto& line : parameters.measurement_lines_mm) line = {-500.0, -400.0, -300.0};
 
   const std::uint32_t per_table = values / kMostTables;
-  const ImagePlan plan{kMostTables, per_table * kMostTables, 0};
+  const ImagePlan plan{kMostTables, per_table * kMostTables, 0, thermal.empty() ? kImageFormat : kFormatWithThermal,
+                       static_cast<std::uint32_t>(thermal.size())};
   std::vector<std::uint8_t> image(image_bytes(plan));
   begin_image(image, plan);
   write_parameters(image, parameters);
   write_identity(image, {"BENCH", "bench", configuration_hash(parameters)});
+  if (!thermal.empty()) write_thermal(image, {}, thermal);
   for (std::uint32_t t = 0; t < kMostTables; ++t) {
     const Approach approach = t % 2 == 0 ? Approach::forward : Approach::reverse;
     write_entry(image, t,
@@ -44,8 +58,8 @@ inline std::vector<std::uint8_t> full_image(std::uint32_t values) {
 }
 
 /// The working form of full_image(); nothing if it does not compile.
-inline std::unique_ptr<CompiledMap> full_map(std::uint32_t values) {
-  const auto image = full_image(values);
+inline std::unique_ptr<CompiledMap> full_map(std::uint32_t values, const std::vector<ThermalRow>& thermal = {}) {
+  const auto image = full_image(values, thermal);
   auto map = std::make_unique<CompiledMap>();
   if (check_image(image).fault != ImageFault::none || compile(ImageView(image), *map).fault != Fault::none)
     return nullptr;

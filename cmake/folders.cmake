@@ -125,4 +125,4 @@ ecs_folder(app/verbs/model app/cli app/plot base commissioning/measurements comm
 ecs_folder(app/verbs/params app/cli base commissioning/parameters commissioning/session commissioning/unit params
            fmt::fmt)
 ecs_folder(app/verbs/unit app/cli base commissioning/link commissioning/unit fmt::fmt)
-ecs_folder(app/verbs/utility app/cli base commissioning/session commissioning/unit core fmt::fmt)
+ecs_folder(app/verbs/utility app/cli base commissioning/session commissioning/unit core protocol/registers fmt::fmt)

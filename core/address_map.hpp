@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "core/parameters.hpp"
+#include "core/thermal.hpp"
 
 namespace ecs {
 
@@ -31,7 +32,9 @@ inline constexpr Region kSystemRam{0x040000, 0x10000, true, "system RAM"};
 inline constexpr Region kCommitRecords{0x0F0000, 0x80, false, "commit records"};
 inline constexpr Region kBankA{0x100000, kBankBytes, false, "axis memory bank A"};  ///< written by staging only
 inline constexpr Region kBankB{0x200000, kBankBytes, false, "axis memory bank B"};
-inline constexpr std::array<Region, 5> kRegions{kEprom, kSystemRam, kCommitRecords, kBankA, kBankB};
+/// What the thermal rows have come to, two slots (thermal.hpp); the unit alone writes it.
+inline constexpr Region kThermalRecord{0x0F1000, 2 * kStoredThermalBytes, false, "thermal record"};
+inline constexpr std::array<Region, 6> kRegions{kEprom, kSystemRam, kCommitRecords, kThermalRecord, kBankA, kBankB};
 
 [[nodiscard]] constexpr bool in_axis_memory(Address address) {
   return kBankA.contains(address) || kBankB.contains(address);

@@ -30,8 +30,9 @@ enum class Fault : std::uint16_t {
   position_jump = 11,          ///< an axis moved further in one period than any axis can
   user_software = 12,          ///< user software left its bounds or its time
   commit_record = 13,          ///< a commit record is damaged: neither erased nor sound
+  live_input = 14,             ///< a temperature or load is missing or implausible; the loop goes on without its terms
 };
-inline constexpr std::uint16_t kFaultCount = 14;
+inline constexpr std::uint16_t kFaultCount = 15;
 
 /// One sentence in plain words, and what to do next.
 struct FaultText {

@@ -73,6 +73,28 @@ ImageVerdict check_directory(ByteView image, ImageVerdict verdict) noexcept {
   return verdict;
 }
 
+/// The numbers of the settings in the order of their bytes.
+template <class Settings>
+auto numbers_of(Settings& s) noexcept {
+  return std::array{&s.rate_um_per_s,      &s.hold_s,    &s.longest_age_s, &s.stuck_s,
+                    &s.fastest_degC_per_s, &s.step_degC, &s.least_degC,    &s.greatest_degC};
+}
+
+/// Settings and rows; their codes are judged before they become enumerations.
+ImageVerdict check_thermal(ByteView image, ImageVerdict verdict) noexcept {
+  const ImageView view(image);
+  const std::uint32_t rows_at = prefix_word(image, prefix_at::thermal) + kThermalSettingsBytes;
+  if (!sound(view.thermal_settings())) verdict.fault = ImageFault::bad_thermal_row;
+  for (std::uint32_t k = 0; k < view.thermal_count() && verdict.fault == ImageFault::none; ++k) {
+    const std::uint32_t at = rows_at + k * kThermalRowBytes;
+    verdict.table = k;
+    if (image[at] >= kCurves || image[at + 1] >= kThermalLaws || !sound(view.thermal_row(k)))
+      verdict.fault = ImageFault::bad_thermal_row;
+  }
+  if (verdict.fault == ImageFault::none) verdict.table = 0;
+  return verdict;
+}
+
 }  // namespace
 
 void begin_image(Bytes image, const ImagePlan& plan) noexcept {
@@ -87,6 +109,9 @@ void begin_image(Bytes image, const ImagePlan& plan) noexcept {
   store_big(image, prefix_at::value_count, plan.value_count);
   store_big(image, prefix_at::header, header_offset(plan));
   store_big(image, prefix_at::header_bytes, plan.header_bytes);
+  if (plan.format != kFormatWithThermal) return;
+  store_big(image, prefix_at::thermal, thermal_offset(plan));
+  store_big(image, prefix_at::thermal_count, plan.thermal_rows);
 }
 
 void write_parameters(Bytes image, const UnitParameters& parameters) noexcept {
@@ -105,6 +130,24 @@ void write_entry(Bytes image, std::uint32_t index, const TableEntry& entry) noex
   store_double(image, at + 32, entry.resolution);
 }
 
+void write_thermal(Bytes image, const ThermalSettings& settings, std::span<const ThermalRow> rows) noexcept {
+  std::uint32_t at = prefix_word(image, prefix_at::thermal);
+  const auto numbers = numbers_of(settings);
+  for (std::size_t i = 0; i < numbers.size(); ++i) store_double(image, at + 8 * i, *numbers[i]);
+  at += kThermalSettingsBytes;
+  for (const ThermalRow& row : rows) {
+    image[at] = static_cast<std::uint8_t>(row.component);
+    image[at + 1] = static_cast<std::uint8_t>(row.law);
+    image[at + 2] = row.source;
+    image[at + 3] = row.minus;
+    store_double(image, at + 8, row.coefficient);
+    store_double(image, at + 16, row.reference);
+    store_double(image, at + 24, row.lag_s);
+    store_double(image, at + 32, row.origin_mm);
+    at += kThermalRowBytes;
+  }
+}
+
 void write_value(Bytes image, std::uint32_t index, std::int16_t counts) noexcept {
   store_big(image, prefix_word(image, prefix_at::values) + 2 * index, static_cast<std::uint16_t>(counts));
 }
@@ -116,12 +159,13 @@ void write_header(Bytes image, std::string_view text) noexcept {
 void seal_image(Bytes image) noexcept { store_big(image, prefix_at::check, block_check(image)); }
 
 std::string_view text_of(ImageFault fault) noexcept {
-  return WordTable<ImageFault, 10>{{"sound", "contains no image", "has a format unknown to this program",
+  return WordTable<ImageFault, 11>{{"sound", "contains no image", "has a format unknown to this program",
                                     "is truncated, or its lengths are inconsistent",
                                     "is corrupt: the block check does not agree", "contains impossible parameters",
                                     "has a table directory of impossible numbers", "has a table of impossible numbers",
                                     "contains a table twice",
-                                    "contains more values than the axis memory modules can store"}}
+                                    "contains more values than the axis memory modules can store",
+                                    "has thermal settings or a thermal row of impossible numbers"}}
       .of(fault);
 }
 
@@ -134,7 +178,7 @@ ImageVerdict check_image(ByteView bank) noexcept {
   if (bank.size() < kPrefixBytes || prefix_word(bank, prefix_at::magic) != kImageMagic)
     return with(ImageFault::no_image);
   const auto format = load_big<std::uint16_t>(bank, prefix_at::format);
-  if (format != kImageFormat && format != kFormatWithoutIdentity) return with(ImageFault::wrong_format);
+  if (format < kFormatWithoutIdentity || format > kFormatWithThermal) return with(ImageFault::wrong_format);
   verdict.total_bytes = prefix_word(bank, prefix_at::total_bytes);
   verdict.check_expected = prefix_word(bank, prefix_at::check);
   if (verdict.total_bytes > bank.size() || verdict.total_bytes < directory_offset(format))
@@ -143,21 +187,27 @@ ImageVerdict check_image(ByteView bank) noexcept {
   verdict.check_found = block_check(image);
   if (verdict.check_found != verdict.check_expected) return with(ImageFault::block_check);
 
+  const bool thermal = format == kFormatWithThermal;
   const ImagePlan plan{prefix_word(image, prefix_at::table_count), prefix_word(image, prefix_at::value_count),
-                       prefix_word(image, prefix_at::header_bytes), format};
+                       prefix_word(image, prefix_at::header_bytes), format,
+                       thermal ? prefix_word(image, prefix_at::thermal_count) : 0};
   if (plan.table_count > kMostTables) return with(ImageFault::bad_directory);
+  if (plan.thermal_rows > kMostThermalRows || (thermal && plan.thermal_rows == 0))
+    return with(ImageFault::bad_thermal_row);
   if (plan.value_count > kMostValues) return with(ImageFault::over_capacity);
   if (plan.header_bytes > verdict.total_bytes || image_bytes(plan) != verdict.total_bytes)
     return with(ImageFault::wrong_length);
   if (prefix_word(image, prefix_at::parameters) != kPrefixBytes ||
       prefix_word(image, prefix_at::directory) != directory_offset(format) ||
+      (thermal && prefix_word(image, prefix_at::thermal) != thermal_offset(plan)) ||
       prefix_word(image, prefix_at::values) != values_offset(plan) ||
       prefix_word(image, prefix_at::header) != header_offset(plan))
     return with(ImageFault::wrong_length);
   const auto parameters = ImageView(image).parameters();
   if (!parameters) return with(ImageFault::bad_parameters);
   if (plan.value_count > parameters->memory_modules * kValuesPerModule) return with(ImageFault::over_capacity);
-  return check_directory(image, verdict);
+  const ImageVerdict tables = check_directory(image, verdict);
+  return thermal && tables.fault == ImageFault::none ? check_thermal(image, tables) : tables;
 }
 
 std::uint32_t ImageView::total_bytes() const noexcept { return prefix_word(image_, prefix_at::total_bytes); }
@@ -176,6 +226,30 @@ TableEntry ImageView::entry(std::uint32_t index) const noexcept {
           load_double(image_, at + 16),
           load_double(image_, at + 24),
           load_double(image_, at + 32)};
+}
+
+std::uint32_t ImageView::thermal_count() const noexcept {
+  return format() == kFormatWithThermal ? prefix_word(image_, prefix_at::thermal_count) : 0;
+}
+
+ThermalRow ImageView::thermal_row(std::uint32_t index) const noexcept {
+  const std::uint32_t at = prefix_word(image_, prefix_at::thermal) + kThermalSettingsBytes + index * kThermalRowBytes;
+  return {static_cast<Component>(image_[at]),
+          static_cast<ThermalLaw>(image_[at + 1]),
+          image_[at + 2],
+          image_[at + 3],
+          load_double(image_, at + 8),
+          load_double(image_, at + 16),
+          load_double(image_, at + 24),
+          load_double(image_, at + 32)};
+}
+
+ThermalSettings ImageView::thermal_settings() const noexcept {
+  ThermalSettings settings;
+  const auto numbers = numbers_of(settings);
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    *numbers[i] = load_double(image_, prefix_word(image_, prefix_at::thermal) + 8 * i);
+  return settings;
 }
 
 std::uint32_t ImageView::value_offset(std::uint32_t index) const noexcept {

@@ -1,31 +1,38 @@
 // The bytes of one bank of axis memory: the one contract between the host that builds them and the unit that reads
-// them. prefix (64) | parameters (512) | identity (64) | table directory (40 each) | values (int16 each) | header text
-// (UTF-8). The block check is the CRC-32 of the whole image with its own four bytes taken as zero. Format 1, which is
-// read but no longer written, has no identity.
+// them. prefix (64) | parameters (512) | identity (64) | table directory (40 each) | thermal settings (64) and rows (40
+// each) | values (int16 each) | header text (UTF-8). The block check is the CRC-32 of the whole image with its own four
+// bytes taken as zero. Thermal settings and rows are there in format 3 alone, which is written for a map that has such
+// rows; every other map is of format 2. Format 1, which is read but no longer written, has no identity.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "core/bytes.hpp"
 #include "core/parameters.hpp"
+#include "core/thermal.hpp"
 
 namespace ecs {
 
 inline constexpr std::uint32_t kImageMagic = 0x45435349;  // "ECSI"
 inline constexpr std::uint16_t kImageFormat = 2;
 inline constexpr std::uint16_t kFormatWithoutIdentity = 1;
+inline constexpr std::uint16_t kFormatWithThermal = 3;
 inline constexpr std::uint32_t kPrefixBytes = 64;
 inline constexpr std::uint32_t kParameterBytes = 512;
 inline constexpr std::uint32_t kIdentityBytes = 64;
 inline constexpr std::uint32_t kEntryBytes = 40;
+inline constexpr std::uint32_t kThermalSettingsBytes = 64;
+inline constexpr std::uint32_t kThermalRowBytes = 40;
 inline constexpr std::uint32_t kMostTables = 36;  ///< 18 curves, forward and reverse
 
 /// Offsets inside the prefix.
 namespace prefix_at {
 inline constexpr std::uint32_t magic = 0, format = 4, total_bytes = 8, check = 12, parameters = 16, directory = 20,
-                               table_count = 24, values = 28, value_count = 32, header = 36, header_bytes = 40;
+                               table_count = 24, values = 28, value_count = 32, header = 36, header_bytes = 40,
+                               thermal = 44, thermal_count = 48;
 }
 
 /// Offsets inside the identity. Texts are UTF-8, padded with zeros.
@@ -74,13 +81,18 @@ struct ImagePlan {
   std::uint32_t value_count = 0;
   std::uint32_t header_bytes = 0;
   std::uint16_t format = kImageFormat;
+  std::uint32_t thermal_rows = 0;  ///< format 3 alone, 1 … kMostThermalRows
 };
 inline constexpr std::uint32_t kIdentityOffset = kPrefixBytes + kParameterBytes;
 [[nodiscard]] constexpr std::uint32_t directory_offset(std::uint16_t format = kImageFormat) noexcept {
   return format == kFormatWithoutIdentity ? kIdentityOffset : kIdentityOffset + kIdentityBytes;
 }
-[[nodiscard]] constexpr std::uint32_t values_offset(const ImagePlan& plan) noexcept {
+[[nodiscard]] constexpr std::uint32_t thermal_offset(const ImagePlan& plan) noexcept {
   return directory_offset(plan.format) + plan.table_count * kEntryBytes;
+}
+[[nodiscard]] constexpr std::uint32_t values_offset(const ImagePlan& plan) noexcept {
+  const bool thermal = plan.format == kFormatWithThermal;
+  return thermal_offset(plan) + (thermal ? kThermalSettingsBytes + plan.thermal_rows * kThermalRowBytes : 0);
 }
 [[nodiscard]] constexpr std::uint32_t header_offset(const ImagePlan& plan) noexcept {
   return values_offset(plan) + plan.value_count * 2;
@@ -95,6 +107,8 @@ void write_parameters(Bytes image, const UnitParameters& parameters) noexcept;
 /// Longer texts are cut.
 void write_identity(Bytes image, const ImageIdentity& identity) noexcept;
 void write_entry(Bytes image, std::uint32_t index, const TableEntry& entry) noexcept;
+/// @pre the plan has format 3
+void write_thermal(Bytes image, const ThermalSettings& settings, std::span<const ThermalRow> rows) noexcept;
 void write_value(Bytes image, std::uint32_t index, std::int16_t counts) noexcept;
 void write_header(Bytes image, std::string_view text) noexcept;
 /// Computes and stores the block check; the last step.
@@ -115,7 +129,8 @@ enum class ImageFault : std::uint8_t {
   bad_directory,
   bad_entry,
   duplicate_table,
-  over_capacity
+  over_capacity,
+  bad_thermal_row
 };
 [[nodiscard]] std::string_view text_of(ImageFault fault) noexcept;
 
@@ -124,7 +139,7 @@ struct ImageVerdict {
   std::uint32_t total_bytes = 0;
   std::uint32_t check_expected = 0;  ///< stored in the image
   std::uint32_t check_found = 0;     ///< computed over the bytes
-  std::uint32_t table = 0;           ///< the table at fault, for bad_entry and duplicate_table
+  std::uint32_t table = 0;           ///< at fault, for bad_entry and duplicate_table; the row, for bad_thermal_row
 };
 
 /// Every offset, count and number of the image, then its block check. Total: any bytes are accepted as input.
@@ -143,6 +158,11 @@ class ImageView {
   [[nodiscard]] std::uint32_t table_count() const noexcept;
   [[nodiscard]] std::uint32_t value_count() const noexcept;
   [[nodiscard]] TableEntry entry(std::uint32_t index) const noexcept;
+  /// 0 but in format 3.
+  [[nodiscard]] std::uint32_t thermal_count() const noexcept;
+  [[nodiscard]] ThermalRow thermal_row(std::uint32_t index) const noexcept;
+  /// @pre thermal_count() > 0
+  [[nodiscard]] ThermalSettings thermal_settings() const noexcept;
   /// Offset of a value from the start of the image.
   [[nodiscard]] std::uint32_t value_offset(std::uint32_t index) const noexcept;
   [[nodiscard]] std::int16_t value_counts(std::uint32_t index) const noexcept;

@@ -122,6 +122,14 @@ void clear_working(CompiledMap& map) noexcept {
   map.slope[0] = 0.0;
 }
 
+void compile_thermal_rows(const ImageView& image, const UnitParameters& parameters, CompiledMap& map) noexcept {
+  std::array<ThermalRow, kMostThermalRows> rows;
+  const std::uint32_t count = image.thermal_count();
+  for (std::uint32_t k = 0; k < count; ++k) rows[k] = image.thermal_row(k);
+  const ThermalSettings settings = count > 0 ? image.thermal_settings() : ThermalSettings{};
+  compile_thermal(std::span(rows).first(count), settings, parameters, map.thermal);
+}
+
 }  // namespace
 
 CompileVerdict compile(const ImageView& image, CompiledMap& map) noexcept {
@@ -134,6 +142,7 @@ CompileVerdict compile(const ImageView& image, CompiledMap& map) noexcept {
   compile_tables(image, parameters->interpolation, components_needed(terms, true), map);
   compile_terms(terms, *parameters, map);
   compile_axes(*parameters, map);
+  compile_thermal_rows(image, *parameters, map);
   return {};
 }
 
@@ -243,6 +252,12 @@ inline CurveValues read_axis(const CompiledMap& map, TickState& state, const Per
   return look_up(map, map.curves[a][side_of(state.approach[a])], position_mm);
 }
 
+inline Vector3 compensated(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts) noexcept {
+  const PerAxis<CurveValues> values{read_axis(map, state, counts, 0), read_axis(map, state, counts, 1),
+                                    read_axis(map, state, counts, 2)};
+  return combine(map, values, state.position_mm);
+}
+
 }  // namespace
 
 void start(TickState& state, const PerAxis<std::int64_t>& counts, const Vector3& position_mm,
@@ -257,9 +272,16 @@ void start(TickState& state, const PerAxis<std::int64_t>& counts, const Vector3&
 }
 
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts) noexcept {
-  const PerAxis<CurveValues> values{read_axis(map, state, counts, 0), read_axis(map, state, counts, 1),
-                                    read_axis(map, state, counts, 2)};
-  state.compensation_um = combine(map, values, state.position_mm);
+  state.compensation_um = compensated(map, state, counts);
+  put_out(map.output, state);
+  ++state.ticks;
+}
+
+void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
+          const ThermalPolynomial& thermal) noexcept {
+  state.compensation_um = compensated(map, state, counts);
+  const Lanes warm_um = value_um(thermal, state.position_mm);
+  for (std::size_t a = 0; a < kAxes; ++a) state.compensation_um[a] += warm_um[a];
   put_out(map.output, state);
   ++state.ticks;
 }

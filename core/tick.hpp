@@ -11,6 +11,7 @@
 #include "core/address_map.hpp"
 #include "core/fault.hpp"
 #include "core/memory_image.hpp"
+#include "core/thermal.hpp"
 
 namespace ecs {
 
@@ -46,9 +47,6 @@ struct AxisWorking {
   double deadband_mm = 0.0;
 };
 
-/// X, Y, Z and one lane unused, so that the compiler makes vector instructions of the output stage.
-using Lanes = std::array<double, 4>;
-
 /// From compensation to D/A counts, and back to the motion they bring about; absent axes have zeros.
 struct alignas(16) OutputWorking {
   Lanes counts_per_um{};  ///< polarity inside
@@ -73,6 +71,7 @@ struct CompiledMap {
   PerAxis<AxisWorking> axes{};
   OutputWorking output{};
   double period_s = 0.001;
+  ThermalWorking thermal{};  ///< without rows: none acts
   std::array<double, kCells> value{};
   std::array<double, kCells> slope{};
 };
@@ -112,6 +111,9 @@ void start(TickState& state, const PerAxis<std::int64_t>& counts, const Vector3&
 /// approach is therefore sensed on the position less the motion that the output has brought about, which follows the
 /// output as the CNC's position loop does (first order, gain Kv); else an axis at rest would seem to turn round.
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts) noexcept;
+/// The same with what the slow loop (thermal.hpp) has come to: its temperatures, at the position of this period.
+void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
+          const ThermalPolynomial& thermal) noexcept;
 
 /// Address pointer of one curve ("last geometric error values selected", thesis 5.3).
 struct SelectedValue {

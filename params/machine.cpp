@@ -17,6 +17,7 @@ constexpr double kFurthest_mm = 1e6;      ///< no machine is longer than a kilom
 constexpr double kCoarsest_um = 1e4;      ///< position count
 constexpr double kLongestPitch_mm = 1e4;  ///< of a screw or a scale
 constexpr double kFurthest_deg = 3600.0;  ///< ten turns: a cable or a hose ends before
+constexpr double kFastest_mm_min = 1e6;   ///< mean speed of an axis
 constexpr double kShortest = 1e-6;        ///< direction that is none
 
 const std::vector<std::string>& axis_keys() {
@@ -40,7 +41,7 @@ const std::vector<std::string>& rotary_keys() {
 char rotary_letter(std::size_t rotary) { return static_cast<char>('A' + static_cast<char>(rotary)); }
 
 std::vector<std::string> known_keys() {
-  std::vector<std::string> keys{"name", "configuration", "emulator"};
+  std::vector<std::string> keys{"name", "configuration", "emulator", "inputs"};
   for (const Axis a : kAllAxes) {
     keys.push_back(fmt::format("axis.{}", letter_of(a)));
     for (const std::string& key : axis_keys()) keys.push_back(fmt::format("axis.{}.{}", letter_of(a), key));
@@ -74,7 +75,9 @@ class MachineReader {
     if (entry.key == "emulator" || entry.key.starts_with("emulator.") || inside_unknown_table(entry.key)) return;
     if (entry.key == "name") return take_text(entry, file_.machine.name);
     if (entry.key == "configuration") return take_configuration(entry);
-    if (entry.key == "axis" && table) return;
+    if ((entry.key == "axis" || entry.key == "inputs") && table) return;
+    if (entry.key.starts_with("inputs."))
+      return take_input(entry, entry.key.substr(std::string_view("inputs.").size()));
     if (const auto rotary = rotary_in(entry.key)) return take_rotary(*rotary, entry, table);
     const auto axis = axis_in(entry.key);
     if (!axis) return warn_unknown(entry);
@@ -183,6 +186,25 @@ class MachineReader {
       problems_.push_back(at(entry, fmt::format("expected at most {} bytes, found {}", kLongestName, found->size())));
     else
       text = ecs::shown(*found);
+  }
+
+  /// Column of a sensor = number of its input, from 1.
+  void take_input(const TomlEntry& entry, const std::string& sensor) {
+    if (sensor == "load_kg") {
+      const auto* yes = std::get_if<bool>(&entry.value);
+      return yes == nullptr ? refuse(entry, "true or false") : static_cast<void>(file_.machine.states_load = *yes);
+    }
+    if (sensor.size() == 15 && sensor.starts_with("motion_") && sensor.ends_with("_mm_min") && axis_of(sensor[7]))
+      return take_positive(entry, kFastest_mm_min,
+                           file_.machine.full_duty_mm_min[index_of(*axis_of(sensor[7]))].emplace());
+    const auto* number = std::get_if<long long>(&entry.value);
+    if (!sensor.starts_with("t_") || !sensor.ends_with("_degC"))
+      return refuse(entry, "the column of a sensor such as t_spindle_degC, load_kg, or motion_X_mm_min as the key");
+    if (number == nullptr || *number < 1 || *number > static_cast<long long>(kTemperatureInputs))
+      return refuse(entry, fmt::format("the number of an input of the unit, 1 to {}", kTemperatureInputs));
+    std::string& input = file_.machine.inputs[static_cast<std::size_t>(*number - 1)];
+    if (!input.empty()) return refuse(entry, fmt::format("an input of its own, not that of {}", input));
+    input = sensor;
   }
 
   void take_configuration(const TomlEntry& entry) {
@@ -346,6 +368,11 @@ Plane plane_of(const PerAxis<bool>& present) {
 }
 
 }  // namespace
+
+std::optional<std::size_t> Machine::input_of(std::string_view sensor) const {
+  const auto its = std::ranges::find(inputs, sensor);
+  return sensor.empty() || its == inputs.end() ? std::nullopt : std::optional<std::size_t>(its - inputs.begin());
+}
 
 Result<MachineFile> parse_machine(std::string_view text, const std::string& name) {
   ECS_TRY(entries, flat_toml(text, name));

@@ -12,6 +12,7 @@
 
 #include "base/result.hpp"
 #include "core/parameters.hpp"
+#include "core/thermal.hpp"
 #include "kinematics/machine_pose.hpp"
 
 namespace ecs::params {
@@ -44,6 +45,12 @@ struct Machine {
   PerAxis<std::optional<MachineAxis>> axes{};  ///< absent: the machine has no such axis, though the chain may name it
   std::string rotary_configuration;            ///< with the letters of its rotary axes, "XYACTZ"; empty: it has none
   PerAxis<std::optional<MachineRotaryAxis>> rotary{};  ///< A, B, C; no unit compensates them
+  /// Column of the sensor at each temperature input of the unit, "t_spindle_degC"; empty: none is connected.
+  std::array<std::string, kTemperatureInputs> inputs{};
+  bool states_load = false;                           ///< a host states the mass of the workpiece
+  PerAxis<std::optional<double>> full_duty_mm_min{};  ///< mean speed at which motion warms the machine as measured
+  /// Number of the input of a sensor, from 0; nothing: the unit has none for it.
+  [[nodiscard]] std::optional<std::size_t> input_of(std::string_view sensor) const;
   friend bool operator==(const Machine&, const Machine&) = default;
 };
 

@@ -24,6 +24,7 @@ namespace ecs::app {
   FAMILY(kMapOfUnit)         \
   FAMILY(kUtilityCommands)   \
   FAMILY(kUtilityDatum)      \
+  FAMILY(kUtilityInputs)     \
   FAMILY(kUnitAccess)        \
   FAMILY(kMemory)            \
   FAMILY(kModelBeginning)    \

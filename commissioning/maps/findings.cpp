@@ -157,23 +157,58 @@ Cell tables_cell(const std::vector<laser::MapTable>& tables, bool with_values) {
       "     approach   start [mm] increment [mm]  points    smallest     largest unit\n");
 }
 
+namespace {
+
+/// Of one degC, kg or full duty.
+std::string_view unit_of(const ThermalRow& row) {
+  if (is_angular(row.component) || row.law == ThermalLaw::growth) return "um/m";
+  return row.law == ThermalLaw::shift ? "um" : "um/m2";
+}
+std::string_view unit_of_source(const ThermalRow& row) {
+  if (follows_motion(row.source)) return "mm/min";
+  return row.source == kLoadInput ? "kg" : "degC";
+}
+
+}  // namespace
+
+Cell thermal_cell(const laser::MapHeader& header) {
+  Cell list = list_cell(header.thermal, [&](const ThermalRow& row) {
+    const std::string from = follows_motion(row.source) ? fmt::format("full at {:.6g} mm/min", row.reference)
+                             : row.minus == kNoInput ? fmt::format("from {:.6g} {}", row.reference, unit_of_source(row))
+                                                     : fmt::format("less {}", source_text(header, row.minus));
+    const std::string_view per = follows_motion(row.source) ? "" : row.source == kLoadInput ? "/kg" : "/degC";
+    return record_cell("  {component:<4} {law:<8} {coefficient:>10} {unit:<12} {source}, {from}{lag_s}\n",
+                       "component"_is(name_of(row.component)), "law"_is(name_of(row.law)),
+                       "coefficient"_is(row.coefficient, 4), "unit"_is(fmt::format("{}{}", unit_of(row), per)),
+                       "source"_is(source_text(header, row.source)),
+                       "minus"_is(row.minus == kNoInput ? null_cell() : Cell{source_text(header, row.minus), {}}),
+                       "reference"_is(Cell{number_or_null(row.reference), {}}), "from"_shown(from),
+                       "lag_s"_is(row.lag_s, row.lag_s > 0.0 ? fmt::format(", lag {:.6g} s", row.lag_s) : ""),
+                       "origin_mm"_is(Cell{number_or_null(row.origin_mm), {}}));
+  });
+  if (!header.thermal.empty()) list.text = "thermal rows, compensation:\n" + list.text;
+  return list;
+}
+
 Cell header_cell(const laser::MapHeader& header) {
   const std::string text = laser::header_text(header);
-  return {object_of("customer"_is(text_cell(header.customer)), "machine"_is(text_cell(header.machine)),
-                    "serial_number"_is(text_cell(header.serial_number)), "date"_is(text_cell(header.date)),
-                    "engineer"_is(text_cell(header.engineer)), "configuration"_is(text_cell(header.configuration)),
-                    "sources"_is(list_cell(header.sources,
-                                           [](const laser::SourceFile& s) {
-                                             return record_cell({}, "component"_is(s.component), "name"_is(s.name),
-                                                                "sha256"_is(s.sha256));
-                                           })),
-                    "declared_zero"_is(list_cell(header.declared_zero,
-                                                 [](const laser::DeclaredZero& z) {
-                                                   return record_cell({}, "component"_is(name_of(z.component)),
-                                                                      "reason"_is(z.reason));
-                                                 })),
-                    "processing"_is(lines_cell(header.processing, ""))),
-          text.empty() ? "no header\n" : text};
+  Cell cell{object_of("customer"_is(text_cell(header.customer)), "machine"_is(text_cell(header.machine)),
+                      "serial_number"_is(text_cell(header.serial_number)), "date"_is(text_cell(header.date)),
+                      "engineer"_is(text_cell(header.engineer)), "configuration"_is(text_cell(header.configuration)),
+                      "sources"_is(list_cell(header.sources,
+                                             [](const laser::SourceFile& s) {
+                                               return record_cell({}, "component"_is(s.component), "name"_is(s.name),
+                                                                  "sha256"_is(s.sha256));
+                                             })),
+                      "declared_zero"_is(list_cell(header.declared_zero,
+                                                   [](const laser::DeclaredZero& z) {
+                                                     return record_cell({}, "component"_is(name_of(z.component)),
+                                                                        "reason"_is(z.reason));
+                                                   })),
+                      "processing"_is(lines_cell(header.processing, ""))),
+            text.empty() ? "no header\n" : text};
+  if (!header.thermal.empty()) cell.json["thermal"] = thermal_cell(header).json;
+  return cell;
 }
 
 Cell findings_cell(const std::vector<laser::MapFinding>& findings) {

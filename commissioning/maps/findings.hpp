@@ -72,6 +72,8 @@ struct MadeMap {
 /// compensation. @param with_values  positions and values of each table in JSON as well
 [[nodiscard]] Cell tables_cell(const std::vector<laser::MapTable>& tables, bool with_values);
 [[nodiscard]] Cell header_cell(const laser::MapHeader& header);
+/// The rows that follow live inputs; no text where there are none.
+[[nodiscard]] Cell thermal_cell(const laser::MapHeader& header);
 /// A line each.
 [[nodiscard]] Cell findings_cell(const std::vector<laser::MapFinding>& findings);
 /// What the objections among them say.

@@ -221,10 +221,10 @@ std::string sizes_of(const EffectInstance& effect) {
 }
 
 /// The temperatures for which the map is made, and the error at others.
-void note_temperatures(MapFromModel& built, const Model& model) {
+void note_temperatures(MapFromModel& built, const Model& model, const params::Machine& machine) {
   std::vector<std::string> effects;
   for (const EffectInstance& effect : model.effects) {
-    if (effect.undetermined || effect.traits().of_measurement || effect.definition().is_carried()) continue;
+    if (effect.undetermined || effect.traits().of_measurement || is_carried(effect, machine)) continue;
     const std::string at = zero_at(effect, model.origin);
     if (at.empty()) continue;
     if (std::find(built.holds_at.begin(), built.holds_at.end(), at) == built.holds_at.end())
@@ -275,7 +275,7 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
   const auto levers = model::add_own_levers(built.compiled, *model, *machine, built.increment_mm);
   note_short_periods(built, *model);
   trace(built, *model, levers, arguments.model);
-  note_temperatures(built, *model);
+  note_temperatures(built, *model, *machine);
   ECS_DO(complete_header(built, arguments));
   take_squareness(built.parameters, built.compiled);
   declare_missing_zero(built, arguments.zero_missing);
@@ -321,7 +321,8 @@ Result<MapFromModel> planned_map_from_model(MessageSink& messages, const FromMod
   if (arguments.machine.empty())
     return problem(ProblemKind::usage, "--from-model needs --machine: the machine file gives the travels of the axes");
   auto built = built_from(messages, arguments);
-  if (built && built->effects.empty()) return tl::unexpected(nothing_carried(*built, arguments.model));
+  if (built && built->effects.empty() && built->compiled.map.header.thermal.empty())
+    return tl::unexpected(nothing_carried(*built, arguments.model));
   return built;
 }
 
@@ -378,16 +379,17 @@ std::string declared_text(const MapFromModel& b) {
 
 Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments) {
   return record_cell(
-      "{components}most: largest compensation; n: points per table, every {increment_mm} mm\n{squareness}{not_carried}"
+      "{components}most: largest compensation; n: points per table, every {increment_mm} "
+      "mm\n{squareness}{thermal}{not_carried}"
       "{declared}{notes}{findings}{verdict}{map}{params_out}",
       "map"_is(written_cell("map", arguments.output, "not saved: give -o map.csv to save it\n")),
       "params_out"_is(written_cell("parameters", arguments.params_out)), "model"_is(arguments.model),
       "increment_mm"_is(b.increment_mm, shortest(b.increment_mm)), "complete"_is(b.complete()),
       "carried"_is(lines_cell(b.compiled.carried, "")),
       "not_carried"_is(paragraphs_cell(b.compiled.not_carried, "NOT COMPENSATED: ")),
-      "components"_is(components_cell(b)), "squareness"_is(squareness_of_model(b, arguments)),
-      "declared"_shown(declared_text(b)), "missing"_is(lines_cell(objections_in(b.findings), "")),
-      "findings"_is(findings_cell(b.findings)),
+      "components"_is(components_cell(b)), "thermal"_is(thermal_cell(b.compiled.map.header)),
+      "squareness"_is(squareness_of_model(b, arguments)), "declared"_shown(declared_text(b)),
+      "missing"_is(lines_cell(objections_in(b.findings), "")), "findings"_is(findings_cell(b.findings)),
       "verdict"_shown(verdict_text(b.findings, !made_for_two_machines(b.compiled.map.header, b.identity).empty())),
       "holds_at"_is(lines_cell(b.holds_at, "")), "notes"_is(paragraphs_cell(b.notes, "note: ")),
       "header"_is(header_cell(b.compiled.map.header)));

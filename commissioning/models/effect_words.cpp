@@ -51,6 +51,8 @@ std::string_view carrier_text(model::Carrier carrier) {
       return "error map";
     case model::Carrier::parameters:
       return "parameters";
+    case model::Carrier::inputs:
+      return "thermal rows";
     case model::Carrier::set_up:
       return "remove the cause";
     case model::Carrier::none:

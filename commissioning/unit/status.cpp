@@ -221,10 +221,14 @@ Cell fault_cell(const UnitStatus& status) {
   const FaultText text = ecs::text_of(status.fault);
   const std::string address = hex_address(status.fault_address);
   const std::string axis = status.fault_axis ? std::string(1, letter_of(*status.fault_axis)) : std::string();
-  return record_cell("fault {number} ({name}): {meaning}{address}{axis}. What to do: {action}", "name"_is(text.name),
-                     "number"_is(static_cast<int>(status.fault)), "meaning"_is(text.meaning), "action"_is(text.action),
+  std::string input;
+  if (status.fault == Fault::live_input)
+    input = status.fault_address == kLoadInput + 1 ? "; the load" : fmt::format("; input {}", status.fault_address);
+  return record_cell("fault {number} ({name}): {meaning}{address}{axis}{input}. What to do: {action}",
+                     "name"_is(text.name), "number"_is(static_cast<int>(status.fault)), "meaning"_is(text.meaning),
+                     "action"_is(text.action),
                      "address"_is(has_address(status.fault) ? Cell{address, "; address " + address} : null_cell()),
-                     "axis"_is(status.fault_axis ? Cell{axis, "; axis " + axis} : null_cell()));
+                     "axis"_is(status.fault_axis ? Cell{axis, "; axis " + axis} : null_cell()), "input"_shown(input));
 }
 
 Cell ram_test_cell(const UnitStatus& status) {

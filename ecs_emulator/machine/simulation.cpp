@@ -6,6 +6,8 @@
 
 #include <sched.h>
 
+#include "core/thermal.hpp"
+
 namespace ecs::emulator {
 namespace {
 
@@ -98,8 +100,17 @@ void Simulation::tick() {
   heat_.advance(machine_.time_s());
 }
 
+/// The rack's input module reads the machine's sensors.
+void Simulation::sense() {
+  const double now_s = machine_.time_s();
+  unit_->sense(sensors_degC(now_s), now_s - sensed_s_);
+  sensed_s_ = now_s;
+}
+
 void Simulation::step() {
   if (real_time_) real_time_->wait(period_s());
+  const auto between = static_cast<std::uint64_t>(std::max(1L, std::lround(kThermalStep_s / period_s())));
+  if (unit_ != nullptr && ticks_ % between == 0 && unit_->senses()) sense();
   const Drives drives = unit_ == nullptr ? Drives{} : unit_->tick(machine_.signals());
   steady_ticks_ = same(drives, drives_) ? steady_ticks_ + 1 : 0;
   drives_ = drives;
@@ -164,6 +175,16 @@ bool Simulation::move_to(const Vector3& target_mm, double feed_mm_min, const std
   return settle(kSettle_s, used_s, each);
 }
 
+/// Nothing moves, and the unit reads its inputs as often as ever.
+void Simulation::pass(double seconds) {
+  const double end_s = machine_.time_s() + seconds;
+  while (machine_.time_s() < end_s - 1e-9) {
+    machine_.wait(std::min(kThermalStep_s, end_s - machine_.time_s()));
+    heat_.advance(machine_.time_s());
+    sense();
+  }
+}
+
 bool Simulation::dwell(double seconds, const std::function<void()>& each) {
   double used_s = 0.0;
   if (!settle(seconds, used_s, each)) return false;
@@ -171,6 +192,13 @@ bool Simulation::dwell(double seconds, const std::function<void()>& each) {
     tick();
     used_s += period_s();
     if (!pause()) return false;
+  }
+  // What the unit adds changes meanwhile with its inputs; the machine follows at the end.
+  if (unit_ != nullptr && unit_->senses() && used_s < seconds - kSettle_s) {
+    pass(seconds - kSettle_s - used_s);
+    steady_ticks_ = 0;
+    used_s = seconds - kSettle_s;
+    if (!settle(seconds, used_s, each)) return false;
   }
   if (used_s < seconds) machine_.wait(seconds - used_s);
   heat_.advance(machine_.time_s());

@@ -47,6 +47,11 @@ class Compensator {
   /// One period of its loop.
   [[nodiscard]] virtual Drives tick(const Signals& signals) = 0;
   [[nodiscard]] virtual double period_s() const = 0;
+  /// It has live inputs, or rows that follow them: sense() is wanted.
+  [[nodiscard]] virtual bool senses() const { return false; }
+  /// @param shown    by the machine's sensors now
+  /// @param seconds  of the workshop's clock since the last time, 0 while that stands still
+  virtual void sense(const std::vector<NamedTemperature>& /*shown*/, double /*seconds*/) {}
   /// Nothing of it waits for time to pass: periods in which nothing moves may be left out.
   [[nodiscard]] virtual bool quiet() const = 0;
 };
@@ -112,6 +117,8 @@ class Simulation {
   [[nodiscard]] bool pause();
   /// Machine and unit by a period, whatever the clock says.
   void step();
+  void sense();
+  void pass(double seconds);
   [[nodiscard]] Vector3 carriages_mm() const;
   [[nodiscard]] bool at_rest() const;
   [[nodiscard]] bool settle(double limit_s, double& used_s, const std::function<void()>& each = {});
@@ -140,6 +147,7 @@ class Simulation {
   std::uint64_t ticks_ = 0;
   int steady_ticks_ = 0;  ///< periods since a drive signal last changed
   double next_pause_s_ = 0.0;
+  double sensed_s_ = 0.0;  ///< of the workshop's clock, when the unit's inputs were read last
 };
 
 }  // namespace ecs::emulator

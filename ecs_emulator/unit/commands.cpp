@@ -67,6 +67,7 @@ protocol::UnitError Unit::write_memory(Address address, std::span<const std::uin
 
 protocol::CommandResult Unit::begin(const Command& command) {
   if (!powered_) return refused(UnitError::unit_fault, "no power");
+  if (command.code == CommandCode::set_input) return set_input(command);
   silent_s_ = 0.0;
   if (mode_ == UnitMode::halted) return refused(UnitError::unit_fault, "halted: switch the unit off and on");
   if (command.code == CommandCode::stop) return stop();
@@ -157,6 +158,22 @@ protocol::CommandResult Unit::output(const Command& command) {
     return refused(UnitError::bad_argument, "beyond the range of the D/A converter: check the output scale");
   isolate();
   drives_[i] = {static_cast<std::int32_t>(std::lround(counts)), command.relay_on};
+  return done();
+}
+
+/// In every mode: the loop judges the value (core/thermal.hpp), as it does that of a wire.
+protocol::CommandResult Unit::set_input(const Command& command) {
+  const std::size_t i = command.input;
+  if (i < kTemperatureInputs && !settings_.sensors[i].empty())
+    return refused(UnitError::bad_argument, fmt::format("temperature input {} is wired to a sensor", i + 1));
+  if (i == kLoadInput && !(command.input_value >= 0.0 && command.input_value <= kGreatestLoad_kg))
+    return refused(UnitError::bad_argument, fmt::format("expected a load of 0 to {:.0f} kg", kGreatestLoad_kg));
+  const ThermalSettings& limits = map_->thermal.settings;
+  if (i < kTemperatureInputs &&
+      !(command.input_value >= limits.least_degC && command.input_value <= limits.greatest_degC))
+    return refused(UnitError::bad_argument,
+                   fmt::format("expected {:.6g} to {:.6g} degC", limits.least_degC, limits.greatest_degC));
+  inputs_[i] = {command.input_value, true, inputs_[i].number + 1};
   return done();
 }
 

@@ -37,6 +37,8 @@ void burn(std::vector<std::uint8_t>& eprom) {
 }
 
 bool battery_backed(Address address) { return address >= kCommitRecords.first; }
+/// What follows the active map is computed again when it may have changed; the thermal record is none of it.
+bool of_maps(Address address) { return battery_backed(address) && !kThermalRecord.contains(address); }
 
 }  // namespace
 
@@ -86,7 +88,7 @@ void UnitMemory::write(Address address, std::uint8_t value) {
     if (power_failed_) return;
     if (writes_left_) --*writes_left_;
     changed_ = true;
-    ++version_;
+    if (of_maps(address)) ++version_;
   }
   for (const Stuck& stuck : stuck_)
     if (stuck.address == address) value = static_cast<std::uint8_t>((value & ~stuck.mask) | stuck.value);
@@ -97,7 +99,7 @@ void UnitMemory::write(Address first, ByteView bytes) {
   const auto region = region_of(first, static_cast<std::uint32_t>(bytes.size()));
   if (region && stuck_.empty() && !writes_left_ && !power_failed_) {
     changed_ = changed_ || battery_backed(first);
-    if (battery_backed(first)) ++version_;
+    if (of_maps(first)) ++version_;
     std::copy(bytes.begin(), bytes.end(), at(first));
     return;
   }
@@ -207,9 +209,13 @@ struct Part {
   std::uint32_t size = 0;
 };
 
-std::array<Part, 3> parts_of(const UnitMemory& memory) {
+/// The thermal record is the last: files of before, and of units without thermal rows, end before it.
+std::array<Part, 4> parts_of(const UnitMemory& memory) {
   const std::uint32_t bank = bank_bytes(memory.modules());
-  return {{{kCommitRecords.first, kCommitRecords.size}, {kBankA.first, bank}, {kBankB.first, bank}}};
+  return {{{kCommitRecords.first, kCommitRecords.size},
+           {kBankA.first, bank},
+           {kBankB.first, bank},
+           {kThermalRecord.first, kThermalRecord.size}}};
 }
 
 }  // namespace
@@ -219,6 +225,7 @@ Result<void> restore(UnitMemory& memory, const std::filesystem::path& path) {
   ECS_TRY(content, read_file(path));
   std::size_t wanted = kMagic.size();
   for (const Part& part : parts_of(memory)) wanted += part.size;
+  if (content.size() + kThermalRecord.size == wanted) wanted = content.size();
   if (!content.starts_with(kMagic) || content.size() != wanted)
     return problem_at(path.string(), 0, 0,
                       fmt::format("expected the battery memory of a unit with {} memory module(s), {} bytes, got {} "
@@ -226,6 +233,7 @@ Result<void> restore(UnitMemory& memory, const std::filesystem::path& path) {
                                   memory.modules(), wanted, content.size()));
   std::size_t at = kMagic.size();
   for (const Part& part : parts_of(memory)) {
+    if (at == content.size()) break;
     const ByteView bytes(reinterpret_cast<const std::uint8_t*>(content.data()) + at, part.size);
     memory.write(part.first, bytes);
     at += part.size;
@@ -238,6 +246,7 @@ Result<void> keep(UnitMemory& memory, const std::filesystem::path& path) {
   std::string content(kMagic);
   for (const Part& part : parts_of(memory)) {
     const ByteView bytes = memory.view(part.first, part.size);
+    if (part.first == kThermalRecord.first && !stored_thermal(bytes)) continue;
     content.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
   ECS_DO(write_file(path, content));

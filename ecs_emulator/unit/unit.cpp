@@ -52,6 +52,9 @@ void Unit::start_up() {
   origins_ = {};
   watches_ = {};
   tick_ = {};
+  for (InputValue& input : inputs_) input.present = false;
+  if (const auto stored = stored_thermal(memory_.view(kThermalRecord.first, kThermalRecord.size)))
+    clock_s_ = std::max(clock_s_, stored->clock_s);
   isolate();
   ticks_ = 0;
   uptime_s_ = silent_s_ = 0.0;
@@ -89,6 +92,7 @@ void Unit::watch_host() {
 void Unit::isolate() { drives_ = {}; }
 
 void Unit::enter_integration() {
+  if (mode_ == UnitMode::compensating) store_thermal();
   isolate();
   mode_ = UnitMode::integration;
   report_damaged_record();
@@ -251,6 +255,7 @@ void Unit::begin_compensating() {
     approach[i] = speed == 0.0 ? watches_[i].state().direction : (speed > 0.0 ? Approach::forward : Approach::reverse);
   }
   start(tick_, counts, position, approach);
+  begin_thermal();
   at_limit_s_ = {};
   late_in_a_row_ = 0;
   mode_ = UnitMode::compensating;
@@ -265,7 +270,10 @@ void Unit::compensate_step() {
   if (!transducers_sound()) return;
   PerAxis<std::int64_t> counts{};
   for (std::size_t a = 0; a < kAxes; ++a) counts[a] = modules_[a].counts();
-  ecs::tick(*map_, tick_, counts);
+  if (map_->thermal.count > 0)
+    ecs::tick(*map_, tick_, counts, thermal_.acting);
+  else
+    ecs::tick(*map_, tick_, counts);
   for (const Axis a : kAllAxes) {
     const std::size_t i = index_of(a);
     if (!present(a)) continue;
@@ -273,6 +281,91 @@ void Unit::compensate_step() {
     if (at_limit_s_[i] > kOutputLimit_s) return raise(Fault::compensation_output, a);
     drives_[i] = {tick_.dac_counts[i], true};
   }
+}
+
+namespace {
+
+/// "t_spindle_degC" is the column of the sensor "spindle".
+bool is_column_of(std::string_view column, std::string_view sensor) {
+  constexpr std::string_view kBefore = "t_", kBehind = "_degC";
+  return column.size() == kBefore.size() + sensor.size() + kBehind.size() && column.starts_with(kBefore) &&
+         column.ends_with(kBehind) && column.substr(kBefore.size(), sensor.size()) == sensor;
+}
+
+}  // namespace
+
+bool Unit::senses() const {
+  const bool follows = mode_ == UnitMode::compensating && map_->thermal.count > 0;
+  return follows || std::any_of(settings_.sensors.begin(), settings_.sensors.end(),
+                                [](const std::string& sensor) { return !sensor.empty(); });
+}
+
+void Unit::sense(const std::vector<NamedTemperature>& shown, double seconds) {
+  clock_s_ += seconds;
+  if (!powered_) return;
+  for (std::size_t i = 0; i < kTemperatureInputs; ++i) {
+    const auto its = std::find_if(shown.begin(), shown.end(), [&](const NamedTemperature& one) {
+      return is_column_of(settings_.sensors[i], one.first);
+    });
+    if (its == shown.end()) continue;
+    const FailedSensor& failed = failures_[i];
+    const bool stuck = failed.failure == SensorFailure::stuck;
+    inputs_[i] = {stuck ? failed.stuck_at : its->second + failed.by_degC, failed.failure != SensorFailure::open,
+                  inputs_[i].number + 1};
+  }
+  if (mode_ != UnitMode::compensating || hung_ || map_->thermal.count == 0) return;
+  if (step_thermal(map_->thermal, thermal_, inputs_, tick_.position_mm, seconds)) report_doubtful_input();
+  if (clock_s_ - stored_s_ >= kThermalStored_s) store_thermal();
+}
+
+/// Rows go on from what they had come to in the battery-backed memory, if that belongs to this map.
+void Unit::begin_thermal() {
+  if (map_->thermal.count == 0) return;
+  const auto stored = stored_thermal(memory_.view(kThermalRecord.first, kThermalRecord.size));
+  const bool of_this_map = stored && stored->image_check == map_test_.expected;
+  stored_s_ = clock_s_;
+  if (ecs::begin_thermal(map_->thermal, thermal_, inputs_, tick_.position_mm, of_this_map ? &*stored : nullptr,
+                         of_this_map ? clock_s_ - stored->clock_s : 0.0))
+    report_doubtful_input();
+}
+
+/// No reason to stop: the terms of that input keep their value and fade out.
+void Unit::report_doubtful_input() {
+  const auto doubtful = std::find_if(thermal_.inputs.begin(), thermal_.inputs.end(),
+                                     [](const ThermalState::Input& input) { return is_doubtful(input.state); });
+  fault_ = Fault::live_input;
+  fault_axis_.reset();
+  fault_address_ = static_cast<Address>(doubtful - thermal_.inputs.begin() + 1);
+}
+
+void Unit::store_thermal() {
+  stored_s_ = clock_s_;
+  if (map_->thermal.count == 0) return;
+  const ByteView region = memory_.view(kThermalRecord.first, kThermalRecord.size);
+  const auto before = stored_thermal(region);
+  std::array<std::uint8_t, kStoredThermalBytes> slot{};
+  encode_thermal({before ? before->sequence + 1 : 1, map_test_.expected, clock_s_, thermal_.lagged}, slot);
+  memory_.write(kThermalRecord.first + next_thermal_slot(region) * kStoredThermalBytes, slot);
+}
+
+protocol::LiveInputs Unit::live_inputs() {
+  protocol::LiveInputs live;
+  const bool loops = mode_ == UnitMode::compensating && map_->thermal.count > 0;
+  if (loops) {
+    live.rows = static_cast<std::uint16_t>(map_->thermal.count);
+    const Lanes um = value_um(thermal_.acting, tick_.position_mm);
+    live.thermal_um = {um[0], um[1], um[2]};
+    if (thermal_.stored_age_s) live.stored_age_s = static_cast<std::uint32_t>(*thermal_.stored_age_s);
+  }
+  for (std::size_t i = 0; i < kLiveInputs; ++i) {
+    protocol::InputStatus& input = live.inputs[i];
+    input.wired = i < kTemperatureInputs && !settings_.sensors[i].empty();
+    if (std::isfinite(inputs_[i].value)) input.value = inputs_[i].value;
+    if (!loops) continue;
+    input.state = thermal_.inputs[i].state;
+    input.faults = thermal_.inputs[i].faults;
+  }
+  return live;
 }
 
 protocol::Identity Unit::identity() {

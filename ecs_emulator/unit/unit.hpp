@@ -3,12 +3,15 @@
 // (ecs_emulator/machine/machine_tool.hpp).
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "core/thermal.hpp"
 #include "core/tick.hpp"
 #include "ecs_emulator/machine/simulation.hpp"
 #include "ecs_emulator/unit/datum_watch.hpp"
@@ -40,6 +43,8 @@ inline constexpr double kDatumTest_s = 600.0;
 inline constexpr double kOutputHold_s = 60.0;
 /// Largest position that the host can set: no machine is longer than a kilometre.
 inline constexpr double kLargestPosition_mm = 1e6;
+/// The state of the lags goes to the battery-backed memory so often.
+inline constexpr double kThermalStored_s = 60.0;
 /// Range of the D/A converter.
 inline constexpr double kMostDacCounts = 32767.0;
 
@@ -48,7 +53,12 @@ struct UnitSettings {
   std::uint8_t memory_modules = 1;
   AxisModules axis_modules{Transducer::encoder, Transducer::encoder, Transducer::encoder};
   LinkSense link = LinkSense::automatic;
+  /// The machine's sensor at each temperature input, "t_spindle_degC"; empty: none is wired.
+  std::array<std::string, kTemperatureInputs> sensors{};
 };
+
+/// What can be wrong with a wired sensor, or its cable.
+enum class SensorFailure : std::uint8_t { none, open, stuck, shifted };
 
 class Unit final : public protocol::UnitPort, public Compensator {
  public:
@@ -64,6 +74,8 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] Drives tick(const Signals& signals) override;
   [[nodiscard]] double period_s() const override { return parameters_.loop_period_us * 1e-6; }
   [[nodiscard]] bool quiet() const override;
+  [[nodiscard]] bool senses() const override;
+  void sense(const std::vector<NamedTemperature>& shown, double seconds) override;
 
   [[nodiscard]] UnitMemory& memory() { return memory_; }
   [[nodiscard]] const UnitSettings& settings() const { return settings_; }
@@ -77,11 +89,16 @@ class Unit final : public protocol::UnitPort, public Compensator {
     slow_periods_ = periods;
   }
   void hang() { hung_ = true; }
+  /// @param input  0 … 15  @param by_degC  of `shifted`
+  void fail_sensor(std::size_t input, SensorFailure failure, double by_degC = 0.0) {
+    failures_[input] = {failure, by_degC, inputs_[input].value};
+  }
 
   // protocol::UnitPort
   [[nodiscard]] protocol::Identity identity() override;
   [[nodiscard]] protocol::UnitStatus status() override;
   [[nodiscard]] protocol::MonitorSample monitor() override;
+  [[nodiscard]] protocol::LiveInputs live_inputs() override;
   void host_armed() override {
     if (powered_ && mode_ == UnitMode::starting) enter_integration();
   }
@@ -129,6 +146,9 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] bool late();
   [[nodiscard]] bool transducers_sound();
   void command_step();
+  void begin_thermal();
+  void report_doubtful_input();
+  void store_thermal();
   void reload_parameters();
   [[nodiscard]] TestVerdict block_check_now() const;
   [[nodiscard]] double mm_per_count(Axis axis) const;
@@ -145,6 +165,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] protocol::CommandResult commit_refused(std::uint32_t length, std::uint64_t digest);
   void take_over(const Commit& commit);
   [[nodiscard]] protocol::CommandResult output(const protocol::Command& command);
+  [[nodiscard]] protocol::CommandResult set_input(const protocol::Command& command);
   [[nodiscard]] protocol::CommandResult run_user_software(Address start, std::uint32_t argument);
   [[nodiscard]] protocol::CommandResult user_software_step();
   [[nodiscard]] protocol::CommandResult stop();
@@ -166,6 +187,16 @@ class Unit final : public protocol::UnitPort, public Compensator {
   PerAxis<DatumWatch> watches_{};
   PerAxis<double> at_limit_s_{};
   TickState tick_{};
+  ThermalState thermal_{};
+  InputValues inputs_{};
+  struct FailedSensor {
+    SensorFailure failure = SensorFailure::none;
+    double by_degC = 0.0;
+    double stuck_at = 0.0;
+  };
+  std::array<FailedSensor, kTemperatureInputs> failures_{};
+  double clock_s_ = 0.0;   ///< that the battery keeps running, of the workshop
+  double stored_s_ = 0.0;  ///< of that clock, when the thermal state was stored last
   Drives drives_{};
   std::uint32_t starts_ = 0;
   std::uint64_t ticks_ = 0;

@@ -258,12 +258,32 @@ Result<void> line_fault(const Workshop& workshop, Arguments& arguments, protocol
   return {};
 }
 
+/// A sensor at a temperature input of the unit.
+Result<void> fail_sensor(const Workshop& workshop, Arguments& arguments) {
+  const auto input = arguments.integer("input", 1, static_cast<long long>(kTemperatureInputs)).value_or(1);
+  const bool back = arguments.flag("back");
+  const std::string how = arguments.word("how");
+  const double by_degC = arguments.number_or("by", 0.0);
+  SensorFailure failure = SensorFailure::none;
+  if (how == "open" || how == "stuck")
+    failure = how == "open" ? SensorFailure::open : SensorFailure::stuck;
+  else if (how == "shifted")
+    failure = SensorFailure::shifted;
+  else if (!back)
+    arguments.complain(fmt::format("how: expected open, stuck or shifted, got \"{}\"", how));
+  ECS_DO(arguments.checked());
+  workshop.unit->fail_sensor(static_cast<std::size_t>(input - 1), failure,
+                             failure == SensorFailure::shifted ? by_degC : 0.0);
+  return {};
+}
+
 Result<void> clear(const Workshop& workshop, Arguments& arguments) {
   ECS_DO(arguments.checked());
   if (workshop.line != nullptr) workshop.line->clear();
   if (workshop.unit != nullptr) {
     workshop.unit->memory().repair();
     workshop.unit->slow_down(0.0);
+    for (std::size_t i = 0; i < kTemperatureInputs; ++i) workshop.unit->fail_sensor(i, SensorFailure::none);
   }
   for (const Axis a : kAllAxes) {
     if (!workshop.simulation->machine().has(a)) continue;
@@ -280,7 +300,7 @@ struct NamedFault {
   Provoke provoke;
   bool in_unit;
 };
-constexpr std::array<NamedFault, 10> kFaults{{{"clear", clear, false},
+constexpr std::array<NamedFault, 11> kFaults{{{"clear", clear, false},
                                               {"transducer", lose<&AxisOfMachine::lose_transducer>, false},
                                               {"marker", lose<&AxisOfMachine::lose_marker>, false},
                                               {"switch", hang_switch, false},
@@ -289,7 +309,8 @@ constexpr std::array<NamedFault, 10> kFaults{{{"clear", clear, false},
                                               {"corrupt", corrupt_ram, true},
                                               {"overrun", overrun, true},
                                               {"hang", hang, true},
-                                              {"power_fails", power_fails, true}}};
+                                              {"power_fails", power_fails, true},
+                                              {"sensor", fail_sensor, true}}};
 
 }  // namespace
 

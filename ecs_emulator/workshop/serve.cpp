@@ -69,7 +69,8 @@ class RunningWorkshop {
                   protocol::ModbusServer line, std::optional<protocol::ModbusServer> second_line,
                   std::optional<WorkshopSocket> door, const std::atomic<int>& stop)
       : simulation_(std::move(simulation)),
-        unit_({serial_number, options.memory_modules, axis_modules(simulation_), options.mode}),
+        unit_({serial_number, options.memory_modules, axis_modules(simulation_), options.mode,
+               simulation_.description().machine.inputs}),
         socket_(unit_, {options.arm_code, options.fixed_code}),
         line_(std::move(line)),
         second_line_(std::move(second_line)),

@@ -355,6 +355,14 @@ Answer load(const Workshop& workshop, Arguments& arguments) {
   return state_of(workshop);
 }
 
+/// The tool against the workpiece as the machine stands, systematic part only.
+Answer tool_error(const Workshop& workshop, Arguments& arguments) {
+  ECS_DO(arguments.checked());
+  Simulation& simulation = *workshop.simulation;
+  return Json{{"error_um", by_axis(simulation.machine(), simulation.tool_now(false).error_um)},
+              {"time_s", simulation.machine().time_s()}};
+}
+
 Answer fault(const Workshop& workshop, Arguments& arguments) {
   ECS_DO(provoke(workshop, arguments));
   return state_of(workshop);
@@ -376,7 +384,7 @@ struct NamedAction {
   std::string_view name;
   Answer (*act)(const Workshop&, Arguments&, const Report&);
 };
-constexpr std::array<NamedAction, 20> kActions{{{"state", at_once<show>},
+constexpr std::array<NamedAction, 21> kActions{{{"state", at_once<show>},
                                                 {"jog", at_once<jog>},
                                                 {"reference", at_once<reference_machine>},
                                                 {"measure", measure_machine},
@@ -390,6 +398,7 @@ constexpr std::array<NamedAction, 20> kActions{{{"state", at_once<show>},
                                                 {"turn", at_once<read_turn>},
                                                 {"survey", at_once<survey_machine>},
                                                 {"components", at_once<true_components>},
+                                                {"tool", at_once<tool_error>},
                                                 {"power", at_once<power>},
                                                 {"wait", at_once<wait>},
                                                 {"tick", at_once<tick>},

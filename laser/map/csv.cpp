@@ -75,6 +75,97 @@ std::string take_uncertainty(MapHeader& header, std::string_view value) {
   return {};
 }
 
+/// Number of an input in words, from 1: "5", "load", "motion_X".
+std::string input_word(std::uint8_t source) {
+  if (follows_motion(source)) return fmt::format("motion_{}", letter_of(static_cast<Axis>(source - kMotionOfX)));
+  return source == kLoadInput ? "load" : std::to_string(source + 1);
+}
+
+std::optional<std::uint8_t> input_named(std::string_view word) {
+  if (word == "load") return static_cast<std::uint8_t>(kLoadInput);
+  if (word.size() == 8 && word.starts_with("motion_"))
+    if (const auto axis = axis_of(word.back())) return static_cast<std::uint8_t>(kMotionOfX + index_of(*axis));
+  const auto number = integer_in(word);
+  if (!number || *number < 1 || *number > static_cast<long long>(kTemperatureInputs)) return std::nullopt;
+  return static_cast<std::uint8_t>(*number - 1);
+}
+
+/// The value of `key=value` among the words of a line.
+std::optional<std::string_view> value_of(std::string_view line, std::string_view key) {
+  for (const std::string_view word : split(line, ' '))
+    if (word.starts_with(key) && word.substr(key.size()).starts_with('=')) return word.substr(key.size() + 1);
+  return std::nullopt;
+}
+
+/// `3 t_spindle_degC`
+std::string take_input(MapHeader& header, std::string_view value) {
+  const Coded entry = coded(value);
+  const auto number = input_named(entry.code);
+  if (!number || *number >= kTemperatureInputs || entry.rest.empty())
+    return fmt::format("input: expected a number 1 to {} and a sensor, found {}", kTemperatureInputs, in_quotes(value));
+  header.inputs.push_back({*number, std::string(entry.rest)});
+  return {};
+}
+
+std::string take_thermal(MapHeader& header, std::string_view value) {
+  const Coded entry = coded(value);
+  ThermalRow row;
+  const auto component = component_of(entry.code);
+  const auto law = thermal_law_named(coded(entry.rest).code);
+  const auto source = input_named(value_of(entry.rest, "input").value_or(""));
+  const auto minus = value_of(entry.rest, "minus");
+  const auto other = minus ? input_named(*minus) : std::optional(kNoInput);
+  bool whole = component && law && source && other;
+  if (whole) row = {*component, *law, *source, *other};
+  for (const auto& [key, into] : {std::pair{"coefficient", &row.coefficient},
+                                  {"reference", &row.reference},
+                                  {"lag_s", &row.lag_s},
+                                  {"origin_mm", &row.origin_mm}}) {
+    const auto number = number_in(value_of(entry.rest, key).value_or(""));
+    whole = whole && number;
+    if (number) *into = *number;
+  }
+  if (!whole || !sound(row))
+    return fmt::format(
+        "thermal: expected a row such as EZZ shift input=5 coefficient=2.4 reference=20 lag_s=0 "
+        "origin_mm=0 within the ranges of the unit, found {}",
+        in_quotes(value));
+  header.thermal.push_back(row);
+  return {};
+}
+
+/// Key and number of each thermal setting.
+template <class Settings>
+auto settings_of(Settings& s) {
+  return std::array{std::pair{"rate_um_per_s", &s.rate_um_per_s},
+                    std::pair{"hold_s", &s.hold_s},
+                    std::pair{"longest_age_s", &s.longest_age_s},
+                    std::pair{"stuck_s", &s.stuck_s},
+                    std::pair{"fastest_degC_per_s", &s.fastest_degC_per_s},
+                    std::pair{"step_degC", &s.step_degC},
+                    std::pair{"least_degC", &s.least_degC},
+                    std::pair{"greatest_degC", &s.greatest_degC}};
+}
+
+/// Keys that the line leaves out keep their usual value.
+std::string take_thermal_settings(MapHeader& header, std::string_view value) {
+  ThermalSettings settings;
+  for (const std::string_view word : split(value, ' ')) {
+    if (word.empty()) continue;
+    const auto all = settings_of(settings);
+    const auto* const its =
+        std::ranges::find_if(all, [&](const auto& one) { return word.starts_with(fmt::format("{}=", one.first)); });
+    const auto number = number_in(word.substr(std::min(word.size(), word.find('=') + 1)));
+    if (its == all.end() || !number)
+      return fmt::format("thermal_settings: expected key=number, found {}", in_quotes(word));
+    *its->second = *number;
+  }
+  if (!sound(settings))
+    return fmt::format("thermal_settings: expected numbers within the ranges of the unit, found {}", in_quotes(value));
+  header.thermal_settings = settings;
+  return {};
+}
+
 /// Who, what and when: in the order of the text.
 constexpr std::array<std::pair<std::string_view, std::string MapHeader::*>, 6> kNames{
     {{"customer", &MapHeader::customer},
@@ -98,12 +189,33 @@ std::string take(MapHeader& header, std::string_view key, std::string_view value
     return take_declared_zero(header, value);
   else if (key == "uncertainty")
     return take_uncertainty(header, value);
+  else if (key == "input")
+    return take_input(header, value);
+  else if (key == "thermal")
+    return take_thermal(header, value);
+  else if (key == "thermal_settings")
+    return take_thermal_settings(header, value);
   else
     return fmt::format("header: no such key {}", in_quotes(key));
   return {};
 }
 
 }  // namespace
+
+std::string to_text(const ThermalRow& row) {
+  const std::string minus = row.minus == kNoInput ? "" : fmt::format(" minus={}", input_word(row.minus));
+  return fmt::format("{} {} input={}{} coefficient={} reference={} lag_s={} origin_mm={}", name_of(row.component),
+                     name_of(row.law), input_word(row.source), minus, shortest(row.coefficient),
+                     shortest(row.reference), shortest(row.lag_s), shortest(row.origin_mm));
+}
+
+std::string source_text(const MapHeader& header, std::uint8_t source) {
+  if (follows_motion(source)) return fmt::format("the motion of {}", letter_of(static_cast<Axis>(source - kMotionOfX)));
+  if (source == kLoadInput) return "the load";
+  const auto its = std::ranges::find(header.inputs, source, &NamedInput::input);
+  return its == header.inputs.end() ? fmt::format("input {}", source + 1)
+                                    : fmt::format("input {} ({})", source + 1, its->sensor);
+}
 
 std::string header_text(const MapHeader& header) {
   std::string text;
@@ -116,6 +228,15 @@ std::string header_text(const MapHeader& header) {
     put(text, "uncertainty",
         fmt::format("{} value={:.4g} pass={:.4g} degrees_of_freedom={}", name_of(u.component), u.value, u.pass,
                     u.degrees_of_freedom));
+  for (const NamedInput& named : header.inputs)
+    put(text, "input", fmt::format("{} {}", input_word(named.input), named.sensor));
+  for (const ThermalRow& row : header.thermal) put(text, "thermal", to_text(row));
+  if (!header.thermal.empty() && header.thermal_settings != ThermalSettings{}) {
+    std::string settings;
+    for (const auto& [key, number] : settings_of(header.thermal_settings))
+      settings += fmt::format("{}{}={}", settings.empty() ? "" : " ", key, shortest(*number));
+    put(text, "thermal_settings", settings);
+  }
   for (const std::string& step : header.processing) put(text, "processing", step);
   return text;
 }

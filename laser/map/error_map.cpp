@@ -308,6 +308,21 @@ void find_spike(const MapTable& table, std::vector<MapFinding>& findings) {
                             table.position_mm[at], table.position_mm[at + 1], peak / std::max(usual, 0.01))});
 }
 
+/// Rows that act on nothing, or are too many for the unit.
+void find_thermal(const ErrorMap& map, const UnitParameters& parameters, std::vector<MapFinding>& findings) {
+  const auto& rows = map.header.thermal;
+  if (rows.size() > kMostThermalRows)
+    findings.push_back({true, fmt::format("the map has {} thermal rows, the unit has room for {}: remove the smallest",
+                                          rows.size(), kMostThermalRows)});
+  ThermalWorking working;
+  for (const ThermalRow& row : rows) {
+    compile_thermal({&row, 1}, map.header.thermal_settings, parameters, working);
+    if (working.rows[0].of_one == ThermalPolynomial{} && row.coefficient != 0.0)
+      findings.push_back({false, fmt::format("thermal row {} {} is not used by a {} machine in this scope",
+                                             name_of(row.component), name_of(row.law), configuration_of(parameters))});
+  }
+}
+
 void find_in_tables(const ErrorMap& map, const UnitParameters& parameters, std::vector<MapFinding>& findings) {
   const ComponentSet needed = components_needed(parameters);
   for (const MapTable& table : map.tables) {
@@ -342,6 +357,7 @@ std::vector<MapFinding> findings_for(const ErrorMap& map, const UnitParameters& 
   find_squareness(map, parameters, findings);
   for (MapFinding& warning : coverage_warnings(map, parameters, travels)) findings.push_back(std::move(warning));
   find_in_tables(map, parameters, findings);
+  find_thermal(map, parameters, findings);
   return findings;
 }
 

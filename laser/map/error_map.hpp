@@ -12,6 +12,7 @@
 #include "base/result.hpp"
 #include "core/axis.hpp"
 #include "core/parameters.hpp"
+#include "core/thermal.hpp"
 
 namespace ecs::laser {
 
@@ -47,6 +48,13 @@ struct StatedUncertainty {
   friend bool operator==(const StatedUncertainty&, const StatedUncertainty&) = default;
 };
 
+/// The sensor at a temperature input of the unit.
+struct NamedInput {
+  std::uint8_t input = 0;  ///< from 0
+  std::string sensor;      ///< "t_spindle_degC"
+  friend bool operator==(const NamedInput&, const NamedInput&) = default;
+};
+
 /// Thesis 5.3: the file header that travels with the map and can be read back from the unit.
 struct MapHeader {
   std::string customer;
@@ -58,6 +66,9 @@ struct MapHeader {
   std::vector<SourceFile> sources;
   std::vector<DeclaredZero> declared_zero;
   std::vector<StatedUncertainty> uncertainty;
+  std::vector<NamedInput> inputs;
+  std::vector<ThermalRow> thermal;  ///< rows of the image, not of its header text
+  ThermalSettings thermal_settings{};
   std::vector<std::string> processing;  ///< one sentence per step: slope removed, smoothing, runs left out
   friend bool operator==(const MapHeader&, const MapHeader&) = default;
 };
@@ -79,10 +90,16 @@ struct ErrorMap {
 /// The largest |compensation| in the tables of a component; 0 if there are none.
 [[nodiscard]] double largest_in(const std::vector<MapTable>& tables, Component component);
 
-/// The header as lines `key: value`, as the unit stores it and the CSV shows it behind `# `; and back.
+/// The header as lines `key: value`, as the CSV shows it behind `# `; and back. The unit stores it without its thermal
+/// rows and settings, which are in the image as numbers.
 /// Unknown keys are kept nowhere: they are reported.
 [[nodiscard]] std::string header_text(const MapHeader& header);
 [[nodiscard]] Result<MapHeader> parse_header(std::string_view text, const std::string& source_name);
+
+/// A thermal row as its line has it: "EZZ shift input=5 coefficient=2.4 reference=21.5 lag_s=0 origin_mm=0".
+[[nodiscard]] std::string to_text(const ThermalRow& row);
+/// What a row follows: "input 5", "the load", "the motion of X", with the name of its sensor where the header has it.
+[[nodiscard]] std::string source_text(const MapHeader& header, std::uint8_t source);
 
 /// What stands against sending this map to a unit with these parameters; empty: nothing. Objections: a missing
 /// component (named with what it is) or approach, a squareness that nobody measured, another chain, a component

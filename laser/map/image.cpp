@@ -89,14 +89,19 @@ std::vector<TableEntry> zero_entries(const MapHeader& header) {
 
 std::vector<std::uint8_t> assemble(const UnitParameters& parameters, const std::vector<TableEntry>& entries,
                                    const std::vector<std::int16_t>& counts, const MapHeader& of_map) {
-  const std::string header = header_text(of_map);
+  MapHeader words = of_map;
+  words.thermal.clear();
+  const std::string header = header_text(words);
   const ImagePlan plan{static_cast<std::uint32_t>(entries.size()), static_cast<std::uint32_t>(counts.size()),
-                       static_cast<std::uint32_t>(header.size())};
+                       static_cast<std::uint32_t>(header.size()),
+                       of_map.thermal.empty() ? kImageFormat : kFormatWithThermal,
+                       static_cast<std::uint32_t>(of_map.thermal.size())};
   std::vector<std::uint8_t> bytes(image_bytes(plan));
   begin_image(bytes, plan);
   write_parameters(bytes, parameters);
   write_identity(bytes, {of_map.serial_number, of_map.machine, configuration_hash(parameters)});
   for (std::uint32_t i = 0; i < plan.table_count; ++i) write_entry(bytes, i, entries[i]);
+  if (!of_map.thermal.empty()) write_thermal(bytes, of_map.thermal_settings, of_map.thermal);
   for (std::uint32_t i = 0; i < plan.value_count; ++i) write_value(bytes, i, counts[i]);
   write_header(bytes, header);
   seal_image(bytes);
@@ -192,6 +197,8 @@ Result<ImageContent> content_of(std::span<const std::uint8_t> image) {
   content.parameters = *view.parameters();
   ECS_TRY(header, parse_header(view.header(), "map header"));
   content.map.header = std::move(header);
+  for (std::uint32_t k = 0; k < view.thermal_count(); ++k) content.map.header.thermal.push_back(view.thermal_row(k));
+  if (view.thermal_count() > 0) content.map.header.thermal_settings = view.thermal_settings();
   for (std::uint32_t i = 0; i < view.table_count(); ++i) {
     const TableEntry entry = view.entry(i);
     if (entry.declared_zero) continue;

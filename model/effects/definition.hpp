@@ -183,7 +183,17 @@ enum class Carrier : std::uint8_t {
   error_map,   ///< a table of the error map
   parameters,  ///< a value among the unit's parameters (squareness, polarity, scaling, datum)
   set_up,      ///< nothing to compensate: the measurement or the commissioning is to be put right
+  inputs,      ///< thermal rows of the unit that follow its live inputs (core/thermal.hpp)
   none,        ///< varies with something the unit does not see
+};
+
+/// What a row of the unit follows for an effect.
+enum class LiveSource : std::uint8_t { material, sensor, difference, motion, load };
+/// A coefficient of an effect as a row of the unit.
+struct LiveTerm {
+  std::string_view parameter;
+  ThermalLaw law = ThermalLaw::shift;
+  LiveSource source = LiveSource::sensor;
 };
 
 /// Which of axis, sense and code an instance has, and so which readings it acts on.
@@ -340,7 +350,8 @@ struct EffectDefinition {
   std::string_view headline;
   std::vector<ParameterDefinition> parameters{};
   Carrier carrier = Carrier::none;
-  std::string_view how{};  ///< how the unit compensates it, or why it cannot
+  std::vector<LiveTerm> live{};  ///< of Carrier::inputs
+  std::string_view how{};        ///< how the unit compensates it, or why it cannot
   SeparatingMeasurement separated_by{};
   std::vector<Becomes> turns_into{};
 
@@ -381,7 +392,9 @@ struct EffectDefinition {
     return static_cast<std::size_t>(traits.keeps_mean) + static_cast<std::size_t>(traits.keeps_slope);
   }
   /// The unit can compensate it.
-  [[nodiscard]] bool is_carried() const { return carrier == Carrier::error_map || carrier == Carrier::parameters; }
+  [[nodiscard]] bool is_carried() const {
+    return carrier == Carrier::error_map || carrier == Carrier::parameters || carrier == Carrier::inputs;
+  }
   /// Acts through a lever or an angle between axes: has a code and no sense.
   [[nodiscard]] bool has_lever() const { return place == Place::rotation || place == Place::squareness; }
 };
@@ -392,9 +405,14 @@ struct EffectDefinition {
 /// The effect at places of this kind. @pre one effect of the library is
 [[nodiscard]] EffectId effect_at(Place place);
 
-/// The unit can compensate it on that machine: along an axis that it has; on rotary axes nothing.
+/// The unit can compensate it on that machine: along an axis that it has, and with the inputs that its file names; on
+/// rotary axes nothing.
 /// @param machine  without axes: not known
 [[nodiscard]] bool is_carried(const EffectInstance& effect, const params::Machine& machine);
+/// The axis whose motion stands for the heat of the machine: the effect's own, else the first that the file names.
+[[nodiscard]] std::optional<Axis> live_motion_of(const EffectInstance& effect, const params::Machine& machine);
+/// The sensor of the scale or workpiece.
+inline constexpr std::string_view kMaterialSensor = "t_material_degC";
 /// How the unit compensates it, or why it cannot.
 [[nodiscard]] std::string how_compensated(const EffectInstance& effect, const params::Machine& machine);
 

@@ -83,10 +83,36 @@ std::optional<Axis> missing_axis(const EffectInstance& effect, const params::Mac
   return machine.axes[index_of(direction)] ? std::nullopt : std::optional(direction);
 }
 
+/// Why no row of the unit on that machine follows the effect's conditions; empty: there can be rows.
+std::string missing_input(const EffectInstance& effect, const params::Machine& machine) {
+  for (const LiveTerm& term : effect.definition().live) {
+    if (term.source == LiveSource::load && !machine.states_load)
+      return "no load reaches the unit (`load_kg = true` in [inputs] of the machine file)";
+    if (term.source == LiveSource::motion && !live_motion_of(effect, machine))
+      return "the machine file names no motion that warms the machine (`motion_X_mm_min` in [inputs])";
+    const bool material = term.source == LiveSource::material;
+    if (!material && term.source != LiveSource::sensor && term.source != LiveSource::difference) continue;
+    for (const std::string& sensor : {material ? std::string(kMaterialSensor) : effect.sensor, effect.sensor2})
+      if (!sensor.empty() && !machine.input_of(sensor))
+        return fmt::format("the machine file names no input of the unit for {} ([inputs])", sensor);
+    if (effect.sense && is_rotation(*effect.sense) && (term.law != ThermalLaw::shift || !effect.axis))
+      return "the unit has no row for a rotation that changes along its axis, or of no axis";
+  }
+  return {};
+}
+
 }  // namespace
 
+std::optional<Axis> live_motion_of(const EffectInstance& effect, const params::Machine& machine) {
+  if (effect.axis && machine.full_duty_mm_min[index_of(*effect.axis)]) return effect.axis;
+  for (const Axis a : kAllAxes)
+    if (machine.full_duty_mm_min[index_of(a)]) return a;
+  return std::nullopt;
+}
+
 bool is_carried(const EffectInstance& effect, const params::Machine& machine) {
-  return !effect.rotary && effect.definition().is_carried() && !missing_axis(effect, machine);
+  return !effect.rotary && effect.definition().is_carried() && !missing_axis(effect, machine) &&
+         missing_input(effect, machine).empty();
 }
 
 std::string how_compensated(const EffectInstance& effect, const params::Machine& machine) {
@@ -94,6 +120,7 @@ std::string how_compensated(const EffectInstance& effect, const params::Machine&
     return "use a table of the control for this axis, since the unit has X, Y and Z only";
   if (const auto axis = missing_axis(effect, machine))
     return fmt::format("the machine has no axis {} that could correct it", letter_of(*axis));
+  if (std::string missing = missing_input(effect, machine); !missing.empty()) return missing;
   return std::string(effect.definition().how);
 }
 

@@ -52,8 +52,9 @@ EffectDefinition thermal_bend() {
           "mount a level on it while they change",
       .headline = "{where} bent by {um_per_m2_degC} between {sensor} and {sensor2}",
       .parameters = {{"um_per_m2_degC", "um/m2/degC", "bending"}},
-      .carrier = Carrier::none,
-      .how = "the unit has no temperature input",
+      .carrier = Carrier::inputs,
+      .live = {{"um_per_m2_degC", ThermalLaw::bending, LiveSource::difference}},
+      .how = "a row of the unit that follows both sensors",
       .separated_by = {25,
                        "Repeat the {axis} line with the difference between the two sensors changed by 2 degC or more: "
                        "one side warmed, or shaded."},

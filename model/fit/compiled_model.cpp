@@ -88,6 +88,85 @@ std::vector<Problem> undetermined_beside_others(const Model& fitted,
   return problems;
 }
 
+std::optional<double> size_of(const EffectInstance& effect, std::string_view parameter) {
+  for (const auto* values : {&effect.parameters, &effect.fitted})
+    if (const auto found = values->find(std::string(parameter)); found != values->end()) return found->second;
+  return std::nullopt;
+}
+
+/// What a row follows, and where it is zero. @pre is_carried(effect, machine)
+Result<ThermalRow> followed(const EffectInstance& effect, const LiveTerm& term, const Model& fitted,
+                            const params::Machine& machine) {
+  ThermalRow row;
+  row.law = term.law;
+  const auto input = [&](std::string_view sensor) { return static_cast<std::uint8_t>(*machine.input_of(sensor)); };
+  switch (term.source) {
+    case LiveSource::material:
+      row.source = input(kMaterialSensor);
+      break;
+    case LiveSource::difference:
+      row.source = input(effect.sensor);
+      row.minus = input(effect.sensor2);
+      row.reference = 0.0;
+      break;
+    case LiveSource::sensor: {
+      row.source = input(effect.sensor);
+      const auto first = fitted.origin ? fitted.origin->sensors_degC.find(effect.sensor)
+                                       : std::map<std::string, double, std::less<>>::const_iterator{};
+      if (!fitted.origin || first == fitted.origin->sensors_degC.end())
+        return problem(ProblemKind::refused,
+                       fmt::format("the model does not state the temperature of {} at its origin: fit it to data "
+                                   "(`ecs model fit`)",
+                                   effect.sensor));
+      row.reference = first->second;
+      break;
+    }
+    case LiveSource::motion: {
+      const Axis axis = *live_motion_of(effect, machine);
+      row.source = static_cast<std::uint8_t>(kMotionOfX + index_of(axis));
+      row.reference = *machine.full_duty_mm_min[index_of(axis)];
+      row.lag_s = size_of(effect, "tau_s").value_or(0.0);
+      break;
+    }
+    case LiveSource::load:
+      row.source = static_cast<std::uint8_t>(kLoadInput);
+      row.reference = 0.0;
+      break;
+  }
+  return row;
+}
+
+/// The effect as rows of the unit: compensation, so minus its coefficients. @return why it cannot be, or nothing
+std::optional<std::string> add_live_rows(const EffectInstance& effect, const Model& fitted,
+                                         const params::Machine& machine, CompiledModel& out) {
+  if (!effect.sense) return "it has no direction";
+  const Axis axis = effect.axis.value_or(direction_of(*effect.sense));
+  std::vector<ThermalRow> rows;
+  for (const LiveTerm& term : effect.definition().live) {
+    const auto size = size_of(effect, term.parameter);
+    if (!size || *size == 0.0) continue;
+    auto row = followed(effect, term, fitted, machine);
+    if (!row) return row.error().message;
+    row->component = curve_of(*effect.sense, axis);
+    row->coefficient = -*size;
+    row->origin_mm = machine.axes[index_of(axis)] ? machine.axes[index_of(axis)]->datum_mm : 0.0;
+    if (!sound(*row)) return "its sizes are beyond the ranges of the unit's rows";
+    rows.push_back(*row);
+  }
+  if (rows.empty()) return "its sizes are not known: fit the model to data";
+  auto& header = out.map.header;
+  for (const ThermalRow& row : rows) {
+    for (const std::uint8_t input : {row.source, row.minus})
+      if (input < kTemperatureInputs &&
+          std::ranges::find(header.inputs, input, &laser::NamedInput::input) == header.inputs.end())
+        header.inputs.push_back({input, machine.inputs[input]});
+    header.thermal.push_back(row);
+    out.carried.push_back(fmt::format("{}: thermal row {} {}, {}", to_text(effect), name_of(row.component),
+                                      name_of(row.law), laser::source_text(header, row.source)));
+  }
+  return std::nullopt;
+}
+
 bool differs_by_approach(const EffectInstance& effect) {
   return effect.traits().of_approach || effect.approach != ApproachMode::both;
 }
@@ -124,6 +203,13 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
         out.carried.push_back(fmt::format("{}: {:.3g} um/m in the unit's parameters", to_text(effect), found->second));
         continue;
       }
+    }
+    if (effect.definition().carrier == Carrier::inputs && is_carried(effect, machine)) {
+      if (const auto why = add_live_rows(effect, fitted, machine, out))
+        out.not_carried.push_back(fmt::format("{}: {}", to_text(effect), *why));
+      else
+        carried.push_back(&effect);
+      continue;
     }
     if (component && machine.axes[index_of(moving_axis(*component))] && is_carried(effect, machine)) {
       tables[*component].push_back(&effect);

@@ -66,6 +66,10 @@ Result<MonitorSample> UnitClient::monitor() {
   return link_.ask(kEchoAlone, kEchoOnly, kMonitor).and_then(value_in<MonitorSample>);
 }
 
+Result<LiveInputs> UnitClient::live_inputs() {
+  return link_.ask(kEchoAlone, kEchoOnly, kInputs).and_then(value_in<LiveInputs>);
+}
+
 Result<UnitStatus> UnitClient::status() {
   auto status = link_.ask(kEchoAlone, kEchoOnly, kStatus).and_then(value_in<UnitStatus>);
   if (!status) return status;
@@ -326,6 +330,11 @@ Result<void> UnitClient::enter_compensation() {
 Result<void> UnitClient::set_axis_position(Axis axis, double position_mm) {
   return run_acting({.code = CommandCode::set_axis_position, .axis = axis, .position_mm = position_mm}, kShortLimit,
                     "compare the position with the control's");
+}
+
+Result<void> UnitClient::set_input(std::uint16_t input, double value) {
+  return run_acting({.code = CommandCode::set_input, .input = input, .input_value = value}, kShortLimit,
+                    "read the inputs of the unit");
 }
 
 Result<void> UnitClient::output_compensation(Axis axis, double output_um, bool relay_on) {

@@ -86,6 +86,7 @@ class UnitClient {
   /// Which map the unit that answered first holds; a problem where another one answers.
   [[nodiscard]] Result<ActiveMap> active_map();
   [[nodiscard]] Result<MonitorSample> monitor();
+  [[nodiscard]] Result<LiveInputs> live_inputs();
   /// What hosts did to the unit, or tried: the newest `most` as the blocks they came in, the oldest first.
   [[nodiscard]] Result<std::vector<Registers>> event_blocks(std::size_t most);
 
@@ -112,6 +113,8 @@ class UnitClient {
   [[nodiscard]] Result<void> enter_compensation();
   [[nodiscard]] Result<void> set_axis_position(Axis axis, double position_mm);
   [[nodiscard]] Result<void> output_compensation(Axis axis, double output_um, bool relay_on);
+  /// @param input  0 … 15 a temperature [degC], 16 the load [kg]; one without a wire
+  [[nodiscard]] Result<void> set_input(std::uint16_t input, double value);
   [[nodiscard]] Result<void> output_off();
   /// What is written to axis memory, committed and abandoned afterwards belongs to this staging; the unit refuses it
   /// as soon as another one has begun or ended.

@@ -71,7 +71,9 @@ inline constexpr Block kActiveMap{0x05A0, 38};
 /// echo, error, s before another code is looked at, the unit's share (16) and confirmation (8), s that the host is
 /// armed (2)
 inline constexpr Block kArmAnswer{0x05D0, 29};
-inline constexpr std::uint16_t kRegisterSpace = 0x0640;  ///< nothing lies at or above
+/// echo, age of the stored state in s (2), rows, X Y Z of their compensation (4 each), wired inputs (2), 17 inputs
+inline constexpr Block kInputs{0x0640, 120};
+inline constexpr std::uint16_t kRegisterSpace = 0x06C0;  ///< nothing lies at or above
 
 // The memory window: a stretch of memory is written as up to 64 numbered blocks, then acknowledged all at once.
 inline constexpr std::size_t kKeyedCheckRegisters = 4;

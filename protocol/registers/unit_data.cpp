@@ -57,7 +57,8 @@ constexpr std::array<std::string_view, kCommandCount> kCommandNames{"none",
                                                                     "reset unit",
                                                                     "check memory",
                                                                     "stop",
-                                                                    "arm"};
+                                                                    "arm",
+                                                                    "set live input"};
 
 }  // namespace
 
@@ -80,6 +81,7 @@ bool acts_at_once(CommandCode code) noexcept {
     case CommandCode::run_ram_test:
     case CommandCode::clear_fault:
     case CommandCode::reset_unit:
+    case CommandCode::set_input:
       return true;
     default:
       return false;

@@ -11,6 +11,7 @@
 #include "core/address_map.hpp"
 #include "core/axis.hpp"
 #include "core/fault.hpp"
+#include "core/thermal.hpp"
 #include "protocol/registers/keys.hpp"
 #include "protocol/registers/register_map.hpp"
 
@@ -114,6 +115,24 @@ struct MonitorSample {
   friend bool operator==(const MonitorSample&, const MonitorSample&) = default;
 };
 
+struct InputStatus {
+  InputState state = InputState::unused;
+  double value = 0.0;        ///< that arrived last, degC, of the load kg
+  std::uint16_t faults = 0;  ///< since the loop began
+  bool wired = false;        ///< to a sensor; otherwise an armed host may set it
+  friend bool operator==(const InputStatus&, const InputStatus&) = default;
+};
+
+/// The live inputs and the thermal rows that follow them (core/thermal.hpp).
+struct LiveInputs {
+  std::uint32_t stored_age_s =
+      kUnused;             ///< age that the stored state of the lags had when the loop began; kUnused: none
+  std::uint16_t rows = 0;  ///< of the map in the loop
+  Vector3 thermal_um{};    ///< what the rows add to the compensation now
+  std::array<InputStatus, kLiveInputs> inputs{};  ///< temperatures 1 … 16, then the load
+  friend bool operator==(const LiveInputs&, const LiveInputs&) = default;
+};
+
 /// Why the unit does not do what it is asked. The number travels: append only.
 enum class UnitError : std::uint16_t {
   none = 0,
@@ -166,8 +185,9 @@ enum class CommandCode : std::uint16_t {
   check_memory = 15,  ///< address, length; result value = CRC-32 over that memory
   stop = 16,          ///< ends the command under way
   arm = 17,           ///< as a command it ends the arming of this host, which begins with an exchange (ArmShare)
+  set_input = 18,     ///< input, input_value; in every mode; an input without a wire of its own
 };
-inline constexpr std::uint16_t kCommandCount = 18;
+inline constexpr std::uint16_t kCommandCount = 19;
 [[nodiscard]] std::string_view name_of(CommandCode code) noexcept;
 
 /// What the bank to write holds when a staging begins.
@@ -298,6 +318,8 @@ struct Command {
   Axis axis = Axis::X;
   double position_mm = 0.0;
   double output_um = 0.0;
+  std::uint16_t input = 0;   ///< 0 … 15 temperature, 16 load
+  double input_value = 0.0;  ///< degC, kg
   bool relay_on = false;
   StagingFrom staging_from = StagingFrom::cleared;
   Address address = 0;

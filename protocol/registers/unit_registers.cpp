@@ -327,6 +327,24 @@ void fields(Pass& pass, T& sample) {
   for (const Axis a : kAllAxes) sample_fields(pass, sample.axes[index_of(a)], a);
 }
 
+/// The wired inputs travel as one mask.
+template <class Pass, Is<LiveInputs> T>
+void fields(Pass& pass, T& live) {
+  std::uint32_t wired = 0;
+  for (std::size_t i = 0; i < kLiveInputs; ++i) wired |= live.inputs[i].wired ? 1u << i : 0u;
+  pass.number(live.stored_age_s, "age of the stored state");
+  pass.number(live.rows, "thermal rows");
+  for (auto& um : live.thermal_um) pass.real(um, "thermal compensation");
+  pass.number(wired, "wired inputs");
+  for (std::size_t i = 0; i < kLiveInputs; ++i) {
+    auto& input = live.inputs[i];
+    pass.one_of(input.state, kInputStateCount, "input state");
+    pass.real(input.value, "input");
+    pass.number(input.faults, "input faults");
+    if constexpr (!std::is_const_v<T>) input.wired = (wired >> i & 1) != 0;
+  }
+}
+
 template <class Pass, class T>
 void arguments(Pass& pass, T& command) {
   switch (command.code) {
@@ -337,6 +355,9 @@ void arguments(Pass& pass, T& command) {
       pass.one_of(command.axis, kAxes, "axis");
       pass.real(command.output_um, "output");
       return pass.flag(command.relay_on, "relay");
+    case CommandCode::set_input:
+      pass.one_of(command.input, kLiveInputs, "input");
+      return pass.real(command.input_value, "input");
     case CommandCode::begin_staging:
       return pass.one_of(command.staging_from, 3, "staging from");
     case CommandCode::commit_staged:
@@ -523,6 +544,7 @@ ECS_BLOCK(Identity, "the identity");
 ECS_BLOCK(UnitStatus, "the status");
 ECS_BLOCK(ActiveMap, "the active map");
 ECS_BLOCK(MonitorSample, "the monitor sample");
+ECS_BLOCK(LiveInputs, "the live inputs");
 ECS_BLOCK(CommandResult, "the command result");
 ECS_BLOCK(WindowAck, "the acknowledgement");
 ECS_BLOCK(SessionState, "the session");

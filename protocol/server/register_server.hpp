@@ -73,6 +73,7 @@ class UnitPort {
   [[nodiscard]] virtual Identity identity() = 0;
   [[nodiscard]] virtual UnitStatus status() = 0;
   [[nodiscard]] virtual MonitorSample monitor() = 0;
+  [[nodiscard]] virtual LiveInputs live_inputs() { return {}; }
   [[nodiscard]] virtual UnitClock clock() = 0;
   /// A host has armed the unit.
   virtual void host_armed() {}

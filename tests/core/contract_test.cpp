@@ -48,7 +48,8 @@ TEST_CASE("every region of memory lies where docs/unit.md says") {
   CHECK(is_region(kCommitRecords, 0x0F0000, 128));
   CHECK(is_region(kBankA, 0x100000, 5 * kOneModule));
   CHECK(is_region(kBankB, 0x200000, 5 * kOneModule));
-  CHECK(kRegions.size() == 5);
+  CHECK(is_region(kThermalRecord, 0x0F1000, 640));
+  CHECK(kRegions.size() == 6);
   CHECK(bank_bytes(1) == kOneModule);
   CHECK(kMostValues == 160'000);
   CHECK(kUserRegisters == 0x040000);
@@ -92,8 +93,34 @@ TEST_CASE("an image has its numbers at the offsets of docs/core.md") {
   CHECK(std::memcmp(image.data() + 684, "words", 5) == 0);
   CHECK(kImageFormat == 2);
   CHECK(kFormatWithoutIdentity == 1);
+  CHECK(kFormatWithThermal == 3);
   CHECK(directory_offset(1) == 576);
   CHECK(kMostTables == 36);
+}
+
+TEST_CASE("an image of format 3 has thermal settings and rows behind its directory, at the offsets of docs/core.md") {
+  UnitParameters parameters;
+  set_configuration(parameters, "TX");
+  const std::vector<ThermalRow> rows{{Component::EZX, ThermalLaw::bending, 3, 5, -1.5, 21.0, 60.0, -250.0}};
+  const auto image =
+      image_of(parameters, {{Component::EXX, Approach::unknown, 0.0, 1.0, 0.01, {5, -6}}}, "words", rows);
+  REQUIRE(image.size() == 64 + 512 + 64 + 40 + 64 + 40 + 2 * 2 + 5);
+  CHECK(std::memcmp(image.data(), "ECSI\0\3", 6) == 0);
+  CHECK(number_at(image, 28) == 784);
+  CHECK(number_at(image, 44) == 680);
+  CHECK(number_at(image, 48) == 1);
+  const ThermalSettings usual;
+  const std::array numbers{usual.rate_um_per_s,      usual.hold_s,    usual.longest_age_s, usual.stuck_s,
+                           usual.fastest_degC_per_s, usual.step_degC, usual.least_degC,    usual.greatest_degC};
+  for (std::size_t i = 0; i < numbers.size(); ++i) CHECK(load_double(image, 680 + 8 * i) == numbers[i]);
+  CHECK(image[744] == 2);
+  CHECK(image[745] == 2);
+  CHECK(image[746] == 3);
+  CHECK(image[747] == 5);
+  CHECK(load_double(image, 752) == -1.5);
+  CHECK(load_double(image, 760) == 21.0);
+  CHECK(load_double(image, 768) == 60.0);
+  CHECK(load_double(image, 776) == -250.0);
 }
 
 TEST_CASE("an identity is cut at 16 and 40 bytes") {

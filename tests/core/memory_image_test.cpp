@@ -366,7 +366,7 @@ TEST_CASE("the largest map leaves room for its header in the banks of its module
 
 TEST_CASE("an image of another format or with impossible parameters says so") {
   Image image = small_image();
-  store_big(image, prefix_at::format, std::uint16_t{3});
+  store_big(image, prefix_at::format, std::uint16_t{4});
   CHECK(fault_of(image) == ImageFault::wrong_format);
   image = small_image();
   image[64] = 'Q';

@@ -69,9 +69,14 @@ TEST_CASE("checking, compiling and 10,000 ticks allocate nothing") {
   std::vector<PlannedTable> tables;
   for (std::size_t c = 0; c < kCurves; ++c)
     tables.push_back({static_cast<Component>(c), Approach::unknown, 0.0, 1.0, 1.0, {1, 2, 3, 4, 5}});
-  const auto image = image_of(p, tables, "header");
+  const std::vector<ThermalRow> rows{{Component::EXX, ThermalLaw::growth, 0, kNoInput, -11.0, 20.0, 30.0, 0.0},
+                                     {Component::EZX, ThermalLaw::bending, 1, 2, 4.0, 0.0, 60.0, 0.0},
+                                     {Component::EBX, ThermalLaw::shift, kMotionOfX, kNoInput, 3.0, 900.0, 600.0, 0.0}};
+  const auto image = image_of(p, tables, "header", rows);
   const auto map = std::make_unique<CompiledMap>();
   const auto state = std::make_unique<TickState>();
+  const auto thermal = std::make_unique<ThermalState>();
+  InputValues inputs{};
 
   REQUIRE(allocations_of([] {
             int* volatile kept = new int(1);  // else an optimised build leaves both out
@@ -81,7 +86,13 @@ TEST_CASE("checking, compiling and 10,000 ticks allocate nothing") {
   CHECK(allocations_of([&] {
           sound = check_image(image).fault == ImageFault::none && compile(ImageView(image), *map).fault == Fault::none;
           start(*state, {}, {}, {});
-          for (std::int64_t i = 0; i < 10'000; ++i) tick(*map, *state, {i * 7 % 5000, -i * 3 % 5000, i % 9});
+          (void)begin_thermal(map->thermal, *thermal, inputs, {}, nullptr, 0.0);
+          for (std::int64_t i = 0; i < 10'000; ++i) {
+            inputs[static_cast<std::size_t>(i % 3)] = {20.0 + static_cast<double>(i % 5), i % 11 != 0,
+                                                       static_cast<std::uint32_t>(i)};
+            if (i % 10 == 0) (void)step_thermal(map->thermal, *thermal, inputs, state->position_mm, 0.1);
+            tick(*map, *state, {i * 7 % 5000, -i * 3 % 5000, i % 9}, thermal->acting);
+          }
         }) == 0);
   CHECK(sound);
   CHECK(state->ticks == 10'000);

@@ -171,3 +171,25 @@ TEST_CASE("rotary axes that no machine can have are refused with their line and 
                       "machine.toml:10:12: axis.C.pivot_mm: expected a point x, y, z",
                       "machine.toml:11:13: axis.C.direction: expected a direction x, y, z that is not 0"});
 }
+
+TEST_CASE("[inputs] names the sensors at the unit's inputs, the load and the motion that warms the machine") {
+  const std::string axis = "configuration = \"TX\"\n[axis.X]\ntravel_mm = [0, 100]\n";
+  const Machine machine =
+      must(parse_machine(
+               axis + "[inputs]\nt_spindle_degC = 5\nt_air_degC = 16\nload_kg = true\nmotion_X_mm_min = 1200.0\n",
+               "machine.toml"))
+          .machine;
+  CHECK(machine.input_of("t_spindle_degC") == 4);
+  CHECK(machine.input_of("t_air_degC") == 15);
+  CHECK_FALSE(machine.input_of("t_column_degC"));
+  CHECK_FALSE(machine.input_of(""));
+  CHECK(machine.states_load);
+  CHECK(machine.full_duty_mm_min[0] == 1200.0);
+  CHECK_FALSE(must(parse_machine(axis, "machine.toml")).machine.states_load);
+  check_holds(failure(axis + "[inputs]\nt_a_degC = 17\nt_b_degC = 2\nt_c_degC = 2\nspindle = 1\nload_kg = 3\n"
+                             "motion_X_mm_min = 0\n"),
+              {"machine.toml:5:12: inputs.t_a_degC: expected the number of an input of the unit, 1 to 16, found 17",
+               "inputs.t_c_degC: expected an input of its own, not that of t_b_degC",
+               "inputs.spindle: expected the column of a sensor", "inputs.load_kg: expected true or false",
+               "inputs.motion_X_mm_min: expected a number above 0"});
+}

@@ -20,8 +20,11 @@ struct PlannedTable {
 };
 
 inline std::vector<std::uint8_t> image_of(const UnitParameters& parameters, const std::vector<PlannedTable>& tables,
-                                          std::string_view header = "") {
+                                          std::string_view header = "", const std::vector<ThermalRow>& thermal = {},
+                                          const ThermalSettings& settings = {}) {
   ImagePlan plan;
+  if (!thermal.empty()) plan.format = kFormatWithThermal;
+  plan.thermal_rows = static_cast<std::uint32_t>(thermal.size());
   plan.table_count = static_cast<std::uint32_t>(tables.size());
   for (const auto& t : tables) plan.value_count += static_cast<std::uint32_t>(t.counts.size());
   plan.header_bytes = static_cast<std::uint32_t>(header.size());
@@ -35,6 +38,7 @@ inline std::vector<std::uint8_t> image_of(const UnitParameters& parameters, cons
     write_entry(image, i, {t.component, t.approach, count == 0, next, count, t.start_mm, t.increment_mm, t.resolution});
     for (const std::int16_t counts : t.counts) write_value(image, next++, counts);
   }
+  if (!thermal.empty()) write_thermal(image, settings, thermal);
   write_header(image, header);
   seal_image(image);
   return image;

@@ -22,7 +22,7 @@ struct Bench {
   explicit Bench(const std::string& errors = "", const std::string& machine = small_machine(),
                  LinkSense link = LinkSense::integrate)
       : simulation(simulation_of(errors, machine)),
-        unit({"TEST-1", 1, modules_of(simulation.machine()), link}),
+        unit({"TEST-1", 1, modules_of(simulation.machine()), link, simulation.description().machine.inputs}),
         parameters(params::default_parameters_for(simulation.description().machine)) {
     simulation.attach(&unit);
     unit.power(true);
@@ -56,7 +56,8 @@ struct Bench {
   }
 
   std::vector<std::uint8_t> image(const CurveFunction& compensation) {
-    return image_of(parameters, simulation.description().machine, compensation, unit.settings().serial_number);
+    return image_of(parameters, simulation.description().machine, compensation, unit.settings().serial_number, thermal,
+                    thermal_settings);
   }
 
   /// Of one value everywhere.
@@ -83,6 +84,8 @@ struct Bench {
   Simulation simulation;
   Unit unit;
   UnitParameters parameters;
+  std::vector<ThermalRow> thermal;  ///< of the maps that image() makes
+  ThermalSettings thermal_settings;
 };
 
 inline bool all_relays(const Bench& bench, bool closed) {

@@ -17,7 +17,9 @@ using CurveFunction = std::function<double(Component, double position_mm, Approa
 /// of its axis, 0.01 um a count.
 inline std::vector<std::uint8_t> image_of(const UnitParameters& parameters, const params::Machine& machine,
                                           const CurveFunction& compensation,
-                                          std::string_view serial_number = "EMULATOR-1") {
+                                          std::string_view serial_number = "EMULATOR-1",
+                                          const std::vector<ThermalRow>& thermal = {},
+                                          const ThermalSettings& settings = {}) {
   const ComponentSet needed = components_needed(parameters);
   std::vector<TableEntry> entries;
   std::uint32_t values = 0;
@@ -31,11 +33,13 @@ inline std::vector<std::uint8_t> image_of(const UnitParameters& parameters, cons
       values += count;
     }
   }
-  const ImagePlan plan{static_cast<std::uint32_t>(entries.size()), values, 4};
+  const ImagePlan plan{static_cast<std::uint32_t>(entries.size()), values, 4,
+                       thermal.empty() ? kImageFormat : kFormatWithThermal, static_cast<std::uint32_t>(thermal.size())};
   std::vector<std::uint8_t> image(image_bytes(plan));
   begin_image(image, plan);
   write_parameters(image, parameters);
   write_identity(image, {serial_number, machine.name, configuration_hash(parameters)});
+  if (!thermal.empty()) write_thermal(image, settings, thermal);
   for (std::uint32_t i = 0; i < entries.size(); ++i) {
     const TableEntry& entry = entries[i];
     write_entry(image, i, entry);

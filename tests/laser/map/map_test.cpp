@@ -32,7 +32,76 @@ ErrorMap small_map() {
   return map;
 }
 
+ErrorMap warm_map() {
+  ErrorMap map = small_map();
+  map.header.inputs = {{2, "t_spindle_degC"}, {15, "t_material_degC"}};
+  map.header.thermal = {{Component::EXX, ThermalLaw::growth, 15, kNoInput, -11.5, 20.0, 0.0, -4100.0},
+                        {Component::EXX, ThermalLaw::shift, 2, 3, 0.1 + 0.2, 0.0, 1.0 / 3.0, 0.0},
+                        {Component::EXX, ThermalLaw::shift, kMotionOfX, kNoInput, 12.0, 900.0, 1800.0, 0.0},
+                        {Component::EXX, ThermalLaw::shift, kLoadInput, kNoInput, 0.01, 0.0, 0.0, 0.0}};
+  map.header.thermal_settings.hold_s = 90.0;
+  return map;
+}
+
+/// Of a one-axis machine X, for small_map().
+UnitParameters parameters_of_x() {
+  UnitParameters parameters;
+  parameters.configuration = {'T', 'X', 0, 0, 0};
+  parameters.axis_present = {true, false, false};
+  parameters.scope = Scope::linear;
+  return parameters;
+}
+
 }  // namespace
+
+TEST_CASE("thermal rows are lines of the text, numbers of the image, and come back from both to the last bit") {
+  const ErrorMap map = warm_map();
+  const std::string text = to_map_csv(map);
+  check_holds(text,
+              {"# input: 3 t_spindle_degC\n",
+               "# thermal: EXX growth input=16 coefficient=-11.5 reference=20 lag_s=0 origin_mm=-4100\n",
+               "# thermal: EXX shift input=3 minus=4 coefficient=0.30000000000000004 reference=0",
+               "# thermal: EXX shift input=motion_X coefficient=12 reference=900 lag_s=1800",
+               "# thermal: EXX shift input=load coefficient=0.01", "# thermal_settings: rate_um_per_s=0.5 hold_s=90 "});
+  CHECK(must(parse_map_csv(text, "map.csv")) == map);
+  const MapImage image = must(image_of(map, parameters_of_x()));
+  CHECK(ImageView(image.bytes).format() == kFormatWithThermal);
+  CHECK_FALSE(contains(ImageView(image.bytes).header(), "thermal"));
+  CHECK(must(content_of(image.bytes)).map == map);
+  const MapImage cold = must(image_of(small_map(), parameters_of_x()));
+  CHECK(ImageView(cold.bytes).format() == kImageFormat);
+}
+
+TEST_CASE("a thermal line that is none is refused with its line and a row to compare with") {
+  const auto refused = [](const std::string& line) {
+    return to_text(must_fail(
+        parse_map_csv("# machine: m\n# " + line + "\naxis,sense,approach,p_mm,value_um\nX,EX,0,0,0\n", "map.csv")));
+  };
+  for (const char* line : {"thermal: EXX growth input=17 coefficient=1 reference=20 lag_s=0 origin_mm=0",
+                           "thermal: EXX melting input=1 coefficient=1 reference=20 lag_s=0 origin_mm=0",
+                           "thermal: C0Y shift input=1 coefficient=1 reference=20 lag_s=0 origin_mm=0",
+                           "thermal: EAX growth input=1 coefficient=1 reference=20 lag_s=0 origin_mm=0",
+                           "thermal: EXX growth input=1 minus=load coefficient=1 reference=20 lag_s=0 origin_mm=0",
+                           "thermal: EXX growth input=1 coefficient=1e9 reference=20 lag_s=0 origin_mm=0",
+                           "thermal: EXX growth input=1 reference=20 lag_s=0 origin_mm=0"})
+    check_holds(refused(line), {"map.csv:2", "thermal: expected a row such as EZZ shift input=5 coefficient=2.4"});
+  CHECK(contains(refused("thermal_settings: rate_um_per_s=9"), "expected numbers within the ranges of the unit"));
+  CHECK(contains(refused("thermal_settings: speed=1"), "expected key=number, found \"speed=1\""));
+  CHECK(contains(refused("input: 0 t_x_degC"), "input: expected a number 1 to 16 and a sensor"));
+}
+
+TEST_CASE("rows beyond the unit's room are an objection, rows that act on nothing a remark") {
+  ErrorMap map = warm_map();
+  map.header.thermal.resize(kMostThermalRows + 1, map.header.thermal.front());
+  CHECK(
+      contains(to_text(must_fail(image_of(map, parameters_of_x()))), "has 33 thermal rows, the unit has room for 32"));
+  map.header.thermal = {{Component::EYX, ThermalLaw::shift, 0, kNoInput, 1.0, 20.0, 0.0, 0.0}};
+  bool said = false;
+  for (const MapFinding& finding : findings_for(map, parameters_of_x()))
+    said =
+        said || (!finding.objection && contains(finding.message, "thermal row EYX shift is not used by a TX machine"));
+  CHECK(said);
+}
 
 TEST_CASE("a map written as text reads back as the same map, header and all") {
   const ErrorMap map = small_map();

@@ -96,6 +96,7 @@ TEST_CASE("every block has the length that the register map gives it") {
   CHECK(pointer_registers_of(UnitStatus{}, 0).size() == kPointers.count);
   CHECK(registers_of(ActiveMap{}, 0).size() == kActiveMap.count);
   CHECK(registers_of(MonitorSample{}, 0).size() == kMonitor.count);
+  CHECK(registers_of(LiveInputs{}, 0).size() == kInputs.count);
   CHECK(registers_of(CommandResult{}, 0).size() == kCommandResult.count);
   CHECK(registers_of(WindowAck{}, 0).size() == kWindowAck.count);
   CHECK(registers_of(Command{}, 0).size() == kCommand.count);
@@ -111,6 +112,22 @@ TEST_CASE("every block has the length that the register map gives it") {
   CHECK(registers_of(ArmAnswer{}, 0).size() == kArmAnswer.count);
 }
 
+TEST_CASE("the live inputs come back from their registers as they were") {
+  LiveInputs live;
+  live.stored_age_s = 4711;
+  live.rows = 5;
+  live.thermal_um = {-12.5, 0.25, 1e-3};
+  live.inputs[0] = {InputState::good, 23.75, 0, true};
+  live.inputs[15] = {InputState::stuck, -4.5, 3, true};
+  live.inputs[kLoadInput] = {InputState::missing, 0.0, 65535, false};
+  CHECK(must(value_in<LiveInputs>(registers_of(live, 9))) == live);
+  Command command{.code = CommandCode::set_input, .input = 16, .input_value = 812.5};
+  CHECK(must(value_in<Command>(registers_of(command, 9))) == command);
+  Registers registers = registers_of(command, 9);
+  registers[11] = 17;  // the first argument
+  CHECK(contains(must_fail(value_in<Command>(registers)).message, "input: expected a number below 17"));
+}
+
 TEST_CASE("answer blocks do not overlap and fit one read") {
   const std::array blocks{kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck,
                           kMemory,   kChecks, kEvents,  kSession,  kActiveMap,     kArmAnswer};
@@ -122,7 +139,9 @@ TEST_CASE("answer blocks do not overlap and fit one read") {
   CHECK(kCheckSelect.end() <= kResultSelect.first);
   CHECK(kResultSelect.end() <= kArmShare.first);
   CHECK(kArmShare.end() <= kArmConfirm.first);
-  CHECK(kArmConfirm.end() <= kRegisterSpace);
+  CHECK(kArmConfirm.end() <= kInputs.first);
+  CHECK(kInputs.count <= kMostRead);
+  CHECK(kInputs.end() <= kRegisterSpace);
   CHECK(kEcho.end() <= kReadSelect.first);
   CHECK(kReadSelect.end() <= kWindowOpen.first);
   CHECK(kWindowOpen.end() <= kCommand.first);

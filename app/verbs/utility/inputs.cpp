@@ -1,0 +1,86 @@
+// `ecs utility inputs, input`: the live inputs of the unit with the thermal rows that follow them, and one that no
+// sensor is wired to.
+#include <fmt/format.h>
+
+#include "app/cli/verb.hpp"
+#include "app/cli/verb_unit.hpp"
+#include "base/answer_table.hpp"
+#include "base/text.hpp"
+#include "protocol/registers/unit_data.hpp"
+
+namespace ecs::app {
+namespace {
+
+std::string name_of_input(std::size_t input) { return input == kLoadInput ? "load" : std::to_string(input + 1); }
+
+Cell input_cell(std::size_t i, const protocol::InputStatus& input) {
+  const bool arrived = input.state != InputState::missing || input.value != 0.0;
+  return record_cell("{input:>5}  {value:>10} {unit:<5} {state:<13} {faults:>6}  {wired}\n",
+                     "input"_is(name_of_input(i)), "value"_is(arrived ? number_cell(input.value, 2) : null_cell("-")),
+                     "unit"_is(i == kLoadInput ? "kg" : "degC"), "state"_is(name_of(input.state)),
+                     "faults"_is(input.faults), "wired"_is(input.wired, "sensor", "host"));
+}
+
+Cell inputs_cell(const protocol::LiveInputs& live) {
+  Cell list{Json::array(), "input       value       state         faults  from\n"};
+  for (std::size_t i = 0; i < kLiveInputs; ++i) {
+    const protocol::InputStatus& input = live.inputs[i];
+    if (input.state != InputState::unused || input.wired || input.value != 0.0) list.add(input_cell(i, input));
+  }
+  if (list.json.empty()) list.text = "no input is wired, set or followed by the map\n";
+  return list;
+}
+
+Cell rows_cell(const protocol::LiveInputs& live) {
+  if (live.rows == 0) return {0, "no thermal rows act now\n"};
+  return {live.rows, fmt::format("{} thermal row{} act{}: X {:+.2f}, Y {:+.2f}, Z {:+.2f} um\n", live.rows,
+                                 live.rows == 1 ? "" : "s", live.rows == 1 ? "s" : "", live.thermal_um[0],
+                                 live.thermal_um[1], live.thermal_um[2])};
+}
+
+Result<Outcome> show_inputs(VerbContext& context, const cli::Nothing&) {
+  ECS_TRY(unit, open_unit(context));
+  ECS_TRY(live, unit.client().live_inputs());
+  const bool stored = live.stored_age_s != protocol::kUnused;
+  return outcome_of(record_cell(
+      "{rows}{stored_age_s}{inputs}", "rows"_is(rows_cell(live)),
+      "thermal_um"_is(Cell{Json{{"X", live.thermal_um[0]}, {"Y", live.thermal_um[1]}, {"Z", live.thermal_um[2]}}, {}}),
+      "stored_age_s"_is(
+          stored ? Cell{live.stored_age_s, fmt::format("they began with a stored state, {} s old\n", live.stored_age_s)}
+                 : null_cell()),
+      "inputs"_is(inputs_cell(live))));
+}
+
+struct InputRequest {
+  std::string input;
+  double value = 0.0;
+  static Fields<InputRequest> fields() {
+    using R = InputRequest;
+    return {{"INPUT", &R::input, "number of a temperature input, 1 to 16, or load", Need::required},
+            {"VALUE", &R::value, "temperature [degC], or load [kg]", Need::required}};
+  }
+};
+
+Result<Outcome> set_input(VerbContext& context, const InputRequest& request) {
+  const auto number = integer_in(request.input);
+  const bool load = request.input == "load";
+  if (!load && !(number && *number >= 1 && *number <= static_cast<long long>(kTemperatureInputs)))
+    return problem(ProblemKind::usage,
+                   fmt::format("INPUT: expected 1 to {}, or load, got {}", kTemperatureInputs, request.input));
+  const auto input = static_cast<std::uint16_t>(load ? static_cast<long long>(kLoadInput) : *number - 1);
+  ECS_TRY(unit, open_unit(context));
+  ECS_DO(unit.client().set_input(input, request.value));
+  return outcome_of(record_cell("input {input}: {value} {unit}", "input"_is(request.input), "value"_is(request.value),
+                                "unit"_is(load ? "kg" : "degC")));
+}
+
+}  // namespace
+
+extern const std::vector<Action> kUtilityInputs{
+    action("utility inputs", "show temperatures and load at the unit, their state, and the thermal compensation",
+           "ecs utility inputs --json", show_inputs, {.link = Link::reads}),
+    action("utility input",
+           "set a temperature or the load at an input without a sensor; also while the unit compensates",
+           "ecs utility input 3 24.5\n  ecs utility input load 800", set_input, {.link = Link::writes})};
+
+}  // namespace ecs::app
