@@ -181,6 +181,10 @@ ImportArguments with_found_profile(std::string_view bytes, const std::string& fi
   if (!given.profile.empty() || !given.columns.empty() || !given.matrix.empty()) return given;
   constexpr std::size_t kHeadBytes = 16 * 1024;  // what identifies a file is at its start
   const auto text = laser::decoded(bytes.substr(0, kHeadBytes), file);
+  // a measurement CSV made from such a file keeps its words as a comment
+  if (const auto* format = text ? laser::recognised_format(text->text, file) : nullptr;
+      format == laser::file_formats().front())
+    return given;
   const auto profiles = shipped_profiles();
   const auto found = std::find_if(profiles.begin(), profiles.end(),
                                   [&](const fs::path& path) { return text && is_for(path, text->text); });

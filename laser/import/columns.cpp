@@ -21,6 +21,7 @@
 #include "laser/import/import.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/rows.hpp"
+#include "laser/import/set_up.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -424,7 +425,9 @@ ChannelLog channels_in(const Plan& plan, const ColumnMapping& mapping, const Tab
 /// comments. Every bad row is reported with line and column.
 /// @pre options.mapping
 Result<MeasurementSet> read_columns(std::string_view text, const std::string& file_name, const ImportOptions& options) {
-  const ColumnMapping& mapping = *options.mapping;
+  ColumnMapping mapping = *options.mapping;
+  const bool in_motion =
+      std::erase_if(mapping.rules, [](const ColumnRule& rule) { return is_word(rule, "rows", "in_motion"); }) > 0;
   Plan plan{fields_of(mapping.rules),
             options.axis,
             options.rotary,
@@ -475,6 +478,9 @@ Result<MeasurementSet> read_columns(std::string_view text, const std::string& fi
   if (!channel.empty()) set.metadata.push_back({"channel", channel});
   note_rows(set, options, table, left_out);
   finish(set, mapping, plan);
+  if (in_motion) keep_in_motion(set);
+  if (set.readings.empty())
+    return problem_at(file_name, 0, 0, "expected readings during motion, found none: leave rows=in_motion out");
   return set;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,8 +35,13 @@ constexpr std::size_t kRowsATurn = 4;  ///< positions turn back less often than 
 constexpr double kGreatestSlope_um_per_mm = 0.3;
 /// Errors lie round the 0 of a readout; coordinates that hardly change lie far from it.
 constexpr double kGreatestOffset = 3.0;
-/// Actual positions are as close to their targets as this part of the travel.
-constexpr double kClose = 0.001;
+/// Actual positions are as close to their targets as this part of the travel; of a poor encoder, whose positions begin
+/// and end with the targets, as this.
+constexpr double kClose = 0.001, kLooselyClose = 0.05;
+/// An axis at one place for so many rows one after the other rests.
+constexpr std::size_t kRowsAtRest = 10;
+/// Visits of one point are as close together as this part of the distances between points.
+constexpr double kOfOnePoint = 0.05;
 constexpr std::size_t kMostNamed = 12;
 /// Farther than any axis goes, and what the readers refuse: stamps of time in ticks.
 constexpr double kFarthest_mm = 1e6;
@@ -183,6 +189,32 @@ bool are_actual(const TableColumn& column, const TableColumn& targets) {
   return largest > 0.0 && largest <= kClose * targets.span() * targets.as_target();
 }
 
+/// Positions of a poor encoder: the same travel, of each row not far from the target, and not its axis by the headings.
+bool are_loosely_actual(const TableColumn& column, const TableColumn& targets) {
+  const double allowed = kLooselyClose * targets.span();
+  if (column.unit || targets.unit || column.span() == 0.0) return false;
+  if (std::abs(column.least() - targets.least()) > allowed || std::abs(column.most() - targets.most()) > allowed)
+    return false;
+  for (std::size_t i = 0; i < column.values.size(); ++i)
+    if (std::abs(column.values[i] - targets.values[i]) > allowed) return false;
+  return column.values != targets.values;
+}
+
+/// Positions without a unit that cover just one turn.
+bool is_one_turn(const TableColumn& targets) {
+  constexpr double kTurn = 360.0;
+  return !targets.unit && std::abs(targets.span() - kTurn) < kLooselyClose * kTurn;
+}
+
+bool rests(const TableColumn& targets) {
+  std::size_t same = 1, longest = 1;
+  for (std::size_t i = 1; i < targets.values.size(); ++i) {
+    same = targets.values[i] == targets.values[i - 1] ? same + 1 : 1;
+    longest = std::max(longest, same);
+  }
+  return longest >= kRowsAtRest;
+}
+
 bool are_errors(const TableColumn& column, const TableColumn& targets) {
   const double largest = std::max(std::abs(column.least()), std::abs(column.most()));
   return column.span() > 0.0 &&
@@ -264,6 +296,18 @@ std::string sensor_of(const TableColumn& column) {
   return fmt::format("t_{}_degC", name.empty() ? std::to_string(column.number) : name);
 }
 
+/// 0, 1, 2, ... or 1, 2, 3, ... again in each run: in place of a time, one a second.
+bool counts_rows_of_runs(const TableColumn& column) {
+  std::size_t begins = 0;
+  for (std::size_t i = 0; i < column.values.size(); ++i) {
+    const bool goes_on = i > 0 && column.values[i] == column.values[i - 1] + 1.0;
+    if (goes_on) continue;
+    if (column.values[i] != column.values.front()) return false;
+    ++begins;
+  }
+  return begins > 1 && (column.values.front() == 0.0 || column.values.front() == 1.0);
+}
+
 /// Temperatures, air and time as their headings name them.
 std::string condition_rules(const Columns& columns, bool dated) {
   std::string rules;
@@ -278,6 +322,9 @@ std::string condition_rules(const Columns& columns, bool dated) {
     if (column.meaning == Meaning::humidity && !column.unit) add("humidity_pct", column);
     if (column.meaning == Meaning::time && !dated) add("time_s", column);
   }
+  for (const TableColumn& column : columns)
+    if (column.is_number() && column.meaning == Meaning::counter && !dated && counts_rows_of_runs(column))
+      add("time_s", column);
   return rules;
 }
 
@@ -365,9 +412,93 @@ std::string pair_text(const TableColumn& targets, const TableColumn& readings, b
       others);
 }
 
-/// The options for the first pair of columns that look like it, targets and positions reached before errors.
+/// Positions of a poor encoder beside their targets.
+std::optional<std::string> loose_advice(const Columns& columns, const TableShape& shape) {
+  for (const TableColumn& targets : columns) {
+    if (!could_be_targets(targets, columns)) continue;
+    for (const TableColumn& actual : columns) {
+      if (&actual == &targets || !actual.is_number() || !are_loosely_actual(actual, targets)) continue;
+      const bool turns = is_one_turn(targets);
+      const std::string unit = turns ? "deg" : "mm";
+      return fmt::format(
+          "--columns \"{0}={1}[{2}],reading={3}[{2}]{4}{5}\" --values actual{6} reads column {1} as targets and column "
+          "{3} "
+          "as the positions reached, if that is their meaning",
+          turns ? fmt::format("{}_deg", axis_letter(targets, "abc", 'c'))
+                : fmt::format("{}_mm", axis_letter(targets, "xyz", 'x')),
+          targets.number, unit, actual.number, go_both_ways(targets) ? ",approach=motion,run=motion" : "",
+          rests(targets) ? ",rows=in_motion" : "", row_options(shape));
+    }
+  }
+  return std::nullopt;
+}
+
+/// Columns of numbers whose headings name X, Y and Z beside one of these words; all three or none.
+std::vector<const TableColumn*> coordinates(const Columns& columns, std::initializer_list<std::string_view> words) {
+  std::vector<const TableColumn*> found;
+  for (const char letter : {'x', 'y', 'z'})
+    for (const TableColumn& column : columns) {
+      const auto named = heading_words(column.heading);
+      const bool fits = column.is_number() && (!column.unit || column.unit->kind == UnitKind::length) &&
+                        axis_letter(column, "xyz", ' ') == letter &&
+                        std::ranges::any_of(named, [&](const std::string& word) { return is_one_of(word, words); });
+      if (fits && found.size() == static_cast<std::size_t>(letter - 'x')) found.push_back(&column);
+    }
+  if (found.size() != kAxes) found.clear();
+  return found;
+}
+
+/// Centres of a ball as the control saw them at several angles of rotary axes.
+std::optional<std::string> ball_advice(const Columns& columns, const TableShape& shape) {
+  const auto centre = coordinates(columns, {"center", "centre", "ball", "sphere", "tip", "tcp", "kugel", "mitte"});
+  std::string angles;
+  for (const TableColumn& column : columns)
+    if (const char letter = axis_letter(column, "abc", ' '); column.is_number() && column.turns() && letter != ' ')
+      angles += fmt::format("{}_deg={}[{}],", letter, column.number, column.unit->name);
+  if (centre.empty() || angles.empty()) return std::nullopt;
+  std::string tips;
+  for (std::size_t d = 0; d < kAxes; ++d)
+    tips += fmt::format("{}tip_{}_mm={}[{}]", d == 0 ? "" : ",", "xyz"[d], centre[d] -> number,
+                        centre[d] -> unit ? centre[d] -> unit -> name : "mm");
+  return fmt::format(
+      "--columns \"{}{}\"{} reads column {}, {} and {} as tool centre points at a ball, if that is their meaning",
+      angles, tips, row_options(shape), centre[0]->number, centre[1]->number, centre[2]->number);
+}
+
+/// Points that are visited again and again: a column that counts them, and three coordinates.
+std::optional<std::string> points_advice(const Columns& columns, const TableShape& shape) {
+  std::vector<const TableColumn*> numbers;
+  for (const TableColumn& column : columns)
+    if (column.is_number()) numbers.push_back(&column);
+  if (numbers.size() != 1 + kAxes || !are_runs(*numbers.front())) return std::nullopt;
+  std::map<double, std::vector<std::size_t>> visits;
+  for (std::size_t i = 0; i < numbers.front()->values.size(); ++i) visits[numbers.front()->values[i]].push_back(i);
+  double apart = 0.0, scatter = 0.0;
+  for (std::size_t c = 1; c <= kAxes; ++c) {
+    apart = std::max(apart, numbers[c]->span());
+    for (const auto& [point, rows] : visits) {
+      if (rows.size() < 2) return std::nullopt;
+      const auto [least, most] = std::ranges::minmax(rows, {}, [&](std::size_t i) { return numbers[c]->values[i]; });
+      scatter = std::max(scatter, numbers[c]->values[most] - numbers[c]->values[least]);
+    }
+  }
+  if (visits.size() < 2 || scatter > kOfOnePoint * apart) return std::nullopt;
+  std::string rules = fmt::format("{}={}", kPointColumn, numbers.front()->number);
+  for (std::size_t c = 1; c <= kAxes; ++c)
+    rules += fmt::format(",measured_{}_mm={}[{}]", "xyz"[c - 1], numbers[c] -> number,
+                         numbers[c] -> unit ? numbers[c] -> unit -> name : "mm");
+  return fmt::format(
+      "--columns \"{}\"{} reads column {} as the number of a point and the next three as its X, Y and Z, if that is "
+      "their meaning",
+      rules, row_options(shape), numbers.front()->number);
+}
+
+/// The options for columns that look like a measurement: of a ball, of points, else the first pair of targets and
+/// positions reached, else of targets and errors.
 std::optional<std::string> pair_advice(const Columns& columns, const TableShape& shape) {
-  for (const bool actual : {true, false})
+  if (auto ball = ball_advice(columns, shape)) return ball;
+  if (auto points = points_advice(columns, shape)) return points;
+  for (const bool actual : {true, false}) {
     for (const TableColumn& targets : columns) {
       if (!could_be_targets(targets, columns)) continue;
       for (const TableColumn& readings : columns)
@@ -376,6 +507,8 @@ std::optional<std::string> pair_advice(const Columns& columns, const TableShape&
                     : readings.meaning == Meaning::reading || are_errors(readings, targets)))
           return pair_text(targets, readings, actual, shape, columns);
     }
+    if (auto loose = actual ? loose_advice(columns, shape) : std::nullopt) return loose;
+  }
   return std::nullopt;
 }
 

@@ -17,6 +17,8 @@
 namespace ecs::laser {
 namespace {
 
+constexpr std::string_view kTip = "tip_";
+
 /// The kind of unit that a field may have; nothing: none.
 std::optional<UnitKind> kind_of(const Field& field) {
   if (field.role == Role::position || field.role == Role::measured) return UnitKind::length;
@@ -48,14 +50,28 @@ std::string units_fault(const Plan& plan) {
   return {};
 }
 
-/// Each measured position needs its nominal one.
+/// Each measured position needs its nominal one, or the column of its point; those of a ball the angles.
 std::string measured_fault(const std::vector<Field>& fields) {
+  const auto has = [&](std::string_view name) {
+    return std::ranges::any_of(fields, [&](const Field& other) { return other.rule.field == name; });
+  };
   for (const Field& field : fields) {
     const auto axis = measured_direction(field.rule.field);
     if (!axis) continue;
     const std::string_view nominal = kPositionColumns[index_of(*axis)];
-    if (std::ranges::none_of(fields, [&](const Field& other) { return other.rule.field == nominal; }))
-      return fmt::format("columns: {} needs {}, the nominal position, found none", field.rule.field, nominal);
+    if (!is_tip(field.rule.field)) {
+      if (!has(nominal) && !has(kPointColumn))
+        return fmt::format("columns: {} needs {}, the nominal position, or {}, the number of the point, found none",
+                           field.rule.field, nominal, kPointColumn);
+      continue;
+    }
+    if (has(nominal))
+      return fmt::format("columns: {} is compared with its mean: expected no {}", field.rule.field, nominal);
+    for (const char letter : {'x', 'y', 'z'})
+      if (!has(fmt::format("tip_{}_mm", letter)))
+        return fmt::format("columns: expected tip_x_mm, tip_y_mm and tip_z_mm, found no tip_{}_mm", letter);
+    if (!has_role(fields, Role::angle))
+      return "columns: tip_x_mm needs a_deg, b_deg or c_deg, the angles of the rotary axes, found none";
   }
   return {};
 }
@@ -75,12 +91,14 @@ std::optional<Pass> pass_named(std::string_view field) {
 }
 
 std::optional<Axis> measured_direction(std::string_view field) {
-  constexpr std::string_view kBefore = "measured_";
-  if (!field.starts_with(kBefore)) return std::nullopt;
+  constexpr std::string_view kMeasured = "measured_";
+  if (!field.starts_with(kMeasured) && !field.starts_with(kTip)) return std::nullopt;
   for (const Axis axis : kAllAxes)
-    if (field.substr(kBefore.size()) == kPositionColumns[index_of(axis)]) return axis;
+    if (field.substr(field.find('_') + 1) == kPositionColumns[index_of(axis)]) return axis;
   return std::nullopt;
 }
+
+bool is_tip(std::string_view field) { return field.starts_with(kTip) && measured_direction(field); }
 
 Role role_of(std::string_view name) {
   if (std::ranges::find(kPositionColumns, name) != kPositionColumns.end()) return Role::position;

@@ -31,7 +31,7 @@ enum class Role {
   error,
   own_sense,
   pass,
-  measured,  ///< measured_x_mm: where a nominal position was found
+  measured,  ///< measured_x_mm: where a nominal position was found; tip_x_mm: where the control saw a ball
   axis,
   sense,
   approach,
@@ -46,8 +46,14 @@ struct Field {
   [[nodiscard]] std::size_t last() const { return index + static_cast<std::size_t>(rule.columns - 1); }
 };
 
-/// The direction of "measured_x_mm".
+/// The direction of "measured_x_mm" or "tip_x_mm".
 [[nodiscard]] std::optional<Axis> measured_direction(std::string_view field);
+
+/// "tip_x_mm": the tool centre point that the control shows while the probe is at a ball.
+[[nodiscard]] bool is_tip(std::string_view field);
+
+/// The column of the point that a row measures, where no nominal positions are mapped.
+inline constexpr std::string_view kPointColumn = "point";
 
 [[nodiscard]] Role role_of(std::string_view field);
 

@@ -103,10 +103,11 @@ Result<Imported> turned(Result<Imported> imported, const ImportOptions& options)
   return imported;
 }
 
+/// With the nominal ones beside them.
 bool gives_measured_positions(const ImportOptions& options) {
-  return options.mapping && std::ranges::any_of(options.mapping->rules, [](const ColumnRule& rule) {
-           return measured_direction(rule.field).has_value();
-         });
+  const auto any = [&](auto is) { return options.mapping && std::ranges::any_of(options.mapping->rules, is); };
+  return any([](const ColumnRule& rule) { return measured_direction(rule.field).has_value(); }) &&
+         any([](const ColumnRule& rule) { return role_of(rule.field) == Role::position; });
 }
 
 }  // namespace

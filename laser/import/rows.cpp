@@ -129,6 +129,48 @@ void number_runs(MeasurementSet& set) {
   if (repeated) set.notes.push_back("no column for the run: repeats at a target are numbered in their order");
 }
 
+/// Measured positions without nominal ones: the nominal position of a point is the mean of its readings. Of a ball that
+/// the control sees at its tool centre point, the tool is off by the opposite (error = actual - target), `x_mm` … are
+/// that point (`at_tip`), and the axis that moved is the rotary one whose angle changed.
+void compare_with_means(MeasurementSet& set, const Plan& plan) {
+  const bool tips = std::ranges::any_of(plan.fields, [](const Field& field) { return is_tip(field.rule.field); });
+  if (!has_role(plan.fields, Role::measured) || (!tips && has_role(plan.fields, Role::position))) return;
+  const auto point_of = [&](const Reading& reading) {
+    const auto found = reading.extras.find(kPointColumn);
+    return found == reading.extras.end() ? 0.0 : found->second;
+  };
+  std::map<double, std::array<std::pair<double, int>, kAxes>> sums;  // of each point, along X, Y, Z [um]
+  for (const Reading& reading : set.readings) {
+    auto& [sum, count] = sums[point_of(reading)][index_of(direction_of(reading.sense))];
+    sum += reading.error;
+    ++count;
+  }
+  Vector3 last_deg = set.readings.empty() ? Vector3{} : set.readings.front().angle_deg;
+  std::size_t turned = 0;
+  while (tips && std::ranges::none_of(plan.fields,
+                                      [&](const Field& field) { return field.rule.field == kAngleColumns[turned]; }))
+    ++turned;
+  for (Reading& reading : set.readings) {
+    const auto& means = sums[point_of(reading)];
+    for (std::size_t d = 0; d < kAxes; ++d)
+      if (means[d].second > 0) reading.position_mm[d] = means[d].first / means[d].second / kUmPerMm;
+    const auto& [sum, count] = means[index_of(direction_of(reading.sense))];
+    reading.error -= sum / count;
+    if (!tips) continue;
+    reading.error = -reading.error;
+    reading.extras["at_tip"] = 1.0;
+    for (std::size_t a = 0; a < kAxes; ++a)
+      if (reading.angle_deg[a] != last_deg[a]) turned = a;
+    last_deg = reading.angle_deg;
+    reading.axis = kAllAxes[turned];
+    reading.rotary = true;
+  }
+  set.notes.emplace_back(
+      tips ? "targets are the mean of the tool centre points at the ball: error = target - point, because "
+             "the ball is where the tool is"
+           : "targets are the means of each point: error = position - mean of its point");
+}
+
 }  // namespace
 
 std::string joined_cells(const std::vector<std::string_view>& cells, const Field& field) {
@@ -235,6 +277,7 @@ void finish(MeasurementSet& set, const ColumnMapping& mapping, const Plan& plan)
     return field.rule.field == "run" || field.role == Role::pass || field.rule.field == "time_s" ||
            field.role == Role::date_time;
   });
+  compare_with_means(set, plan);
   if (mapping.motion_approach || mapping.motion_run) take_motion(set, mapping);
   if (!has_run && !mapping.motion_run) number_runs(set);
   if (has_role(plan.fields, Role::date_time)) begin_at_zero(set);

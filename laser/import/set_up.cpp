@@ -247,4 +247,28 @@ void keep_at_rest(MeasurementSet& set, std::optional<double> at_rest_mm, bool av
   number_rows(set);
 }
 
+void keep_in_motion(MeasurementSet& set) {
+  constexpr double kUsual = 0.5;
+  std::map<std::pair<Axis, Sense>, double> last;
+  std::vector<double> step(set.readings.size(), 0.0), moved;
+  for (std::size_t i = 0; i < set.readings.size(); ++i) {
+    const Reading& reading = set.readings[i];
+    const auto [before, is_new] = last.try_emplace({reading.axis, reading.sense}, target_of(reading));
+    step[i] = std::abs(target_of(reading) - before->second);
+    before->second = target_of(reading);
+    if (step[i] > kSamePlace_mm) moved.push_back(step[i]);
+  }
+  std::vector<Reading> kept;
+  if (!moved.empty()) {
+    std::ranges::nth_element(moved, moved.begin() + static_cast<std::ptrdiff_t>(moved.size() / 2));
+    const double least = kUsual * moved[moved.size() / 2];
+    for (std::size_t i = 0; i < set.readings.size(); ++i)
+      if (step[i] >= least) kept.push_back(std::move(set.readings[i]));
+  }
+  set.notes.push_back(
+      fmt::format("{} readings at rest or below half the usual speed are ignored", set.readings.size() - kept.size()));
+  set.readings = std::move(kept);
+  number_rows(set);
+}
+
 }  // namespace ecs::laser

@@ -43,4 +43,9 @@ void take_out_set_up(MeasurementSet& set);
 /// readings were left out and averaged.
 void keep_at_rest(MeasurementSet& set, std::optional<double> at_rest_mm, bool average);
 
+/// Keeps the readings of a scan taken while the moving axis goes on by at least half its usual step from the reading of
+/// the same axis and sense before (the usual step is the median of all that are not 0): neither rests nor the ends of a
+/// stroke. A note states how many readings were left out.
+void keep_in_motion(MeasurementSet& set);
+
 }  // namespace ecs::laser

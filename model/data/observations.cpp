@@ -28,6 +28,8 @@ using laser::Reading;
 /// Columns of readings of a ball or another artefact: 1 where the sensor turns with the workpiece, and the tool offset.
 constexpr std::string_view kOnWorkpiece = "on_workpiece";
 constexpr std::array<std::string_view, kAxes> kToolColumns{"tool_x_mm", "tool_y_mm", "tool_z_mm"};
+/// 1 where x_mm, y_mm, z_mm are the tool centre point that the control shows, not the linear axes.
+constexpr std::string_view kAtTip = "at_tip";
 /// Nearer places are those of one ball.
 constexpr double kSameBall_mm = 1.0;
 /// A ball has three unknowns in the directions of one angle.
@@ -240,7 +242,8 @@ double share_along(const Vector3& a, const Vector3& b) {
 
 /// How the errors of the rotary axes reach a reading, in the directions of the bed, or of the workpiece where the
 /// sensor turns with it.
-ThroughChain through_chain_of(const Reading& r, const kinematics::JointMachine& machine,
+/// @param place_mm  of the linear axes
+ThroughChain through_chain_of(const Reading& r, const Vector3& place_mm, const kinematics::JointMachine& machine,
                               const kinematics::MachinePose& pose) {
   const bool turns_along = number_or_0(r, kOnWorkpiece) != 0.0;
   Vector3 direction{};
@@ -253,7 +256,7 @@ ThroughChain through_chain_of(const Reading& r, const kinematics::JointMachine& 
     for (std::size_t s = 0; s < 2 * kAxes; ++s) {
       Vector3 moved = pose.gain[j][s].at_0;
       for (std::size_t l = 0; l < kAxes; ++l)
-        for (std::size_t d = 0; d < kAxes; ++d) moved[d] += pose.gain[j][s].slope[l][d] * r.position_mm[l];
+        for (std::size_t d = 0; d < kAxes; ++d) moved[d] += pose.gain[j][s].slope[l][d] * place_mm[l];
       if (is_rotation(r.sense)) moved = s < kAxes ? Vector3{} : pose.about[j][s - kAxes];
       chain.of_axis[j - kAxes][s] = share_along(moved, direction);
     }
@@ -264,6 +267,26 @@ ThroughChain through_chain_of(const Reading& r, const kinematics::JointMachine& 
     chain.of_tool[d] = share_along(pose.tool[d], direction);
   }
   return chain;
+}
+
+/// Where the linear axes stand while the tool is at a point of the workpiece (Cramer's rule); nothing if they cannot
+/// reach every point at these angles.
+std::optional<Vector3> linear_axes_at(const kinematics::MachinePose& pose, const Vector3& point_mm) {
+  constexpr double kLeastVolume = 1e-6;  // of directions of length 1
+  const auto volume = [](const Vector3& a, const Vector3& b, const Vector3& c) {
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  };
+  const std::array<Vector3, kAxes>& along = pose.tool_mm.slope;
+  const double whole = volume(along[0], along[1], along[2]);
+  if (std::abs(whole) < kLeastVolume) return std::nullopt;
+  Vector3 place_mm{}, rest{};
+  for (std::size_t d = 0; d < kAxes; ++d) rest[d] = point_mm[d] - pose.tool_mm.at_0[d];
+  for (std::size_t l = 0; l < kAxes; ++l) {
+    std::array<Vector3, kAxes> columns = along;
+    columns[l] = rest;
+    place_mm[l] = volume(columns[0], columns[1], columns[2]) / whole;
+  }
+  return place_mm;
 }
 
 /// Angles that the machine does not have.
@@ -358,6 +381,7 @@ void take_chain(Observations& data, const MeasurementSet& set, const std::option
   const bool any_translation = std::ranges::any_of(data.sense, [](Sense sense) { return !is_rotation(sense); });
   if (!has_places(set) || !any_translation) return;
   for (const std::size_t k : data.file_order) data.place_mm.push_back(set.readings[k].position_mm);
+  const bool at_tip = std::ranges::any_of(set.readings, [](const Reading& r) { return number_or_0(r, kAtTip) != 0.0; });
   auto joints = machine ? params::joint_machine_of(*machine) : std::nullopt;
   if (!joints) {
     data.notes.emplace_back(
@@ -368,17 +392,18 @@ void take_chain(Observations& data, const MeasurementSet& set, const std::option
   data.machine.rotary_configuration = machine->rotary_configuration;
   data.machine.rotary = machine->rotary;
   data.notes.emplace_back(
-      "this model does not include errors of X, Y and Z: uncompensated squareness or straightness appears as waves of "
-      "the rotary axes");
+      "of X, Y and Z only scale and squareness can be tried (linear_axes): uncompensated straightness appears as waves "
+      "of the rotary axes");
   std::map<std::pair<Vector3, Vector3>, kinematics::MachinePose> poses;  // by angles and tool offset
   std::vector<Vector3> point_mm;
-  for (const std::size_t k : data.file_order) {
-    const Reading& r = set.readings[k];
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const Reading& r = set.readings[data.file_order[k]];
     for (std::size_t d = 0; d < kAxes; ++d) joints->tool_offset_mm[d] = number_or_0(r, kToolColumns[d]);
     const auto [found, is_new] = poses.try_emplace({r.angle_deg, joints->tool_offset_mm});
     if (is_new) found->second = kinematics::pose_at(*joints, r.angle_deg);
-    data.through_chain.push_back(through_chain_of(r, *joints, found->second));
-    point_mm.push_back(found->second.tool_mm.at(r.position_mm));
+    if (at_tip) data.place_mm[k] = linear_axes_at(found->second, r.position_mm).value_or(r.position_mm);
+    data.through_chain.push_back(through_chain_of(r, data.place_mm[k], *joints, found->second));
+    point_mm.push_back(found->second.tool_mm.at(data.place_mm[k]));
   }
   take_balls(data, point_mm);
   take_travels(data);

@@ -76,15 +76,41 @@ std::vector<double> pitches(const Observations& data, Axis axis, double travel_m
   return facts;
 }
 
+/// A scan has this share of its steps alike, within this part of a step.
+constexpr double kScanShare = 0.8, kAlike = 0.01;
+
+/// The step of a scan: of readings at equal steps each way, whose two ways are out of step with each other. They see no
+/// more than half a turn a step, because of a shorter wave each way sees the same alias. 0 if the readings are no scan.
+double scan_step(const Observations& data, const Acting& acting, Axis axis) {
+  double least = 0.0;
+  for (const int way : {1, -1}) {
+    std::vector<double> p, steps;
+    for (const std::size_t k : acting.rows)
+      if (data.approach[k] == way && data.axis[k] == axis) p.push_back(data.p_mm(k, axis));
+    std::ranges::sort(p);
+    for (std::size_t i = 1; i < p.size(); ++i)
+      if (p[i] > p[i - 1]) steps.push_back(p[i] - p[i - 1]);
+    if (steps.size() < kFewestTargets) continue;
+    std::ranges::sort(steps);
+    const double usual = steps[steps.size() / 2];
+    const auto alike = std::ranges::count_if(steps, [&](double s) { return std::abs(s - usual) <= kAlike * usual; });
+    if (static_cast<double>(alike) < kScanShare * static_cast<double>(steps.size())) return 0.0;
+    least = least == 0.0 ? usual : std::min(least, usual);
+  }
+  return least;
+}
+
 /// Whole fractions of a turn, up to as many as the targets show: what turns comes back (ISO 230-7). Of an arc the
 /// turn itself is a period by nature.
-TriedValues fractions_of_turn(const std::vector<double>& angles_deg, const SearchExtent& extent) {
+/// @param scan_deg  step of a scan, 0: none
+TriedValues fractions_of_turn(const std::vector<double>& angles_deg, double scan_deg, const SearchExtent& extent) {
   TriedValues tried;
   const double arc = angles_deg.back() - angles_deg.front();
   const double mean_step = arc / static_cast<double>(angles_deg.size() - 1);
   const double step = common_step(angles_deg, kLeastStep * mean_step);
   double highest = kHighestTurns / mean_step;
-  if (step > 0.0) highest = std::min(highest, 0.5 / step);
+  for (const double even : {step, scan_deg})
+    if (even > 0.0) highest = std::min(highest, 0.5 / even);
   for (double order = 1.0; order <= kTurn_deg * highest * kRounding && tried.values.size() < extent.most; order += 1.0)
     tried.values.push_back(kTurn_deg / order);
   tried.facts = tried.values;
@@ -97,7 +123,7 @@ TriedValues periods(const Observations& data, const EffectInstance& effect, cons
   TriedValues tried;
   const std::vector<double> p = acting_positions(data, acting, *effect.axis);
   if (p.size() < kFewestTargets) return tried;
-  if (data.rotary) return fractions_of_turn(p, extent);
+  if (data.rotary) return fractions_of_turn(p, scan_step(data, acting, *effect.axis), extent);
   const double travel = p.back() - p.front();
   const double mean_step = travel / static_cast<double>(p.size() - 1);
   const double step = common_step(p, kLeastStep * mean_step);

@@ -25,6 +25,8 @@
   EFFECT(thermal_bend)       \
   EFFECT(set_up_rotation)    \
   EFFECT(location)           \
+  EFFECT(linear_axes)        \
+  EFFECT(head_bending)       \
   EFFECT(ball_on_table)      \
   EFFECT(ball_in_spindle)    \
   EFFECT(artefact_angle)     \

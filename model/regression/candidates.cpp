@@ -242,7 +242,7 @@ std::vector<EffectInstance> usual_of_ball(const Observations& data) {
   };
   std::vector<EffectInstance> locations;
   for (const EffectInstance& one : once) {
-    if (one.definition().place == Place::artefact) take(one);
+    if (one.definition().place == Place::artefact && one.traits().is_usual) take(one);
     if (one.definition().place == Place::location) locations.push_back(one);
   }
   std::ranges::stable_partition(locations, [](const auto& one) { return !is_zero_of_axis(one); });
@@ -325,7 +325,7 @@ std::vector<EffectInstance> candidate_instances(const Observations& all) {
   // of effects that do the same the first is named: those of the machine before the set-up
   std::ranges::stable_partition(out, [](const EffectInstance& one) {
     const Place place = one.definition().place;
-    return place != Place::set_up && place != Place::artefact;
+    return place != Place::set_up && (place != Place::artefact || !one.traits().of_measurement);
   });
   return out;
 }

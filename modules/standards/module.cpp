@@ -5,11 +5,14 @@
 
 namespace ecs::app {
 
-extern const std::vector<Action> kTestsOfPaths, kTestsOverTime;
+extern const std::vector<Action> kTestsOfHeat, kTestsOfPaths, kTestsOfPoses, kTestsOverTime;
 
 const Module& standards_module() {
   static const Module module{.menus = {{"test", "PROCESS LASER DATA: tests of the ISO 230 standards"}},
-                             .verbs = {{"laser", &kTestsOfPaths}, {"laser", &kTestsOverTime}},
+                             .verbs = {{"laser", &kTestsOfHeat},
+                                       {"laser", &kTestsOfPaths},
+                                       {"laser", &kTestsOfPoses},
+                                       {"laser", &kTestsOverTime}},
                              .advice = {{name_of(FileKind::circle_test), "use `ecs test circle {}`"},
                                         {kReversalOnCircle, "ecs test circle shows the remaining circle there"},
                                         {name_of(FileKind::diagonal_test), "use `ecs test diagonals {}`"},

@@ -83,3 +83,74 @@ TEST_CASE("a table of nominal and measured positions comes in without its set-up
   const auto lacks = parse_any(text, "cmm.csv", by_columns("x_mm=x,measured_y_mm=my"));
   CHECK(contains(lacks.error().message, "measured_y_mm needs y_mm"));
 }
+
+TEST_CASE(
+    "centres of a ball that the control saw are errors against their mean, opposite in sign, at the tool centre "
+    "point") {
+  const std::string text =
+      "b_deg,c_deg,center_x_mm,center_y_mm,center_z_mm\n0,0,100.01,50,-20\n90,0,99.99,50,-20\n90,180,100.00,50.03,-"
+      "20\n";
+  const Problem why = must_fail(parse_any(text, "ball.csv", {}));
+  const std::string columns = "b_deg=1[deg],c_deg=2[deg],tip_x_mm=3[mm],tip_y_mm=4[mm],tip_z_mm=5[mm]";
+  CHECK_MESSAGE(contains(why.message, "--columns \"" + columns + "\" --skip 1 reads column 3, 4 and 5"), why.message);
+  ImportOptions options = by_columns(columns, 1);
+  options.takes_rotary = true;
+  const auto set = must(parse_any(text, "ball.csv", options)).set;
+  REQUIRE(set.readings.size() == 9);
+  CHECK(set.readings[0].error == Approx(-10.0));  // the tool is 10 um short of where the control takes it to be
+  CHECK(set.readings[3].error == Approx(10.0));
+  CHECK(set.readings[7].error == Approx(-20.0));
+  CHECK(set.readings[0].position_mm[0] == Approx(100.0));
+  CHECK(set.readings[0].extras.at("at_tip") == 1.0);
+  CHECK(set.readings[3].axis == Axis::Y);  // B moved
+  CHECK(set.readings[6].axis == Axis::Z);  // C moved
+  CHECK(set.readings[6].rotary);
+  CHECK(contains(to_text(must_fail(parse_any(text, "ball.csv", by_columns("b_deg=1,tip_x_mm=3", 1)))), "no tip_y_mm"));
+}
+
+TEST_CASE("points that are visited again and again are errors against the mean of each point, a visit is a run") {
+  const std::string text = "1, 10.00, 0.0, 5.0\n2, 90.00, 0.0, 5.0\n1, 10.02, 0.0, 5.0\n2, 90.04, 0.0, 5.0\n";
+  const Problem why = must_fail(parse_any(text, "points.txt", {}));
+  const std::string columns = "point=1,measured_x_mm=2[mm],measured_y_mm=3[mm],measured_z_mm=4[mm]";
+  CHECK_MESSAGE(contains(why.message, "--columns \"" + columns + "\" reads column 1"), why.message);
+  const auto set = must(parse_any(text, "points.txt", by_columns(columns))).set;
+  REQUIRE(set.readings.size() == 12);
+  CHECK(set.readings[0].error == Approx(-10.0));
+  CHECK(set.readings[9].error == Approx(20.0));
+  CHECK(set.readings[9].position_mm[0] == Approx(90.02));
+  CHECK(set.readings[0].run == 1);
+  CHECK(set.readings[9].run == 2);
+}
+
+TEST_CASE("a scan of a poor encoder over one turn is suggested in degrees, and rests are left out of it") {
+  std::string text = "stamp;set;velocity;actual\n";
+  std::size_t moving = 0;
+  const auto add = [&](double at, double speed) {
+    text += fmt::format("132900081483250000;{};{};{:.5f}\n", at, speed, at + 8.0 * std::sin(4.0 * at / 57.29578));
+    moving += speed == 0.0 ? 0 : 1;
+  };
+  for (int i = 0; i < 30; ++i) add(0.0, 0.0);
+  for (int i = 1; i <= 90; ++i) add(4.0 * i, 40.0);
+  for (int i = 0; i < 30; ++i) add(360.0, 0.0);
+  for (int i = 89; i >= 0; --i) add(4.0 * i, -40.0);
+  const Problem why = must_fail(parse_any(text, "scan.csv", {}));
+  const std::string columns = "c_deg=2[deg],reading=4[deg],approach=motion,run=motion,rows=in_motion";
+  CHECK_MESSAGE(contains(why.message, "--columns \"" + columns + "\" --values actual --skip 1"), why.message);
+  ImportOptions options = by_columns(columns, 1);
+  options.mapping->values = TableValues::actual_positions;
+  options.takes_rotary = true;
+  const auto set = must(parse_any(text, "scan.csv", options)).set;
+  CHECK(set.readings.size() == moving);
+  CHECK(says(set.notes, "60 readings at rest or below half the usual speed are ignored"));
+  CHECK(set.readings.front().approach == Approach::forward);
+  CHECK(set.readings.back().approach == Approach::reverse);
+  CHECK(set.readings.back().run == 1);
+}
+
+TEST_CASE("a column that counts the readings of each run is suggested in place of a time") {
+  std::string text = "run,sample,spindle_C,disp_um\n";
+  for (int run = 1; run <= 3; ++run)
+    for (int i = 0; i < 5; ++i) text += fmt::format("{},{},{:.1f},{:.2f}\n", run, i, 20.0 + i, 1.5 * i + run);
+  const Problem why = must_fail(parse_any(text, "days.csv", {}));
+  CHECK_MESSAGE(contains(why.message, "reading=4[um],run=1,t_spindle_degC=3[degC],time_s=2"), why.message);
+}

@@ -396,3 +396,114 @@ TEST_CASE("a model file holds location errors by their code, directions in um/m"
     CHECK(contains(refused.message, "such as XOC"));
   }
 }
+
+namespace {
+
+/// A head with C and B beyond X, Y, Z.
+TurningMachine head() {
+  return {"TXYZCB",
+          {{'B', {{-100.0, 100.0}, {0.0, 1.0, 0.0}, {0.7, 26.7, 309.0}}},
+           {'C', {{-360.0, 360.0}, {0.0, 0.0, 1.0}, {0.6, 26.7, 579.0}}}}};
+}
+
+/// Scale of X, Y, Z, then C0Y, B0Z, A0Z [um/m].
+using LinearErrors = std::array<double, 6>;
+
+/// A ball probed at five angles of B and four of C, by exact matrices; `at_tip`: the columns hold the tool centre
+/// point.
+laser::MeasurementSet head_set(const LinearErrors& errors, bool at_tip, double noise_um = 0.0) {
+  TurningMachine made = head();
+  std::mt19937_64 random(3);
+  NormalDraws normal;
+  const Eigen::Vector3d at(468.8, 323.6, -859.0);
+  const ecs::test::ExactMachine ideal = made.exact;
+  laser::MeasurementSet set;
+  int run = 0;
+  for (const double c : {0.0, 90.0, 180.0, 270.0})
+    for (const double b : {0.0, 45.0, -45.0, 90.0, -90.0}) {
+      const Angles angles{0.0, b, c};
+      const Eigen::Vector3d p = at - exact_pose(ideal, {}, angles).translation();
+      for (std::size_t l = 0; l < 3; ++l)
+        made.exact.values.curve[l][l] = errors[l] * p[static_cast<Eigen::Index>(l)] / 1000.0;
+      for (std::size_t q = 0; q < 3; ++q) made.exact.values.squareness[kCurves + q] = errors[3 + q];
+      const Vector3 e = exact_tool_error(made.exact, {p.x(), p.y(), p.z()}, angles).error_um;
+      ++run;
+      for (std::size_t d = 0; d < 3; ++d) {
+        Reading r{.row = static_cast<int>(set.readings.size()) + 1,
+                  .axis = Axis::Y,
+                  .rotary = true,
+                  .position_mm = at_tip ? Vector3{at.x(), at.y(), at.z()} : Vector3{p.x(), p.y(), p.z()},
+                  .angle_deg = angles,
+                  .sense = static_cast<Sense>(d),
+                  .error = e[d] + noise_um * normal(random),
+                  .approach = Approach::unknown};
+        if (at_tip) r.extras["at_tip"] = 1.0;
+        set.readings.push_back(r);
+      }
+    }
+  return set;
+}
+
+Model of_artefacts(std::initializer_list<const char*> ids) {
+  Model model;
+  for (const char* const id : ids) {
+    EffectInstance one;
+    one.id = effect_named(id);
+    one.rotary = true;
+    model.effects.push_back(one);
+  }
+  return model;
+}
+
+}  // namespace
+
+TEST_CASE("where the control shows the tool centre point, the linear axes stand as exact matrices say") {
+  const TurningMachine made = head();
+  const Observations by_axes = observations_of(head_set({}, false), Model{}, made.machine);
+  const Observations by_tip = observations_of(head_set({}, true), Model{}, made.machine);
+  REQUIRE(by_axes.place_mm.size() == by_tip.place_mm.size());
+  CHECK(by_tip.not_followed == "");
+  for (std::size_t k = 0; k < by_axes.size(); ++k)
+    for (std::size_t d = 0; d < kAxes; ++d) CHECK(by_tip.place_mm[k][d] == Approx(by_axes.place_mm[k][d]));
+  CHECK(by_tip.through_chain.back().of_axis == by_axes.through_chain.back().of_axis);
+}
+
+TEST_CASE("scale and squareness of the linear axes come back from a ball under a head, as exact matrices made them") {
+  const LinearErrors errors{40.0, -25.0, 30.0, 15.0, -20.0, 35.0};
+  const TurningMachine made = head();
+  const Model model = of_artefacts({"ball_on_table", "linear_axes"});
+  const auto fitted = must(fit(model, observations_of(head_set(errors, true), model, made.machine)));
+  CHECK(fitted.rms_um < 1e-3);  // second order
+  for (std::size_t i = 0; i < errors.size(); ++i)
+    CHECK(fitted.effects[1].parameters[i].value == Approx(errors[i]).epsilon(1e-3));
+}
+
+TEST_CASE("a head that bends follows sine and cosine of its tilting angle, in the frame that C turns") {
+  const TurningMachine made = head();
+  laser::MeasurementSet set = head_set({}, true, 1.0);
+  for (Reading& r : set.readings) {
+    const double b = r.angle_deg[1] * std::numbers::pi / 180.0, c = r.angle_deg[2] * std::numbers::pi / 180.0;
+    const double along = 60.0 * std::sin(b), up = -40.0 * (1.0 - std::cos(b));  // X of the part that C turns, Z
+    r.error += r.sense == Sense::EX ? along * std::cos(c) : r.sense == Sense::EY ? along * std::sin(c) : up;
+  }
+  const Model model = of_artefacts({"ball_on_table", "head_bending"});
+  const auto fitted = must(fit(model, observations_of(set, model, made.machine)));
+  CHECK(fitted.rms_um < 1.3);
+  CHECK(fitted.effects[1].parameters[0].value == Approx(60.0).epsilon(0.03));
+  CHECK(fitted.effects[1].parameters[5].value == Approx(-40.0).epsilon(0.05));
+}
+
+TEST_CASE(
+    "linear axes are tried under heads only, bending where a rotary axis carries the tool, neither in a new model") {
+  const auto has = [](const std::vector<EffectInstance>& all, const char* id) {
+    return std::any_of(all.begin(), all.end(), [&](const EffectInstance& one) { return to_text(one) == id; });
+  };
+  const Observations under_head = observations_of(head_set({}, true), Model{}, head().machine);
+  const TurningMachine table = trunnion();
+  const Observations on_table = observations_of(ball_set(table, {{14.0, -9.0, 3.0}, 0.6}, 13), Model{}, table.machine);
+  for (const char* const id : {"linear_axes", "head_bending"}) {
+    CHECK(has(candidate_instances(under_head), id));
+    CHECK_FALSE(has(candidate_instances(on_table), id));
+    CHECK_FALSE(has(usual_effects(under_head), id));
+  }
+}

@@ -1,0 +1,100 @@
+// `ecs test poses`: repeatability of the points of a body at one pose (ISO 9283), and whether the way in which the pose
+// is reached moves the body.
+
+#include <fmt/format.h>
+
+#include "app/cli/verb.hpp"
+#include "base/answer_table.hpp"
+#include "commissioning/measurements/files.hpp"
+#include "modules/standards/poses.hpp"
+
+namespace ecs::app {
+namespace {
+
+struct PosesRequest {
+  std::vector<std::string> files;
+  ImportArguments import;
+  static Fields<PosesRequest> fields() {
+    using R = PosesRequest;
+    return {{"FILES", &R::files, "files of one pose, each reached in another way: EX, EY, EZ of each point in each run",
+             Need::required},
+            &R::import};
+  }
+};
+
+Cell point_cell(const laser::PosePoint& point) {
+  return record_cell("  {place}  RP {repeatability_mm:>9} mm\n",
+                     "place"_shown(fmt::format("{:>12.4f} {:>12.4f} {:>12.4f} mm", point.mean_mm[0], point.mean_mm[1],
+                                               point.mean_mm[2])),
+                     "x_mm"_is(point.mean_mm[0]), "y_mm"_is(point.mean_mm[1]), "z_mm"_is(point.mean_mm[2]),
+                     "repeatability_mm"_is(point.repeatability_mm, 4));
+}
+
+std::string motion_words(const laser::PoseTest& test) {
+  return test.moves_as_a_whole() ? "the body arrives elsewhere in each visit, as a whole"
+                                 : "the body arrives at one place: its points scatter no more together than apart";
+}
+
+Cell test_cell(const laser::PoseTest& test) {
+  return record_cell(
+      "{file}: {visits} visits of {count} points\n{points}"
+      "  rms of a coordinate {rms_um} um, {rms_after_um} um after one rigid motion per visit: {words}\n"
+      "  motions: shift {shift_um} um, turn {turn_um_per_m} um/m, rms along and about one axis\n",
+      "file"_is(test.file), "visits"_is(test.visits), "count"_shown(test.points.size()),
+      "points"_is(list_cell(test.points, point_cell)), "rms_um"_is(test.rms_um, 2),
+      "rms_after_um"_is(test.rms_after_um, 2), "words"_shown(motion_words(test)), "shift_um"_is(test.shift_um, 2),
+      "turn_um_per_m"_is(test.turn_um_per_m, 1), "variance_ratio"_is(test.ratio), "p_value"_is(test.probability),
+      "moves_as_a_whole"_is(test.moves_as_a_whole()));
+}
+
+struct Compared {
+  std::string first, second;
+  laser::PoseComparison comparison;
+};
+
+std::string cause_words(const laser::PoseComparison& comparison) {
+  if (comparison.is_way_of_approach())
+    return "Cause: the way of approach (play or friction of the axes). The motions differ, the scatter of the points "
+           "after "
+           "them does not, so it is not the instrument.";
+  if (comparison.rest_probability < comparison.probability)
+    return "The scatter of the points differs as well: check instrument and targets before the axes.";
+  return "No difference between the two ways of approach shows.";
+}
+
+Cell comparison_cell(const Compared& compared) {
+  const laser::PoseComparison& c = compared.comparison;
+  return record_cell(
+      "{second} beside {first}: variance of the motions {ratio} times as large (chance {p})\n"
+      "{shifted}{cause}\n",
+      "first"_is(compared.first), "second"_is(compared.second), "variance_ratio"_is(c.ratio),
+      "ratio"_shown(fmt::format("{:.3g}", c.ratio)), "p"_shown(fmt::format("{:.2g}", c.probability)),
+      "p_value"_is(c.probability), "rest_p_value"_is(c.rest_probability), "largest_shift_mm"_is(c.largest_shift_mm),
+      "shifted"_shown(c.largest_shift_mm ? fmt::format("mean positions up to {:.4f} mm apart\n", *c.largest_shift_mm)
+                                         : std::string()),
+      "cause"_shown(cause_words(c)), "is_way_of_approach"_is(c.is_way_of_approach()));
+}
+
+Result<Outcome> poses(VerbContext& context, const PosesRequest& request) {
+  std::vector<laser::PoseTest> tests;
+  for (const std::string& file : request.files) {
+    ECS_TRY(imported, read_with_notes(context.console, file, request.import));
+    laser::MeasurementSet set = imported.set;
+    set.source = file;
+    ECS_TRY(test, laser::pose_test_of(set));
+    tests.push_back(std::move(test));
+  }
+  std::vector<Compared> compared;
+  for (std::size_t i = 1; i < tests.size(); ++i)
+    compared.push_back({tests.front().file, tests[i].file, laser::comparison_of(tests.front(), tests[i])});
+  return outcome_of(record_cell("{tests}{comparisons}", "tests"_is(list_cell(tests, test_cell)),
+                                "comparisons"_is(list_cell(compared, comparison_cell))));
+}
+
+}  // namespace
+
+extern const std::vector<Action> kTestsOfPoses{
+    action("test poses", "ISO 9283: repeatability of a pose, and the effect of the way of approach",
+           "ecs test poses same_way.csv any_way.csv", poses, {.logged = Logged::always, .kind = "test"})};
+
+}  // namespace ecs::app
