@@ -200,12 +200,37 @@ struct Setting {
   const MeasuringTimes& times;
 };
 
+/// Sigmas by which a run separates two causes, whichever is true.
+double sigma_of(const MeasurementProposal& run, const PairSeparation& of) {
+  double least = kBeyondAll;
+  for (const PairSeparation& pair : run.pairs)
+    if ((pair.truth == of.truth && pair.rival == of.rival) || (pair.truth == of.rival && pair.rival == of.truth))
+      least = std::min(least, pair.sigma);
+  return least;
+}
+
+/// Of each pair that the first proposal does not separate: which of the others does, or that none does.
+void note_pairs_together(NextMeasurement& next) {
+  const std::vector<MeasurementProposal>& runs = next.proposals;
+  if (runs.empty()) return;
+  for (const PairSeparation& pair : runs.front().pairs) {
+    if (pair.truth > pair.rival || sigma_of(runs.front(), pair) >= kSeparates) continue;
+    const auto other = std::ranges::find_if(runs, [&](const auto& run) { return sigma_of(run, pair) >= kSeparates; });
+    next.notes.push_back(
+        other == runs.end()
+            ? fmt::format("no proposed run separates {} from {}: measure first, then ask again with all data",
+                          pair.truth, pair.rival)
+            : fmt::format("proposal {} separates {} from {}", other - runs.begin() + 1, pair.truth, pair.rival));
+  }
+}
+
 void take_proposals(NextMeasurement& next, std::vector<Weighed> best, Question question) {
   for (Weighed& one : best) {
     one.proposal.tells = what_it_tells(one.proposal, question);
     one.proposal.sentence = sentence_of(one.proposal);
     next.proposals.push_back(std::move(one.proposal));
   }
+  if (question == Question::separate) note_pairs_together(next);
 }
 
 /// Why nothing separates a group.
@@ -307,9 +332,22 @@ Result<void> ask_group_by(NextMeasurement& next, const Setting& in, OpenGroup gr
   return {};
 }
 
-Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup& group) {
+/// An angle of which these readings do not say the size: its lever is the same in all of them.
+bool is_unsized_angle(const OpenGroup& group, const Diagnosis& diagnosis) {
+  const EffectInstance& effect = group.rivals.front();
+  return group.rivals.size() == 1 && effect.definition().place == Place::rotation &&
+         std::ranges::any_of(diagnosis.candidates, [&](const Candidate& one) {
+           return same_candidate(one.effect, effect) &&
+                  std::ranges::any_of(one.parameters, [](const ParameterEstimate& p) { return p.undetermined; });
+         });
+}
+
+/// @param other_lines  leaves the runs along the lines measured now where there are others
+Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup& group, bool other_lines) {
   next.rivals = group.names;
-  const std::vector<MeasurementProposal> options = all_options(in.data, group.rivals, in.times);
+  std::vector<MeasurementProposal> options = all_options(in.data, group.rivals, in.times);
+  if (other_lines && std::ranges::any_of(options, &MeasurementProposal::other_line))
+    std::erase_if(options, [](const MeasurementProposal& one) { return !one.other_line; });
   NextMeasurement decisive = next;
   const auto asked = ask_group_by(decisive, in, group, without_ties(options, in.data, group.rivals));
   if (!decisive.proposals.empty() || !asked) {
@@ -353,7 +391,7 @@ Result<void> ask_structure(NextMeasurement& next, const Setting& in, const Diagn
     names.push_back(dependence.variable);
   }
   next.notes.push_back(fmt::format(
-      "no effect of the library explains the residual, which depends on {}; the run shows whether it does so again",
+      "no effect of the library explains the residual. The run shows whether it depends on {} again",
       fmt::join(next.rivals, " or ")));
   // a bad run or an hour of drift foretells nothing: only a repetition shows whether it comes back
   const bool foretold = !diagnosis.where.empty() && says_what_comes(diagnosis.where.front().variable);
@@ -393,9 +431,10 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
   for (const Explanation& one : unseen) names.push_back(one.name);
   next.rivals = names;
   next.notes.push_back(
-      fmt::format("{} these could be present but undetected, as large as the noise of one reading ({:.2g} {}): {}",
-                  few ? "too few readings to decide whether an effect is missing;" : "the model is adequate, but",
-                  noise_um, part.reading_unit(), fmt::join(names, ", ")));
+      fmt::format("{}. If as large as the noise of one reading ({:.2g} {}), these causes could be present and undetected: "
+                  "{}",
+                  few ? "too few readings to decide whether an effect is missing" : "the model is adequate", noise_um,
+                  part.reading_unit(), fmt::join(names, ", ")));
   const bool zero_matters = true;
   const Separations separations(all, options, belief, unseen, zero_matters);
   take_proposals(next, weighed(options, separations, names, Question::see, in.times), Question::see);
@@ -403,6 +442,16 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
   if (next.proposals.empty())
     next.notes.emplace_back("no single run of up to five repeats along the lines measured now would show any of them");
   return {};
+}
+
+/// ", and all other effects of the library together have a probability below 0.01 %", beside the least likely cause.
+std::string odds_of_others(const Diagnosis& diagnosis) {
+  constexpr double kLeastShown = 1e-4;
+  double others = 0.0;
+  for (const Candidate& candidate : diagnosis.candidates)
+    if (candidate.in_answer()) others = std::max(others, 1.0 - candidate.probability);
+  return fmt::format(", and all other effects of the library together have a probability {} {:.1g} %",
+                     others < kLeastShown ? "below" : "of", kPercent * std::max(others, kLeastShown));
 }
 
 }  // namespace
@@ -415,8 +464,8 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
          candidate.e_value.value_or(0.0) < kProved ||
          std::ranges::any_of(candidate.parameters, [](const ParameterEstimate& one) { return one.undetermined; })))
       return std::nullopt;
-  return "No further measurement is needed to find the cause: it is proved, and no other effect of the library fits "
-         "these data as well. Add it to the model, compensate, and measure the same lines again to confirm it." +
+  return "No further measurement is needed to find the cause: it is proved" + odds_of_others(diagnosis) +
+         ". Add it to the model, compensate, and measure the same lines again to confirm it." +
          (diagnosis.reservation.empty() ? "" : " " + diagnosis.reservation);
 }
 
@@ -466,8 +515,10 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
   const bool few = diagnosis.verdict == Verdict::cannot_tell && diagnosis.candidates_tried == 0;  // not even searched
   if (diagnosis.verdict == Verdict::cannot_tell && !few)
     ask_again(next, setting, diagnosis);
-  else if (is_named && !diagnosis.candidates.empty())
-    asked = ask_group(next, setting, open_group(diagnosis));
+  else if (is_named && !diagnosis.candidates.empty()) {
+    const OpenGroup group = open_group(diagnosis);
+    asked = ask_group(next, setting, group, is_unsized_angle(group, diagnosis));
+  }
   else if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty())
     asked = ask_structure(next, setting, diagnosis);
   else
