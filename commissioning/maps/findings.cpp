@@ -73,7 +73,8 @@ std::string coverage_text(const laser::ErrorMap& map) {
   const bool one_reason = std::ranges::all_of(zero, [&](const auto& one) { return one.reason == zero.front().reason; });
   return fmt::format("{} curve{} measured, {} declared zero{}. The unit does not correct {}.", with_values.size(),
                      with_values.size() == 1 ? "" : "s", zero.size(),
-                     one_reason ? fmt::format(" ({})", zero.front().reason) : "", zero.size() == 1 ? "that one" : "those");
+                     one_reason ? fmt::format(" ({})", zero.front().reason) : "",
+                     zero.size() == 1 ? "that one" : "those");
 }
 
 }  // namespace

@@ -41,9 +41,9 @@ Cell direction_cell(const model::DirectionSummary& d, bool rotary, double noise_
       "{sense:<5} {axis:<4} {approach:<11} {readings:>8} {bias_um:>8} {rms_um:>8} {peak_um:>8}   {lack_of_fit}\n",
       "sense"_is(d.path.empty() ? std::string(name_of(d.sense)) : d.path),
       "axis"_is(d.path.empty() ? axis_json(d.axis, rotary) : d.axes),
-      "approach"_is(d.approach, std::string(direction_text(d.approach))), "bias_um"_is(d.bias_um, 3),
-      "rms_um"_is(d.rms_um, 3), "peak_um"_is(d.peak_um, 3), "lack_of_fit"_is(std::move(lack_of_fit)),
-      "readings"_is(d.readings));
+      "approach"_is(d.approach, std::string(direction_text(d.approach))),
+      "bias_um"_is(d.bias_um, fmt::format("{:.3f}", std::round(1e3 * d.bias_um) / 1e3 + 0.0)), "rms_um"_is(d.rms_um, 3),
+      "peak_um"_is(d.peak_um, 3), "lack_of_fit"_is(std::move(lack_of_fit)), "readings"_is(d.readings));
 }
 
 Cell directions_cell(const Comparison& c) {
@@ -263,9 +263,9 @@ std::string closest_text(const Diagnosis& d) {
     if (closest.size() < kMostShown)
       closest.push_back({to_text(candidate.effect), candidate.probability, place_text(candidate.effect)});
   if (closest.empty()) return {};
-  return "\n" + paragraph("Nearest candidates, with the probability that each is real and not noise: " +
-                              set_text(closest, 2),
-                          0, 2);
+  return "\n" +
+         paragraph("Nearest candidates, with the probability that each is real and not noise: " + set_text(closest, 2),
+                   0, 2);
 }
 
 /// What adding the likely effects would do, and how.
@@ -347,7 +347,7 @@ std::string_view words_for_property(std::string_view property) {
       {"turn", "over a turn"},
       {"frame", "whether it stays with the machine or moves with the workpiece"},
       {"growth", "growth with time, load, feed or temperature"},
-      {"session", "from session to session"},
+      {"session", "changes with each run or set-up"},
       {"clock", "delay"},
       {"excitation", "excitation by these readings"},
       {"instrument", "instrument"}};

@@ -193,8 +193,8 @@ struct CauseDraws {
 /// Zero and slope of a straightness readout that no axis of the machine could correct: they come with the alignment of
 /// the optics, not with the machine.
 bool is_alignment(const model::EffectInstance& effect, const params::Machine& machine) {
-  const bool across = effect.axis && effect.sense && !is_rotation(*effect.sense) &&
-                      direction_of(*effect.sense) != *effect.axis;
+  const bool across =
+      effect.axis && effect.sense && !is_rotation(*effect.sense) && direction_of(*effect.sense) != *effect.axis;
   return across && effect.traits().is_usual && !effect.traits().of_approach && !is_carried(effect, machine);
 }
 
@@ -405,9 +405,10 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
       cost.*
           kQuantities[q] = {draws[i].left.expected(q), draws[i].compensated.expected(q), draws[i].repaired.expected(q)};
     cost.remedy = remedy_for(cost.effect, *work.machine, draws[i]);
-    cost.how = cost.remedy == Remedy::repair                   ? std::string(cost.effect.definition().check)
-               : is_alignment(cost.effect, *work.machine) ? "zero and slope of this readout come from the alignment of the optics"
-                                                               : how_compensated(cost.effect, *work.machine);
+    cost.how = cost.remedy == Remedy::repair ? std::string(cost.effect.definition().check)
+               : is_alignment(cost.effect, *work.machine)
+                   ? "zero and slope of this readout come from the alignment of the optics"
+                   : how_compensated(cost.effect, *work.machine);
     unseen = unseen || !cost.effect.definition().needs.empty();
     answer.causes.push_back(std::move(cost));
   }

@@ -390,9 +390,9 @@ Result<void> ask_structure(NextMeasurement& next, const Setting& in, const Diagn
     explanations.push_back(depends_on(dependence, all.data));
     names.push_back(dependence.variable);
   }
-  next.notes.push_back(fmt::format(
-      "no effect of the library explains the residual. The run shows whether it depends on {} again",
-      fmt::join(next.rivals, " or ")));
+  next.notes.push_back(
+      fmt::format("no effect of the library explains the residual. The run shows whether it depends on {} again",
+                  fmt::join(next.rivals, " or ")));
   // a bad run or an hour of drift foretells nothing: only a repetition shows whether it comes back
   const bool foretold = !diagnosis.where.empty() && says_what_comes(diagnosis.where.front().variable);
   if (foretold) {
@@ -430,11 +430,11 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
   std::vector<std::string> names;
   for (const Explanation& one : unseen) names.push_back(one.name);
   next.rivals = names;
-  next.notes.push_back(
-      fmt::format("{}. If as large as the noise of one reading ({:.2g} {}), these causes could be present and undetected: "
-                  "{}",
-                  few ? "too few readings to decide whether an effect is missing" : "the model is adequate", noise_um,
-                  part.reading_unit(), fmt::join(names, ", ")));
+  next.notes.push_back(fmt::format(
+      "{}. If as large as the noise of one reading ({:.2g} {}), these causes could be present and undetected: "
+      "{}",
+      few ? "too few readings to decide whether an effect is missing" : "the model is adequate", noise_um,
+      part.reading_unit(), fmt::join(names, ", ")));
   const bool zero_matters = true;
   const Separations separations(all, options, belief, unseen, zero_matters);
   take_proposals(next, weighed(options, separations, names, Question::see, in.times), Question::see);
@@ -444,12 +444,14 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
   return {};
 }
 
-/// ", and all other effects of the library together have a probability below 0.01 %", beside the least likely cause.
+/// ", and all other effects of the library together have a probability below 0.01 %", beside the least likely cause;
+/// "" where the cause is not that likely.
 std::string odds_of_others(const Diagnosis& diagnosis) {
-  constexpr double kLeastShown = 1e-4;
+  constexpr double kLeastShown = 1e-4, kMostShown = 0.01;
   double others = 0.0;
   for (const Candidate& candidate : diagnosis.candidates)
     if (candidate.in_answer()) others = std::max(others, 1.0 - candidate.probability);
+  if (others > kMostShown) return {};
   return fmt::format(", and all other effects of the library together have a probability {} {:.1g} %",
                      others < kLeastShown ? "below" : "of", kPercent * std::max(others, kLeastShown));
 }
@@ -518,8 +520,7 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
   else if (is_named && !diagnosis.candidates.empty()) {
     const OpenGroup group = open_group(diagnosis);
     asked = ask_group(next, setting, group, is_unsized_angle(group, diagnosis));
-  }
-  else if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty())
+  } else if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty())
     asked = ask_structure(next, setting, diagnosis);
   else
     asked = ask_power(next, setting, few);

@@ -159,10 +159,10 @@ Result<void> add_model(VerbContext& context, const ReportArguments& arguments, c
 
 namespace {
 
-constexpr double kMostlyScatter = 0.7;  ///< of the band: R, four standard deviations, is wider than few readings are
-constexpr double kSystematic = 0.5;     ///< of the band: E, the part that a map can remove
-constexpr double kWorse = 0.9;          ///< ratio before over after
-constexpr double kSurprise = 2.0;       ///< achieved over predicted rms; repeatability after over before
+constexpr double kMostlyScatter = 0.7;   ///< of the band: R, four standard deviations, is wider than few readings are
+constexpr double kSystematic = 0.5;      ///< of the band: E, the part that a map can remove
+constexpr double kWorse = 0.9;           ///< ratio before over after
+constexpr double kSurprise = 2.0;        ///< achieved over predicted rms; repeatability after over before
 constexpr double kAbovePredicted = 1.5;  ///< achieved over predicted rms: more than the noise of three runs gives
 
 double band_after(const TableRow& row) { return row.after->readings.band; }
@@ -302,9 +302,10 @@ void gaps_to_do(const ReportContent& content, std::vector<std::string>& next) {
     if (verdict_of(row) == RowVerdict::no_limit) unlimited.push_back(row.planned.name);
   }
   if (!few.empty())
-    next.push_back(fmt::format("{}: conditions of ISO 230-2 are not met. They are listed below the "
-                               "curves.",
-                               fmt::join(few, ", ")));
+    next.push_back(
+        fmt::format("{}: conditions of ISO 230-2 are not met. They are listed below the "
+                    "curves.",
+                    fmt::join(few, ", ")));
   if (!unlimited.empty())
     next.push_back(fmt::format("{}: no limit is known. State it in the plan.", fmt::join(unlimited, ", ")));
   if (content.map && !content.map->map.header.declared_zero.empty()) {

@@ -110,9 +110,10 @@ Result<CommandResult> UnitClient::outcome_of(const Command& command, const Comma
       return result;
     case CommandState::refused:
       if (result.error == UnitError::not_in_integration_mode)
-        return problem(ProblemKind::refused,
-                       fmt::format("the unit does not accept \"{}\"{}. Run `ecs utility mode integrate`, then try again",
-                                   name_of(command.code), result.text.empty() ? "" : ": " + result.text));
+        return problem(
+            ProblemKind::refused,
+            fmt::format("the unit does not accept \"{}\"{}. Run `ecs utility mode integrate`, then try again",
+                        name_of(command.code), result.text.empty() ? "" : ": " + result.text));
       return problem(ProblemKind::refused, fmt::format("the unit refuses \"{}\": {}", name_of(command.code), reason));
     case CommandState::failed:
       return problem(ProblemKind::link, fmt::format("{} failed: {}", name_of(command.code), reason));
@@ -330,9 +331,9 @@ Result<void> UnitClient::set_axis_position(Axis axis, double position_mm) {
 Result<void> UnitClient::output_compensation(Axis axis, double output_um, bool relay_on) {
   const Command command{
       .code = CommandCode::output_compensation, .axis = axis, .output_um = output_um, .relay_on = relay_on};
-  return run_acting(command, kShortLimit,
-                    fmt::format("The relay of {} may be closed, and {} um may act. {}",
-                                letter_of(axis), output_um, kOpensByItself));
+  return run_acting(
+      command, kShortLimit,
+      fmt::format("The relay of {} may be closed, and {} um may act. {}", letter_of(axis), output_um, kOpensByItself));
 }
 
 Result<void> UnitClient::output_off() {

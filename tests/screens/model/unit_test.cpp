@@ -190,8 +190,8 @@ TEST_CASE("what was measured again is told by its shapes on the page of what com
   CHECK_MESSAGE(
       reads(
           page,
-          "2.8 um rms of it is a constant +2.8 um of X positions: the zero of the laser or the datum has "
-          "changed; 1 um rms of it is a difference of -2 um between forward and reverse of X positions: lost motion."),
+          "Over all readings, 2.8 um rms come from a constant +2.8 um of X positions: the zero of the laser or the datum "
+          "has changed; 1 um rms come from a difference of -2 um between forward and reverse of X positions: lost motion."),
       page);
 }
 
