@@ -693,7 +693,8 @@ void World::judge(Host& host, const Result<commissioning::SentMap>& sent, bool c
   const auto new_commit = number_after(words, "it is active (commit ");
   const bool doubt = holds(words, "it is not known which map is active") ||
                      holds(words, "the active map has changed") || holds(words, "another map is now active") ||
-                     holds(words, "the active map in the unit differs") || holds(words, "the old map is active unless");
+                     holds(words, "the active map in the unit differs") ||
+                     holds(words, "unless another host has sent one");
   if (new_commit) {
     if (!was_held(host.begun, now, [&](const Held& held) { return is_sent(held) && held.commit == *new_commit; }))
       return violated("{}: told that the new map is active (commit {}), it was not: {}", host.name, *new_commit, words);
