@@ -64,7 +64,7 @@ constexpr GlossaryRow kGlossary[] = {
     {"slope", "the part of a curve that is proportional to the position, in um/m"},
     {"squareness", "deviation of two axes from 90 degrees, one number per pair of axes, in um/m"},
     {"staging", "writing a new map into the inactive bank of the unit's memory; the old one stays active"},
-    {"tie|tied", "effects with the same contribution on these data; a further measurement decides"},
+    {"tie|tied", "a group of rivals: they contribute the same to these data, and a further measurement decides"},
 };
 
 bool is_letter_of_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }

@@ -209,19 +209,20 @@ double sigma_of(const MeasurementProposal& run, const PairSeparation& of) {
   return least;
 }
 
-/// Of each pair that the first proposal does not separate: which of the others does, or that none does.
-void note_pairs_together(NextMeasurement& next) {
+/// Of each pair that the first proposal leaves together: the proposal that separates it, or the advice of the effects.
+void note_pairs_together(NextMeasurement& next, const OpenGroup& group) {
   const std::vector<MeasurementProposal>& runs = next.proposals;
-  if (runs.empty()) return;
-  for (const PairSeparation& pair : runs.front().pairs) {
-    if (pair.truth > pair.rival || sigma_of(runs.front(), pair) >= kSeparates) continue;
-    const auto other = std::ranges::find_if(runs, [&](const auto& run) { return sigma_of(run, pair) >= kSeparates; });
-    next.notes.push_back(
-        other == runs.end()
-            ? fmt::format("no proposed run separates {} from {}: measure first, then ask again with all data",
-                          pair.truth, pair.rival)
-            : fmt::format("proposal {} separates {} from {}", other - runs.begin() + 1, pair.truth, pair.rival));
-  }
+  for (std::size_t i = 0; i < group.rivals.size(); ++i)
+    for (std::size_t j = i + 1; j < group.rivals.size(); ++j) {
+      const PairSeparation pair{group.names[i], group.names[j], 0.0};
+      const auto other = std::ranges::find_if(runs, [&](const auto& run) { return sigma_of(run, pair) >= kSeparates; });
+      if (other == runs.end())
+        next.notes.push_back(fmt::format("no proposed run separates {} from {}. {}", pair.truth, pair.rival,
+                                         separating_measurement(group.rivals[i], {group.rivals[j]})));
+      else if (other != runs.begin())
+        next.notes.push_back(
+            fmt::format("proposal {} separates {} from {}", other - runs.begin() + 1, pair.truth, pair.rival));
+    }
 }
 
 void take_proposals(NextMeasurement& next, std::vector<Weighed> best, Question question) {
@@ -230,7 +231,6 @@ void take_proposals(NextMeasurement& next, std::vector<Weighed> best, Question q
     one.proposal.sentence = sentence_of(one.proposal);
     next.proposals.push_back(std::move(one.proposal));
   }
-  if (question == Question::separate) note_pairs_together(next);
 }
 
 /// Why nothing separates a group.
@@ -329,6 +329,8 @@ Result<void> ask_group_by(NextMeasurement& next, const Setting& in, OpenGroup gr
   else if (next.proposals.front().separation_sigma < kSeparates)
     next.notes.push_back(
         fmt::format("no run of up to five repeats reaches {:.0f} sigma; these are the best", kSeparates));
+  else
+    note_pairs_together(next, group);
   return {};
 }
 
