@@ -27,12 +27,12 @@ constexpr GlossaryRow kGlossary[] = {
     {"alias", "another period that the same targets cannot distinguish from the one found"},
     {"approach", "the direction in which the axis last moved: forward (to larger coordinates) or reverse"},
     {"armed|arm code", "the unit accepts writes and commands from this host, after its code has been entered"},
-    {"by chance", "share of data sets of noise alone, like this one, in which an effect explains as much"},
+    {"by chance", "share of simulated noise-only data sets in which an effect explains as much as in this one"},
     {"candidate|candidates", "an effect that was tried on the residual"},
     {"commit", "the step that makes a completely sent map active; until then the old map stays active"},
     {"compensation mode|compensating|compensation",
      "the unit adds the compensation to the velocity command in every period of its loop; it refuses writes"},
-    {"credible set", "effects that contain the cause with a probability of 99 %"},
+    {"credible set", "the few effects of which one is the cause, with a probability of 99 %"},
     {"datum|datuming", "reference point of an axis: found by switch and marker while the control references it"},
     {"deadband", "travel in the new direction after which the approach counts as changed"},
     {"dead path",
@@ -64,7 +64,7 @@ constexpr GlossaryRow kGlossary[] = {
     {"slope", "the part of a curve that is proportional to the position, in um/m"},
     {"squareness", "deviation of two axes from 90 degrees, one number per pair of axes, in um/m"},
     {"staging", "writing a new map into the inactive bank of the unit's memory; the old one stays active"},
-    {"tie|tied", "effects with the same contribution on these data; a further measurement decides"},
+    {"tie|tied", "a group of rivals: they contribute the same to these data, and a further measurement decides"},
 };
 
 bool is_letter_of_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }

@@ -165,19 +165,27 @@ std::size_t LaserMapWork::missing() const {
 
 namespace {
 
+/// The dates that the files state, in any form.
+std::vector<std::string> dates_in(const std::vector<LaserLine>& lines) {
+  std::vector<std::string> dates;
+  for (const LaserLine& line : lines)
+    for (const char* key : {"date", "Date"})
+      if (std::string date = laser::metadata_value(*line.set, key).value_or(""); !date.empty())
+        dates.push_back(std::move(date));
+  return dates;
+}
+
 /// The first date of the files that is one; else today, where no file is dated in any form.
 std::string date_of(const std::vector<LaserLine>& lines) {
-  bool dated = false;
-  for (const LaserLine& line : lines)
-    for (const char* key : {"date", "Date"}) {
-      std::string date = laser::metadata_value(*line.set, key).value_or("");
-      if (is_iso_date(date)) return date;
-      dated = dated || !date.empty();
-    }
-  return dated ? "" : fmt::format("{:%Y-%m-%d}", fmt::localtime(std::time(nullptr)));
+  const std::vector<std::string> dates = dates_in(lines);
+  if (dates.empty()) return fmt::format("{:%Y-%m-%d}", fmt::localtime(std::time(nullptr)));
+  const auto first = std::ranges::find_if(dates, [](const std::string& date) { return is_iso_date(date); });
+  return first == dates.end() ? "" : *first;
 }
 
 }  // namespace
+
+bool states_date(const std::vector<LaserLine>& lines) { return !dates_in(lines).empty(); }
 
 laser::MapRecipe header_with_files(laser::MapRecipe header, const std::vector<LaserLine>& lines) {
   const auto fill = [&](std::string& field, std::initializer_list<const char*> keys) {

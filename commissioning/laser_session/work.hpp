@@ -89,6 +89,8 @@ struct LaserMapWork {
 
 /// The header: who, when, which machine, as chosen, else what the files say.
 [[nodiscard]] laser::MapRecipe header_with_files(laser::MapRecipe chosen, const std::vector<LaserLine>& lines);
+/// Some file states a date, in any form. Where none does, the header has the date of today.
+[[nodiscard]] bool states_date(const std::vector<LaserLine>& lines);
 
 /// The map that follows from the choices, or the one that was opened, judged. Reads the parameters; what a map cannot
 /// name as it is is prepared from the lines, and lies in no file yet.

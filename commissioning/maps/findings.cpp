@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -60,15 +61,36 @@ std::string completeness(const std::vector<laser::MapFinding>& findings) {
   return findings.empty() ? "complete" : "complete, " + remarks_counted(findings.size());
 }
 
-std::string verdict_text(const std::vector<laser::MapFinding>& findings, bool of_two_machines) {
+namespace {
+
+/// Of a map with components declared zero: how many have values, how many have not and why; else "".
+std::string coverage_text(const laser::ErrorMap& map) {
+  const std::vector<laser::DeclaredZero>& zero = map.header.declared_zero;
+  if (zero.empty()) return {};
+  std::set<Component> with_values;
+  for (const laser::MapTable& table : map.tables) with_values.insert(table.component);
+  for (const laser::DeclaredZero& one : zero) with_values.erase(one.component);
+  const bool one_reason = std::ranges::all_of(zero, [&](const auto& one) { return one.reason == zero.front().reason; });
+  return fmt::format("{} curve{} measured, {} declared zero{}. The unit does not correct {}.", with_values.size(),
+                     with_values.size() == 1 ? "" : "s", zero.size(),
+                     one_reason ? fmt::format(" ({})", zero.front().reason) : "",
+                     zero.size() == 1 ? "that one" : "those");
+}
+
+}  // namespace
+
+std::string verdict_text(const laser::ErrorMap& map, const std::vector<laser::MapFinding>& findings,
+                         bool of_two_machines) {
   if (of_two_machines)
     return fmt::format(
         "the map is {}, but `ecs map send` refuses it: map and parameters belong to different machines\n",
         completeness(findings));
-  if (findings.empty()) return "the map is complete and can be sent\n";
+  const std::string coverage = coverage_text(map);
+  if (findings.empty() && coverage.empty()) return "the map is complete and can be sent\n";
+  if (findings.empty()) return paragraph("the map can be sent: " + coverage);
   if (has_objections(findings)) return "the map is not complete: `ecs map send` refuses it until this is corrected\n";
-  return fmt::format("the map is {}: it can be sent, but read {} first\n", completeness(findings),
-                     findings.size() == 1 ? "it" : "them");
+  return fmt::format("the map is {}: it can be sent, but read {} first\n{}", completeness(findings),
+                     findings.size() == 1 ? "it" : "them", coverage.empty() ? "" : paragraph(coverage));
 }
 
 Result<laser::DeclaredZero> declared_zero_in(const std::string& word) {
@@ -213,7 +235,7 @@ Cell header_cell(const laser::MapHeader& header) {
 
 Cell findings_cell(const std::vector<laser::MapFinding>& findings) {
   return list_cell(findings, [](const laser::MapFinding& finding) {
-    return record_cell("{objection}: {message}\n", "objection"_is(finding.objection, "objection", "remark"),
+    return record_cell("{objection}: {message}\n", "objection"_is(finding.objection, "prevents sending", "remark"),
                        "message"_is(finding.message));
   });
 }

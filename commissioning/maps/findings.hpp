@@ -39,7 +39,8 @@ namespace ecs::commissioning {
 
 /// What a verb says below the findings of a map that it built.
 /// @param of_two_machines  map and parameters name different ones
-[[nodiscard]] std::string verdict_text(const std::vector<laser::MapFinding>& findings, bool of_two_machines = false);
+[[nodiscard]] std::string verdict_text(const laser::ErrorMap& map, const std::vector<laser::MapFinding>& findings,
+                                       bool of_two_machines = false);
 
 /// A `usage` problem for anything but CODE=reason.
 [[nodiscard]] Result<laser::DeclaredZero> declared_zero_in(const std::string& word);

@@ -235,9 +235,8 @@ void note_temperatures(MapFromModel& built, const Model& model, const params::Ma
   const std::string at = fmt::format("the map holds at {}", fmt::join(built.holds_at, " and "));
   built.compiled.map.header.processing.push_back(at);
   built.notes.push_back(fmt::format(
-      "{}, where {} {} zero. In other conditions their error remains. For a map at the working temperature, measure "
-      "there "
-      "and fit a model without {}",
+      "{}, where {} {} zero. At other temperatures the machine keeps this error. For a map at the working temperature, "
+      "measure there and fit a model without {}",
       at, fmt::join(effects, " and "), effects.size() == 1 ? "is" : "are", effects.size() == 1 ? "it" : "them"));
 }
 
@@ -355,7 +354,8 @@ Cell component_cell(const MapFromModel& b, Component component, const std::vecto
 }
 
 Cell components_cell(const MapFromModel& b) {
-  Cell list{Json::array(), fmt::format("{:<4} {:<38} {:<4} {:>8} {:>6}\n", "", "component", "unit", "most", "n")};
+  Cell list{Json::array(),
+            fmt::format("{:<4} {:<38} {:<4} {:>8} {:>6}\n", "", "component", "unit", "largest", "points")};
   for (const auto& [component, effects] : b.effects)
     if (!is_squareness(component)) list.add(component_cell(b, component, effects));
   return list;
@@ -379,7 +379,7 @@ std::string declared_text(const MapFromModel& b) {
 
 Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments) {
   return record_cell(
-      "{components}most: largest compensation; n: points per table, every {increment_mm} "
+      "{components}largest: of the compensation; points: per table, every {increment_mm} "
       "mm\n{squareness}{thermal}{not_carried}"
       "{declared}{notes}{findings}{verdict}{map}{params_out}",
       "map"_is(written_cell("map", arguments.output, "not saved: give -o map.csv to save it\n")),
@@ -390,7 +390,8 @@ Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments)
       "components"_is(components_cell(b)), "thermal"_is(thermal_cell(b.compiled.map.header)),
       "squareness"_is(squareness_of_model(b, arguments)), "declared"_shown(declared_text(b)),
       "missing"_is(lines_cell(objections_in(b.findings), "")), "findings"_is(findings_cell(b.findings)),
-      "verdict"_shown(verdict_text(b.findings, !made_for_two_machines(b.compiled.map.header, b.identity).empty())),
+      "verdict"_shown(
+          verdict_text(b.compiled.map, b.findings, !made_for_two_machines(b.compiled.map.header, b.identity).empty())),
       "holds_at"_is(lines_cell(b.holds_at, "")), "notes"_is(paragraphs_cell(b.notes, "note: ")),
       "header"_is(header_cell(b.compiled.map.header)));
 }

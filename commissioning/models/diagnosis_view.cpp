@@ -41,9 +41,9 @@ Cell direction_cell(const model::DirectionSummary& d, bool rotary, double noise_
       "{sense:<5} {axis:<4} {approach:<11} {readings:>8} {bias_um:>8} {rms_um:>8} {peak_um:>8}   {lack_of_fit}\n",
       "sense"_is(d.path.empty() ? std::string(name_of(d.sense)) : d.path),
       "axis"_is(d.path.empty() ? axis_json(d.axis, rotary) : d.axes),
-      "approach"_is(d.approach, std::string(direction_text(d.approach))), "bias_um"_is(d.bias_um, 3),
-      "rms_um"_is(d.rms_um, 3), "peak_um"_is(d.peak_um, 3), "lack_of_fit"_is(std::move(lack_of_fit)),
-      "readings"_is(d.readings));
+      "approach"_is(d.approach, std::string(direction_text(d.approach))),
+      "bias_um"_is(d.bias_um, fmt::format("{:.3f}", std::round(1e3 * d.bias_um) / 1e3 + 0.0)), "rms_um"_is(d.rms_um, 3),
+      "peak_um"_is(d.peak_um, 3), "lack_of_fit"_is(std::move(lack_of_fit)), "readings"_is(d.readings));
 }
 
 Cell directions_cell(const Comparison& c) {
@@ -150,12 +150,13 @@ std::string summary(const Diagnosis& d) {
 std::string percent(double share) { return fmt::format("{:.1f} %", 100.0 * share); }
 
 std::string head(const Diagnosis& d) {
-  return fmt::format("{:40}{:>30}\n{:>40}    explained   before    after\n", "                               rms after",
-                     fmt::format("held out [{}]", d.noise.unit), fmt::format("[{}]", d.noise.unit));
+  return fmt::format("{:40}{:>13}{:>17}\n{:>40}    explained   before    after\n",
+                     "                               rms after", "variance", fmt::format("held out [{}]", d.noise.unit),
+                     fmt::format("[{}]", d.noise.unit));
 }
 
 /// "cyclic:X:EX, reverse 93 %, progressive:X:EX 6.5 %", each place once
-std::string set_text(const std::vector<model::SetMember>& set) {
+std::string set_text(const std::vector<model::SetMember>& set, int digits = 3) {
   std::vector<model::SetMember> members;
   for (const model::SetMember& member : set) {
     const auto same = std::find_if(members.begin(), members.end(),
@@ -167,7 +168,7 @@ std::string set_text(const std::vector<model::SetMember>& set) {
   }
   std::vector<std::string> words;
   for (const model::SetMember& member : members)
-    words.push_back(fmt::format("{} {:.3g} %", member.place, 100.0 * member.probability));
+    words.push_back(fmt::format("{} {:.{}g} %", member.place, 100.0 * member.probability, digits));
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
@@ -262,7 +263,9 @@ std::string closest_text(const Diagnosis& d) {
     if (closest.size() < kMostShown)
       closest.push_back({to_text(candidate.effect), candidate.probability, place_text(candidate.effect)});
   if (closest.empty()) return {};
-  return "\n" + paragraph("closest candidates, with the probability of each against noise: " + set_text(closest), 0, 2);
+  return "\n" +
+         paragraph("Nearest candidates, with the probability that each is real and not noise: " + set_text(closest, 2),
+                   0, 2);
 }
 
 /// What adding the likely effects would do, and how.
@@ -336,6 +339,23 @@ Cell where_cell(const Diagnosis& d) {
   return where;
 }
 
+/// A property of what is left, as an engineer asks for it.
+std::string_view words_for_property(std::string_view property) {
+  constexpr std::pair<std::string_view, std::string_view> kWords[] = {
+      {"direction", "over the directions of approach"},
+      {"position", "over the position"},
+      {"turn", "over a turn"},
+      {"frame", "whether it stays with the machine or moves with the workpiece"},
+      {"growth", "growth with time, load, feed or temperature"},
+      {"session", "changes with each run or set-up"},
+      {"clock", "delay"},
+      {"excitation", "excitation by these readings"},
+      {"instrument", "instrument"}};
+  for (const auto& [name, words] : kWords)
+    if (name == property) return words;
+  return property;
+}
+
 /// What is told, evidence that several share once; then what is not, and what would tell.
 Cell left_cell(const Diagnosis& d) {
   Cell left{Json::array(), d.left.empty() ? "" : "\nproperties of the residual\n"};
@@ -345,9 +365,9 @@ Cell left_cell(const Diagnosis& d) {
     left.json.push_back(object_of("property"_is(one.property), "is"_is(text_or_null(one.is)), "because"_is(one.because),
                                   "measure"_is(text_or_null(one.measure))));
     if (one.is.empty())
-      withheld.push_back(one.property);
+      withheld.emplace_back(words_for_property(one.property));
     else
-      left.text += paragraph(fmt::format("{}: {}{}", one.property, one.is,
+      left.text += paragraph(fmt::format("{}: {}{}", words_for_property(one.property), one.is,
                                          said.insert(one.because).second ? "; evidence: " + one.because : ""),
                              2, 4);
     if (!one.measure.empty()) measure.insert(one.measure);

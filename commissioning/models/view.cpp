@@ -184,7 +184,8 @@ std::string shape_text(const std::string& variable, const std::vector<ShapePoint
   const std::vector<ShapePoint> few = thinned(points, most_lines);
   double largest = 0.0;
   for (const ShapePoint& point : few) largest = std::max(largest, std::abs(point.um));
-  std::string text = fmt::format("  {:>22}  {:>9}\n", variable, fmt::format("mean [{}]", unit));
+  std::string text =
+      fmt::format("  {:>22}  {:>9}  of the readings around each value\n", variable, fmt::format("mean [{}]", unit));
   for (const ShapePoint& point : few)
     text += fmt::format("  {:>22}  {:>9.2f}  {}\n", position_text(point.at), point.um, bar(point.um, largest));
   return text;

@@ -220,17 +220,17 @@ Cell directions_cell(const WhatIfAnswer& answer) {
   return directions;
 }
 
-/// "0.33 um rms of it is a constant -0.5 um of Z positions: the zero …"
+/// "Part of it, over all readings: 0.33 um rms from a constant -0.5 um of Z positions: the zero …"
 Cell rest_cell(const WhatIfAnswer& answer) {
   Cell list{Json::array(), ""};
   std::vector<std::string> parts;
   for (const RestPart& part : parts_of_rest(answer.achieved->data)) {
-    parts.push_back(fmt::format("{:.2g} {} rms of it is {}", part.rms_um, answer.unit, part.text));
+    parts.push_back(fmt::format("{:.2g} {} rms come from {}", part.rms_um, answer.unit, part.text));
     list.json.push_back(object_of("shape"_is(part.shape), "sense"_is(name_of(part.sense)),
                                   "axis"_is(axis_json(part.axis, answer.rotary)), "size"_is(part.size),
                                   "rms_um"_is(part.rms_um)));
   }
-  if (!parts.empty()) list.text = fmt::format(" {}.", fmt::join(parts, "; "));
+  if (!parts.empty()) list.text = fmt::format(" Over all readings, {}.", fmt::join(parts, "; "));
   return list;
 }
 

@@ -293,8 +293,8 @@ Cell pointer_cell(Component component, const protocol::CurvePointer& pointer,
 
 Cell pointers_cell(const StatusSnapshot& snapshot) {
   Cell pointers{Json::array(),
-                fmt::format("address pointers at tick {}: the values selected last (with linear\ninterpolation the "
-                            "value at or below the position)\ncurve  index  address       value\n",
+                fmt::format("address pointers after {} periods of compensation: the values selected last\n(with linear "
+                            "interpolation the value at or below the position)\ncurve  index  address       value\n",
                             snapshot.status.pointers_at_tick)};
   for (std::size_t i = 0; i < kCurves; ++i)
     if (const auto& pointer = snapshot.status.pointers[i]; pointer.address != protocol::kUnused)
@@ -403,7 +403,7 @@ Cell status_cell(const StatusSnapshot& snapshot) {
       "taken"_is(text_cell(snapshot.taken)), "link"_is(text_cell(snapshot.link)), "unit"_is(unit_cell(snapshot)),
       "mode"_is(ecs::name_of(s.mode)), "fault"_is(std::move(fault)), "ram_test"_is(ram_test_cell(s)),
       "block_check"_is(block_check_cell(s)), "map"_is(map_cell(s)),
-      "loop"_is(record_cell("loop         {period_us} us, {ticks} ticks, {overruns} overruns",
+      "loop"_is(record_cell("loop         period {period_us} us, {overruns} overruns; {ticks} periods since power-up",
                             "period_us"_is(s.loop_period_us), "overruns"_is(s.loop_overruns), "ticks"_is(s.ticks))),
       "uptime_s"_is(s.uptime_s), "watchdog_trips"_is(s.watchdog_trips), "axes"_is(axes_cell(snapshot)),
       "pointers_at_tick"_is(s.pointers_at_tick), "pointers"_is(pointers_cell(snapshot)),

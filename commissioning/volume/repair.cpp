@@ -164,7 +164,7 @@ void note_doubts(RepairAnswer& answer, const std::vector<std::string>& steps) {
   std::vector<std::string> doubts;
   for (const CauseCost& cost : answer.causes) {
     const auto look = [&](std::string_view quantity, const Remaining& one) {
-      if (one.left.share < kLikely) doubts.push_back(doubt(cost, quantity, "unchanged", one.left));
+      if (one.left.share < kLikely) doubts.push_back(doubt(cost, quantity, "left", one.left));
       if (one.compensated.share < kLikely) doubts.push_back(doubt(cost, quantity, "compensated", one.compensated));
       if (one.repaired.share < kLikely) doubts.push_back(doubt(cost, quantity, "repaired", one.repaired));
     };
@@ -190,8 +190,17 @@ struct CauseDraws {
   Draws left, compensated, repaired;
 };
 
-Remedy remedy_for(const model::EffectInstance& effect, const CauseDraws& draws) {
-  if (effect.traits().of_measurement) return draws.left.is_gain(draws.repaired) ? Remedy::set_up : Remedy::nothing;
+/// Zero and slope of a straightness readout that no axis of the machine could correct: they come with the alignment of
+/// the optics, not with the machine.
+bool is_alignment(const model::EffectInstance& effect, const params::Machine& machine) {
+  const bool across =
+      effect.axis && effect.sense && !is_rotation(*effect.sense) && direction_of(*effect.sense) != *effect.axis;
+  return across && effect.traits().is_usual && !effect.traits().of_approach && !is_carried(effect, machine);
+}
+
+Remedy remedy_for(const model::EffectInstance& effect, const params::Machine& machine, const CauseDraws& draws) {
+  if (effect.traits().of_measurement || is_alignment(effect, machine))
+    return draws.left.is_gain(draws.repaired) ? Remedy::set_up : Remedy::nothing;
   if (draws.compensated.is_gain(draws.repaired)) return Remedy::repair;
   return draws.left.is_gain(draws.compensated) ? Remedy::compensate : Remedy::nothing;
 }
@@ -395,9 +404,11 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
     for (std::size_t q = 0; q < std::size(kQuantities); ++q)
       cost.*
           kQuantities[q] = {draws[i].left.expected(q), draws[i].compensated.expected(q), draws[i].repaired.expected(q)};
-    cost.remedy = remedy_for(cost.effect, draws[i]);
+    cost.remedy = remedy_for(cost.effect, *work.machine, draws[i]);
     cost.how = cost.remedy == Remedy::repair ? std::string(cost.effect.definition().check)
-                                             : how_compensated(cost.effect, *work.machine);
+               : is_alignment(cost.effect, *work.machine)
+                   ? "zero and slope of this readout come from the alignment of the optics"
+                   : how_compensated(cost.effect, *work.machine);
     unseen = unseen || !cost.effect.definition().needs.empty();
     answer.causes.push_back(std::move(cost));
   }
@@ -419,7 +430,7 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
 Cell repair_cell(const RepairAnswer& answer) {
   const bool has_circle = answer.diameter_mm > 0.0;
   std::string head = fmt::format(
-      "Remaining error [um] with one cause unchanged, compensated or repaired, and all other causes compensated as far "
+      "Remaining error [um] with one cause left as it is, compensated or repaired, and all others compensated as far "
       "as the unit can; in brackets the 95 % bound. {} readings (noise of one {:.2f} um), {} positions of the volume "
       "in both approaches",
       answer.readings, answer.noise_um, answer.places);
@@ -427,7 +438,7 @@ Cell repair_cell(const RepairAnswer& answer) {
     head += fmt::format(", a circle of {:.0f} mm in {} through the middle", answer.diameter_mm, answer.plane);
   head += ". The volume and the circle contain only the causes of the model, not the residual";
   return record_cell(
-      "{head}\n                           unchanged       compensated          repaired\n{causes}{notes}",
+      "{head}\n                                left       compensated          repaired\n{causes}{notes}",
       "head"_shown(paragraph(head + ".")), "readings"_is(answer.readings), "points"_is(answer.places),
       "noise_um"_is(answer.noise_um),
       "circle_diameter_mm"_is(has_circle ? number_or_null(answer.diameter_mm) : Json(nullptr)),

@@ -91,8 +91,8 @@ Cell size_cell(std::string_view name, const volume::VolumeSize& size, const Volu
 
 /// Below the sizes of what is left: what may be there, by the uncertainty of the map.
 std::string bound_row(const VolumeWork& work) {
-  return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   95 % (uncertainty of the map alone)\n", "after, at most",
-                     work.uncertainty.largest_95_um, "-", work.uncertainty.rms_95_um);
+  return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   95 % confidence (uncertainty of the map alone)\n",
+                     "after, at most", work.uncertainty.largest_95_um, "-", work.uncertainty.rms_95_um);
 }
 
 Json budget_json(const VolumeWork& work) {
@@ -139,11 +139,14 @@ std::string bound_text(const VolumeWork& work) {
     if (shares.size() < 3)
       shares.push_back(
           fmt::format("{} {:.0f} %", one.rotary.empty() ? name_of(one.component) : one.rotary, 100.0 * one.share));
-  return paragraph(fmt::format(
-      "From the uncertainty of the map{} alone the remaining error is at most {:.1f} um anywhere and {:.1f} um "
-      "rms (95 %; 50 %: {:.1f} and {:.1f} um). Errors that the map lacks add to it. Largest contribution: {}.",
-      work.prepared.machine.rotary ? " and of the rotary axes" : "", u.largest_95_um, u.rms_95_um, u.largest_50_um,
-      u.rms_50_um, fmt::join(shares, ", ")));
+  return paragraph(
+      fmt::format("From the uncertainty of the map{} alone the remaining error is, with 95 % confidence, at most "
+                  "{:.1f} um anywhere "
+                  "and {:.1f} um rms. With 50 % confidence it is at most {:.1f} and {:.1f} um. Errors that the map "
+                  "lacks add to it. "
+                  "Largest contribution: {}.",
+                  work.prepared.machine.rotary ? " and of the rotary axes" : "", u.largest_95_um, u.rms_95_um,
+                  u.largest_50_um, u.rms_50_um, fmt::join(shares, ", ")));
 }
 
 Cell side_of_place_cell(const PlaceAnswer& at, std::size_t side) {
@@ -153,9 +156,9 @@ Cell side_of_place_cell(const PlaceAnswer& at, std::size_t side) {
   if (at.orientation_um_per_m)
     fields.push_back("orientation_um_per_m"_is(vector_cell((*at.orientation_um_per_m)[side])));
   return record_cell(at.orientation_um_per_m
-                         ? "  {approach}  before {before_um}  after {after_um} um\n           tool turned by "
+                         ? "  {approach}  X, Y, Z before {before_um}  after {after_um} um\n           tool turned by "
                            "{orientation_um_per_m} um/m about X, Y, Z\n"
-                         : "  {approach}  before {before_um}  after {after_um} um\n",
+                         : "  {approach}  X, Y, Z before {before_um}  after {after_um} um\n",
                      fields);
 }
 
@@ -194,7 +197,11 @@ std::string slice_text(const VolumeSlice& slice) {
     const Vector3 e = mean_error(slice.grid, error, index);
     return std::hypot(e[0], e[1], e[2]);
   };
-  std::string text = fmt::format("slice {}{}: um before (after)\n", letter(slice.across), letter(slice.up));
+  std::string at;
+  for (std::size_t a = 0; a < kAxes; ++a)
+    if (slice.grid.exists[a] && a != slice.across && a != slice.up)
+      at = fmt::format(" at {} {:g} mm", letter(a), slice.grid.mm[a].front());
+  std::string text = fmt::format("slice {}{}{}: um before (after)\n", letter(slice.across), letter(slice.up), at);
   volume::GridIndex index{};
   for (std::size_t row = slice.grid.mm[slice.up].size(); row-- > 0;) {
     index[slice.up] = row;

@@ -313,7 +313,8 @@ cli::Fields<VolumeArguments> VolumeArguments::fields() {
       {"--repeatability", &S::repeatability,
        "standard uncertainty of every map value [um, um/m]; default: from the header, else from the roughness of each "
        "table"},
-      {"--instrument", &S::instrument_um_per_m, "standard uncertainty of positioning [um/m]", Range{0.0}},
+      {"--instrument", &S::instrument_um_per_m,
+       "standard uncertainty of the measuring instrument, proportional to the length [um/m]", Range{0.0}},
       {"--temperature", &S::temperature_degC,
        "standard uncertainty of the scale temperature during the measurement [degC]", Range{0.0}},
       {"--expansion", &S::expansion_um_per_m_degC,

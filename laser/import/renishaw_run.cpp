@@ -233,6 +233,14 @@ Result<Kind> kind_of(const RunFile& file, const std::string& file_name) {
                     "HEADER File type: expected rtl, rta or rts, found neither it nor such an extension");
 }
 
+/// "EY or EZ, across X"
+std::string senses_across(Axis axis) {
+  std::vector<std::string_view> senses;
+  for (const Axis other : kAllAxes)
+    if (other != axis) senses.push_back(ecs::name_of(static_cast<Sense>(index_of(other))));
+  return fmt::format("{}, across {}", fmt::join(senses, " or "), letter_of(axis));
+}
+
 Result<Sense> sense_of_file(Kind kind, Axis axis, const std::string& file_name, const ImportOptions& options) {
   const Sense positioning = static_cast<Sense>(index_of(axis));
   if (kind == Kind::linear) {
@@ -240,7 +248,7 @@ Result<Sense> sense_of_file(Kind kind, Axis axis, const std::string& file_name, 
     return tl::unexpected(usage(file_name, fmt::format("a linear run along {} contains {}, not {}", letter_of(axis),
                                                        ecs::name_of(positioning), ecs::name_of(*options.sense))));
   }
-  const std::string_view choice = kind == Kind::angular ? "EA, EB or EC" : "EX, EY or EZ across the axis";
+  const std::string choice = kind == Kind::angular ? "EA, EB or EC" : senses_across(axis);
   if (!options.sense && options.rotary && kind == Kind::angular) return static_cast<Sense>(kAxes + index_of(axis));
   if (!options.sense)
     return tl::unexpected(

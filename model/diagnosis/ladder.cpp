@@ -113,10 +113,9 @@ Result<AddRequest> parse_add_request(std::string_view text) {
     std::vector<std::string> names;
     for (const EffectDefinition& definition : effect_library()) names.emplace_back(definition.id);
     const std::string like = nearest_word(parts.front(), names);
-    return problem(ProblemKind::usage,
-                   fmt::format("no effect \"{}\"; {}", parts.front(),
-                               like.empty() ? fmt::format("expected one of {}", fmt::join(names, ", "))
-                                            : fmt::format("did you mean \"{}\"?", like)));
+    return problem(ProblemKind::usage, fmt::format("no effect \"{}\"; {}", parts.front(),
+                                                   like.empty() ? std::string("`ecs model effects` lists all effects")
+                                                                : fmt::format("did you mean \"{}\"?", like)));
   }
   request.id = id;
   if (id->place == Place::formulas) {

@@ -19,6 +19,7 @@
 #include <fmt/ranges.h>
 
 #include "base/linear/decompositions.hpp"
+#include "model/diagnosis/bad_run.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/fit/compare.hpp"
 #include "model/fit/noise.hpp"
@@ -504,6 +505,12 @@ std::string run_words(const Observations& data, const VectorXd& residual, double
   if (means.size() >= 4 && left < 0.15 * all)
     return fmt::format("a trend by run, {:+.3g} {} from run {} to run {}", slope * (n - 1.0),
                        unit_of_readings(data, line), names.front(), names.back());
+  if (const auto step = step_of_runs(data, residual, std::vector<bool>(data.size())))
+    return fmt::format(
+        "a step of {:+.2g} {} between runs {} and {} beside a trend: {:.3g} {} from the lowest run to the "
+        "highest",
+        step->height_um, unit_of_readings(data, line), step->before, step->after,
+        *std::ranges::max_element(means) - *std::ranges::min_element(means), unit_of_readings(data, line));
   return fmt::format("each run has a different zero, {:.3g} {} from smallest to largest",
                      *std::ranges::max_element(means) - *std::ranges::min_element(means), unit_of_readings(data, line));
 }

@@ -149,13 +149,13 @@ std::string sizes_word(const EffectInstance& effect, const std::vector<Parameter
   return sizes.empty() ? "an undetermined amount" : sizes;
 }
 
-/// "run, x_mm": what the residual depends on most.
+/// "run and x_mm": what the residual depends on most.
 std::string variables_text(const Diagnosis& diagnosis) {
   std::vector<std::string> variables;
   for (const Dependence& one : diagnosis.where)
     if (variables.size() < kMostVariables && (variables.empty() || one.strength >= kWorthNaming))
       variables.push_back(one.variable);
-  return fmt::format("{}", fmt::join(variables, ", "));
+  return fmt::format("{}", fmt::join(variables, " and "));
 }
 
 /// Ids in brackets: place, and what these data cannot tell from it unless that is named itself; the period where two
@@ -403,7 +403,7 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
     case Verdict::missing_effect:
     case Verdict::partly_explained:
       if (names_a_wave(d)) add(d.reservation);
-      add(findings_text(d, data, false) + ".");
+      add(fmt::format("Found: {}.", findings_text(d, data, false)));
       if (d.verdict == Verdict::partly_explained) add("That is proved, but the residual contains more.");
       add(likely_text(d, data));
       break;
@@ -418,7 +418,7 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
     default:
       add(structure_text(d));
       if (const std::string proved = findings_text(d, data, false); !proved.empty())
-        add(fmt::format("{}: that is proved, but {}.", proved,
+        add(fmt::format("Found: {}. That is proved, but {}.", proved,
                         explainable_share(d.rms_um, d.rms_after_um, d.noise.noise_um) < kPartExplained
                             ? "it is the lesser part"
                         : names_a_wave(d) ? "the waves are only the first terms of a repeating shape"

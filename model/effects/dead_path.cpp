@@ -19,7 +19,7 @@ EffectDefinition dead_path() {
       .parameters =
           {{.name = "length_m", .unit = "m", .meaning = "length of the dead path", .limits = ValueRange{-10.0, 10.0}}},
       .carrier = Carrier::set_up,
-      .how = "an error of the measurement: reset with the optics close together",
+      .how = "an error of the measurement: set the readout to zero with the optics close together",
       .separated_by = separations::kOtherPressure,
       .turns_into = {{Limit::tied_to_runs, "offset"}},
       .traits = {.is_drift = true,

@@ -1,11 +1,11 @@
 // Friction that a drive has to overcome where its axis turns round, read on the fly: the slide stands while the drive
 // builds up the force, then catches up (reversal pip; Armstrong-Hélouvry et al. 1994, Automatica 30, 1083). While it
 // stands it falls behind with the square of the time, e = (t/t0)^2, for it should turn round at constant acceleration.
-// From t0 on its speed changes steadily, so e goes on at the slope 2/t0 while the loop of the drive settles as at the
-// aperiodic limit: (1 + (1/T + 2/t0) s) exp(-s/T), s = t - t0, largest at s = T - 1/(1/T + 2/t0).
-// Lost motion of the axis changes sides when it moves, at t0: until then readings have that of before, -b d/2 and not
-// b d/2, so -b d more than `backlash` says. The b is that of `backlash`; an effect has no coefficient of another, so it
-// is a column of its own.
+// From t0 on its speed changes steadily, so e goes on at the slope 2/t0 while the loop of the drive settles like a
+// critically damped system of second order: (1 + (1/T + 2/t0) s) exp(-s/T), s = t - t0, largest at s = T - 1/(1/T +
+// 2/t0). Lost motion of the axis changes sides when it moves, at t0: until then readings have that of before, -b d/2
+// and not b d/2, so -b d more than `backlash` says. The b is that of `backlash`; an effect has no coefficient of
+// another, so it is a column of its own.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -93,7 +93,7 @@ EffectDefinition friction() {
   return {
       .id = "friction",
       .title = "Friction at reversal",
-      .formula = "-c d (t/t0)^2 - b d to t0, then settles; t since reversal",
+      .formula = "-c d (t/t0)^2 - b d to t0, then settles",
       .cause = "friction that the drive must overcome before the axis reverses",
       .tells_apart = "in readings on the fly, grows for a moment after each reversal, then settles; absent at rest",
       .check =

@@ -200,6 +200,31 @@ struct Setting {
   const MeasuringTimes& times;
 };
 
+/// Sigmas by which a run separates two causes, whichever is true.
+double sigma_of(const MeasurementProposal& run, const PairSeparation& of) {
+  double least = kBeyondAll;
+  for (const PairSeparation& pair : run.pairs)
+    if ((pair.truth == of.truth && pair.rival == of.rival) || (pair.truth == of.rival && pair.rival == of.truth))
+      least = std::min(least, pair.sigma);
+  return least;
+}
+
+/// Of each pair that the first proposal leaves together: the proposal that separates it, or the advice of the effects.
+void note_pairs_together(NextMeasurement& next, const OpenGroup& group) {
+  const std::vector<MeasurementProposal>& runs = next.proposals;
+  for (std::size_t i = 0; i < group.rivals.size(); ++i)
+    for (std::size_t j = i + 1; j < group.rivals.size(); ++j) {
+      const PairSeparation pair{group.names[i], group.names[j], 0.0};
+      const auto other = std::ranges::find_if(runs, [&](const auto& run) { return sigma_of(run, pair) >= kSeparates; });
+      if (other == runs.end())
+        next.notes.push_back(fmt::format("no proposed run separates {} from {}. {}", pair.truth, pair.rival,
+                                         separating_measurement(group.rivals[i], {group.rivals[j]})));
+      else if (other != runs.begin())
+        next.notes.push_back(
+            fmt::format("proposal {} separates {} from {}", other - runs.begin() + 1, pair.truth, pair.rival));
+    }
+}
+
 void take_proposals(NextMeasurement& next, std::vector<Weighed> best, Question question) {
   for (Weighed& one : best) {
     one.proposal.tells = what_it_tells(one.proposal, question);
@@ -304,12 +329,27 @@ Result<void> ask_group_by(NextMeasurement& next, const Setting& in, OpenGroup gr
   else if (next.proposals.front().separation_sigma < kSeparates)
     next.notes.push_back(
         fmt::format("no run of up to five repeats reaches {:.0f} sigma; these are the best", kSeparates));
+  else
+    note_pairs_together(next, group);
   return {};
 }
 
-Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup& group) {
+/// An angle of which these readings do not say the size: its lever is the same in all of them.
+bool is_unsized_angle(const OpenGroup& group, const Diagnosis& diagnosis) {
+  const EffectInstance& effect = group.rivals.front();
+  return group.rivals.size() == 1 && effect.definition().place == Place::rotation &&
+         std::ranges::any_of(diagnosis.candidates, [&](const Candidate& one) {
+           return same_candidate(one.effect, effect) &&
+                  std::ranges::any_of(one.parameters, [](const ParameterEstimate& p) { return p.undetermined; });
+         });
+}
+
+/// @param other_lines  leaves the runs along the lines measured now where there are others
+Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup& group, bool other_lines) {
   next.rivals = group.names;
-  const std::vector<MeasurementProposal> options = all_options(in.data, group.rivals, in.times);
+  std::vector<MeasurementProposal> options = all_options(in.data, group.rivals, in.times);
+  if (other_lines && std::ranges::any_of(options, &MeasurementProposal::other_line))
+    std::erase_if(options, [](const MeasurementProposal& one) { return !one.other_line; });
   NextMeasurement decisive = next;
   auto asked = ask_group_by(decisive, in, group, without_ties(options, in.data, group.rivals));
   if (!decisive.proposals.empty() || !asked) {
@@ -352,9 +392,9 @@ Result<void> ask_structure(NextMeasurement& next, const Setting& in, const Diagn
     explanations.push_back(depends_on(dependence, all.data));
     names.push_back(dependence.variable);
   }
-  next.notes.push_back(fmt::format(
-      "no effect of the library explains the residual, which depends on {}; the run shows whether it does so again",
-      fmt::join(next.rivals, " or ")));
+  next.notes.push_back(
+      fmt::format("no effect of the library explains the residual. The run shows whether it depends on {} again",
+                  fmt::join(next.rivals, " or ")));
   // a bad run or an hour of drift foretells nothing: only a repetition shows whether it comes back
   const bool foretold = !diagnosis.where.empty() && says_what_comes(diagnosis.where.front().variable);
   if (foretold) {
@@ -392,10 +432,11 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
   std::vector<std::string> names;
   for (const Explanation& one : unseen) names.push_back(one.name);
   next.rivals = names;
-  next.notes.push_back(
-      fmt::format("{} these could be present but undetected, as large as the noise of one reading ({:.2g} {}): {}",
-                  few ? "too few readings to decide whether an effect is missing;" : "the model is adequate, but",
-                  noise_um, part.reading_unit(), fmt::join(names, ", ")));
+  next.notes.push_back(fmt::format(
+      "{}. If as large as the noise of one reading ({:.2g} {}), these causes could be present and undetected: "
+      "{}",
+      few ? "too few readings to decide whether an effect is missing" : "the model is adequate", noise_um,
+      part.reading_unit(), fmt::join(names, ", ")));
   const bool zero_matters = true;
   const Separations separations(all, options, belief, unseen, zero_matters);
   take_proposals(next, weighed(options, separations, names, Question::see, in.times), Question::see);
@@ -412,6 +453,18 @@ std::string step_after_proof(const EffectInstance& effect, const params::Machine
   return fmt::format(" Add it to the model. The unit cannot compensate it ({}).", how_compensated(effect, machine));
 }
 
+/// ", and all other effects of the library together have a probability below 0.01 %", beside the least likely cause;
+/// "" where the cause is not that likely.
+std::string odds_of_others(const Diagnosis& diagnosis) {
+  constexpr double kLeastShown = 1e-4, kMostShown = 0.01;
+  double others = 0.0;
+  for (const Candidate& candidate : diagnosis.candidates)
+    if (candidate.in_answer()) others = std::max(others, 1.0 - candidate.probability);
+  if (others > kMostShown) return {};
+  return fmt::format(", and all other effects of the library together have a probability {} {:.1g} %",
+                     others < kLeastShown ? "below" : "of", kPercent * std::max(others, kLeastShown));
+}
+
 }  // namespace
 
 std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
@@ -422,8 +475,7 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
          candidate.e_value.value_or(0.0) < kProved ||
          std::ranges::any_of(candidate.parameters, [](const ParameterEstimate& one) { return one.undetermined; })))
       return std::nullopt;
-  return "No further measurement is needed to find the cause: it is proved, and no other effect of the library fits "
-         "these data as well.";
+  return "No further measurement is needed to find the cause: it is proved" + odds_of_others(diagnosis) + ".";
 }
 
 NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis,
@@ -477,9 +529,10 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
   const bool few = diagnosis.verdict == Verdict::cannot_tell && diagnosis.candidates_tried == 0;  // not even searched
   if (diagnosis.verdict == Verdict::cannot_tell && !few)
     ask_again(next, setting, diagnosis);
-  else if (is_named && !diagnosis.candidates.empty())
-    asked = ask_group(next, setting, open_group(diagnosis));
-  else if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty())
+  else if (is_named && !diagnosis.candidates.empty()) {
+    const OpenGroup group = open_group(diagnosis);
+    asked = ask_group(next, setting, group, is_unsized_angle(group, diagnosis));
+  } else if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty())
     asked = ask_structure(next, setting, diagnosis);
   else
     asked = ask_power(next, setting, few);

@@ -231,11 +231,12 @@ class Conditions {
         p.set_up_minutes += times_.align_minutes;
       });
     if (!is_rotation(now_.sense) && direction_of(now_.sense) == now_.axis)
-      add("after aligning the beam and resetting again, optics close together", [&](MeasurementProposal& p) {
-        p.new_set_up = true;
-        p.set_up = next_set_up();
-        p.set_up_minutes += times_.align_minutes;
-      });
+      add("after aligning the beam and setting the readout to zero with the optics close together",
+          [&](MeasurementProposal& p) {
+            p.new_set_up = true;
+            p.set_up = next_set_up();
+            p.set_up_minutes += times_.align_minutes;
+          });
   }
 
   void lines() {

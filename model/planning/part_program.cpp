@@ -124,7 +124,8 @@ class ProgramWriter {
                                        : fmt::format("optics for {}", name_of(plan_.sense));
     note(fmt::format("  {} on the line with{}", instrument, where.empty() ? " the other axes as now" : where));
     if (plan_.new_set_up)
-      note(fmt::format("  align the beam and reset again, optics close together; write set_up = {}", plan_.set_up));
+      note(fmt::format("  align the beam, set the readout to zero with the optics close together; write set_up = {}",
+                       plan_.set_up));
     if (plan_.reversed)
       note(fmt::format("  write reversed = {}: 1 with the square or straight edge turned over",
                        *plan_.reversed ? 1 : 0));

@@ -397,7 +397,7 @@ const std::vector<Action> kExportReading{
 
 const Module& controllers_module() {
   static const Module module{
-      .menus = {{"export", "convert the error map to compensation tables of other controls, and back"}},
+      .menus = {{"export", "OTHER CONTROLS: the error map as their compensation tables, and back"}},
       .verbs = {{"volume", &export_writers()}, {"volume", &kExportReading}},
       .synonyms = {{"MORE", "export siemens heidenhain twincat linuxcnc"}},
       .advice = {{kTableOfControl, "`ecs export read` converts it to a map"}}};

@@ -348,11 +348,13 @@ Cell square_cell(const model::IdentifiedSquareness& square) {
 }
 
 Cell set_up_cell(const model::IdentifiedSetUp& set_up) {
-  return record_cell("  set-up {name}: {readings} readings, residuals {rms_um} um, station off by {shown} mm\n",
-                     "name"_is(set_up.name), "readings"_is(set_up.readings), "rms_um"_is(set_up.rms_um, 3),
-                     "station_correction_mm"_is(Json(set_up.station_correction_mm)),
-                     "shown"_shown(fmt::format("{:.3f}, {:.3f}, {:.3f}", set_up.station_correction_mm[0],
-                                               set_up.station_correction_mm[1], set_up.station_correction_mm[2])));
+  return record_cell(
+      "  set-up {name}: {readings} readings, residual {rms_um} um rms, station at {shown} mm (X, Y, Z) from the stated "
+      "place\n",
+      "name"_is(set_up.name), "readings"_is(set_up.readings), "rms_um"_is(set_up.rms_um, 3),
+      "station_correction_mm"_is(Json(set_up.station_correction_mm)),
+      "shown"_shown(fmt::format("{:.3f}, {:.3f}, {:.3f}", set_up.station_correction_mm[0],
+                                set_up.station_correction_mm[1], set_up.station_correction_mm[2])));
 }
 
 Cell outlier_cell(const model::LengthOutlier& outlier) {
@@ -387,7 +389,7 @@ std::string idle_text(const std::vector<std::string>& names) {
 Cell single_cell(const model::SingleSetUps& single, double U_um, double minutes) {
   return record_cell(
       "single set-ups for {wanted} um: {set_ups} of them, {runs} runs of {targets} targets each{not_reached}, "
-      "{minutes} minutes; this plan needs {ratio} of that time\n",
+      "{minutes} minutes. This plan needs {ratio} of that time\n",
       "wanted"_shown(U_um, 3), "set_ups"_is(single.set_ups), "runs"_is(single.runs), "targets"_is(single.targets),
       "minutes"_is(single.minutes, 1), "volume_U_um"_is(single.volume_U_um, 3), "reached"_is(single.reached),
       "ratio"_is(minutes / single.minutes, 3), "not_reached"_shown(single.reached ? "" : " (not reached)"));
@@ -404,8 +406,10 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
   return record_cell(
       "{file}: {readings} lengths, {unknowns} unknowns, {degrees_of_freedom} degrees of freedom\n"
       "{components}{squareness}{without_effect}{not_determined}"
-      "  scatter of a single reading {residual_um} um: reading {white_um} um, stop {stop_um} um and {stop_um_per_m} "
-      "um/m, pass {pass_um} um and {pass_um_per_m} um/m; from repeated poses {repeat_um} um\n"
+      "  scatter of a single reading {residual_um} um, of repeated poses {repeat_um} um\n"
+      "  parts of the scatter: each reading {white_um} um; each stop {stop_um} um and {stop_um_per_m} um/m of length; "
+      "each "
+      "pass {pass_um} um and {pass_um_per_m} um/m of length\n"
       "  error vector over the volume: U = {volume_U_um} um (root mean square, 95 %)\n"
       "{set_ups}{outliers}{notes}{map}{params_out}",
       "file"_is(work.test.source), "machine"_is(work.machine_name), "readings"_is(found.readings),

@@ -440,7 +440,7 @@ Result<ReportContent> report_content(VerbContext& context, const ReportArguments
                                          end->path.filename().string(), end->entries),
                              end->last_hash});
   complete_header(arguments, content);
-  if (content.date.empty()) context.console.warn("the report has no date, for no file states one: give --date");
+  if (content.date.empty()) context.console.warn("no file states a date, so the report has none: give --date");
   judge_map(content);
   ECS_DO(add_model(context, arguments, files, content));
   predict_volume(content);

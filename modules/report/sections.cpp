@@ -205,8 +205,7 @@ ReportSection summary_section(const ReportContent& content, const Judgement& jud
           std::string(content.planned ? " Limit: the largest band that the plan allows or cites as published." : ""),
       "class=\"small\"");
   body += element("h3", "What to do next");
-  body += judgement.next.empty() ? paragraph_of("No open points in the data of this report.")
-                                 : list_of(without_commands(judgement.next));
+  body += judgement.next.empty() ? paragraph_of("No open points.") : list_of(without_commands(judgement.next));
   return {"summary", "Summary", std::move(body)};
 }
 

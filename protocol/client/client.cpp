@@ -27,7 +27,7 @@ constexpr milliseconds kExchangePause = 150ms;
 constexpr int kMostArmings = 3;  ///< for one command, of a unit that starts again and again
 
 constexpr std::string_view kOpensByItself =
-    "the unit opens its relays 60 s after the last request; the emergency stop is quicker";
+    "The unit opens its relays 60 s after the last request. The emergency stop is quicker.";
 
 }  // namespace
 
@@ -117,6 +117,11 @@ Result<CommandResult> UnitClient::outcome_of(const Command& command, const Comma
     case CommandState::done:
       return result;
     case CommandState::refused:
+      if (result.error == UnitError::not_in_integration_mode)
+        return problem(
+            ProblemKind::refused,
+            fmt::format("the unit does not accept \"{}\"{}. Run `ecs utility mode integrate`, then try again",
+                        name_of(command.code), result.text.empty() ? "" : ": " + result.text));
       return problem(ProblemKind::refused, fmt::format("the unit refuses \"{}\": {}", name_of(command.code), reason));
     case CommandState::failed:
       return problem(ProblemKind::link, fmt::format("{} failed: {}", name_of(command.code), reason));
@@ -308,28 +313,30 @@ Result<void> UnitClient::run_plain(const Command& command, std::chrono::millisec
   return run(command, limit).map([](const CommandResult&) {});
 }
 
-/// Of a command that acts on the machine: without an answer nobody knows whether it was done, and that is said.
+/// Of a command that acts on the machine: without an answer nobody knows whether it was done. That is said first, then
+/// the remedy, then the cause.
 Result<void> UnitClient::run_acting(const Command& command, std::chrono::milliseconds limit,
                                     std::string_view if_unanswered) {
   auto done = run_plain(command, limit);
   if (!done && done.error().kind == ProblemKind::link)
-    done.error().message += fmt::format("; it may have been carried out: {}", if_unanswered);
+    done.error().message =
+        fmt::format("The command may have been carried out. {} Cause: {}.", if_unanswered, done.error().message);
   return done;
 }
 
 Result<void> UnitClient::enter_integration() {
   return run_acting({.code = CommandCode::enter_integration}, kShortLimit,
-                    "assume that it is still compensating until its status shows otherwise");
+                    "Assume that the unit is still compensating until its status shows otherwise.");
 }
 
 Result<void> UnitClient::enter_compensation() {
   return run_acting({.code = CommandCode::enter_compensation}, kRamTestLimit,
-                    "the unit then closes its relays as soon as every axis is referenced; read its status");
+                    "The unit then compensates as soon as every axis is referenced. Read its status.");
 }
 
 Result<void> UnitClient::set_axis_position(Axis axis, double position_mm) {
   return run_acting({.code = CommandCode::set_axis_position, .axis = axis, .position_mm = position_mm}, kShortLimit,
-                    "compare the position with the control's");
+                    "Compare the position with that of the control.");
 }
 
 Result<void> UnitClient::set_input(std::uint16_t input, double value) {
@@ -340,14 +347,14 @@ Result<void> UnitClient::set_input(std::uint16_t input, double value) {
 Result<void> UnitClient::output_compensation(Axis axis, double output_um, bool relay_on) {
   const Command command{
       .code = CommandCode::output_compensation, .axis = axis, .output_um = output_um, .relay_on = relay_on};
-  return run_acting(command, kShortLimit,
-                    fmt::format("the relay of {} may be closed, or still be closed, and {} um may act; {}",
-                                letter_of(axis), output_um, kOpensByItself));
+  return run_acting(
+      command, kShortLimit,
+      fmt::format("The relay of {} may be closed, and {} um may act. {}", letter_of(axis), output_um, kOpensByItself));
 }
 
 Result<void> UnitClient::output_off() {
   return run_acting({.code = CommandCode::output_off}, kShortLimit,
-                    fmt::format("if it was not, a closed relay is still closed; {}", kOpensByItself));
+                    fmt::format("If it was not, a closed relay is still closed. {}", kOpensByItself));
 }
 
 Result<Address> UnitClient::begin_staging(StagingFrom from) {

@@ -456,7 +456,9 @@ Problem UnitClient::given_up(Problem why, const ActiveMap& before) {
   else if (now->commit_sequence != before.commit_sequence)
     why.message += "; " + another_is_active(*now);
   else if (!key_)  // anybody can have answered
-    why.message += "; this map was not committed; the old map is active unless another host has sent one";
+    why.message += before.active_bank == Bank::none
+                       ? "; this map was not committed; the unit contains no map unless another host has sent one"
+                       : "; this map was not committed; the old map is active unless another host has sent one";
   else
     why.message += not_taken(before);
   return why;

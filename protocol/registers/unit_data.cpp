@@ -35,7 +35,7 @@ constexpr std::array<std::string_view, kUnitErrorCount> kErrorTexts{
     "the unit is read-only for this host. Arm the host with `ecs unit arm --code CODE`, or give --arm-code CODE; the "
     "unit shows its code",
     "this is not the code shown by the unit",
-    "too many wrong codes",
+    "a wrong code was given just before",
     "the keyed check is wrong: the host was armed again, the unit was restarted, or another program uses the host's "
     "name; try again",
 };

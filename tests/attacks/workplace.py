@@ -203,7 +203,7 @@ class Maps:
 SAYS_NEW = re.compile(r'"verified":true|it is active \(commit')
 SAYS_OLD = re.compile(r"the old map is active \(commit|the unit contains no map, as before")
 SAYS_DOUBT = re.compile(r"it is not known which map is active|the active map has changed|another map is now active|"
-                        r"the active map in the unit differs|the old map is active unless")
+                        r"the active map in the unit differs|unless another host has sent one")
 
 
 DOUBLED = re.compile(r"\b([a-z]{2,})[ ,;:]+\1\b")

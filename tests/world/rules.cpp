@@ -204,7 +204,8 @@ void Rules::ends(const Attempt& attempt, const Result<commissioning::SentMap>& s
   const auto new_commit = number_after(words, "it is active (commit ");
   const bool doubt = holds(words, "it is not known which map is active") ||
                      holds(words, "the active map has changed") || holds(words, "another map is now active") ||
-                     holds(words, "the active map in the unit differs") || holds(words, "the old map is active unless");
+                     holds(words, "the active map in the unit differs") ||
+                     holds(words, "unless another host has sent one");
   if (new_commit) {
     if (!was_held(attempt.begun, now, [&](const Held& held) { return is_sent(held) && held.commit == *new_commit; }))
       return record_.violated("{}: told that the new map is active (commit {}), it was not: {}", attempt.host,

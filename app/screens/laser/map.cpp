@@ -175,7 +175,7 @@ class MapPage final : public LaserPage {
     };
     for (const std::string& refusal : map.refusals) add("refused: " + refusal);
     for (const laser::MapFinding& finding : map.findings())
-      add((finding.objection ? "objection: " : "remark: ") + finding.message);
+      add((finding.objection ? "prevents sending: " : "remark: ") + finding.message);
     if (map.made)
       for (const std::string& note : map.made->map.notes) add("note: " + note);
     for (const std::string& unused : map.suggested.unused) add("not used: " + unused);
@@ -218,7 +218,7 @@ constexpr std::array<HeaderField, 6> kFields{{
     {"serial number", "serial number of the machine; only the unit with this number accepts the map",
      &laser::MapRecipe::serial_number},
     {"engineer", "engineer who measured and commissioned", &laser::MapRecipe::engineer},
-    {"date", "year-month-day, as in 2026-03-12; preset: date of the measurement", &laser::MapRecipe::date},
+    {"date", "year-month-day, as in 2026-03-12; preset: date of the measurement, or today", &laser::MapRecipe::date},
     {"remarks", "any remark; a line of the header", &laser::MapRecipe::remark},
 }};
 
@@ -244,7 +244,7 @@ class HeaderPage final : public LaserPage {
         canvas.text(area, row, kValues, k + 1 == kFields.size() ? "-" : "not stated", Tone::warning);
       } else {
         const int used = canvas.text(area, row, kValues, value, chosen.empty() ? Tone::faint : Tone::plain);
-        if (chosen.empty()) canvas.text(area, row, kValues + used + 2, "(from the files)", Tone::faint);
+        if (chosen.empty()) canvas.text(area, row, kValues + used + 2, origin_of(kFields[k]), Tone::faint);
       }
     }
     canvas.text(area, static_cast<int>(kFields.size()) + 3, 3, kFields[at()].help, Tone::faint);
@@ -278,6 +278,14 @@ class HeaderPage final : public LaserPage {
     if (map.parameters && shown.machine.empty()) shown.machine = map.parameters->identity.machine;
     if (map.parameters && shown.serial_number.empty()) shown.serial_number = map.parameters->identity.serial_number;
     return shown;
+  }
+
+  /// Of a value that was not typed.
+  [[nodiscard]] std::string_view origin_of(const HeaderField& field) const {
+    const auto& lines = controller().work().lines;
+    if ((header_with_files({}, lines).*field.value).empty()) return "(from the parameters)";
+    if (field.value == &laser::MapRecipe::date && !states_date(lines)) return "(today; no file states a date)";
+    return "(from the files)";
   }
 
   void draw_rest(Canvas& canvas, const Area& area) const {

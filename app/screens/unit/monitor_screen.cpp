@@ -89,7 +89,7 @@ void draw_monitor(Canvas& canvas, const Area& area, const SampledUnit& unit, dou
   canvas.text(area, 0, c, fault, sample.fault == Fault::none ? Tone::good : Tone::bad);
   const bool old = age_s > kOld_s;
   canvas.text_right(area, 0,
-                    fmt::format("{:.1f} a second, {} failed, {} ", unit.per_second, unit.failed,
+                    fmt::format("{:.1f} samples a second, {} requests failed, {} ", unit.per_second, unit.failed,
                                 old ? fmt::format("OLD: {:.0f} s", age_s) : fmt::format("{:.0f} ms old", 1e3 * age_s)),
                     old ? Tone::bad : Tone::faint);
   canvas.text(area, 2, 1, heading(), Tone::faint);

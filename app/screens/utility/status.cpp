@@ -160,7 +160,7 @@ class StatusScreen final : public KeyedScreen {
           wrong ? Tone::bad : Tone::plain);
     }
     ++row;
-    add("loop period", fmt::format("{:g} us, {} periods since power-up", s.loop_period_us, s.ticks));
+    add("loop period", fmt::format("{:g} us; {} periods since power-up, in every mode", s.loop_period_us, s.ticks));
     if (s.loop_overruns == 0)
       add("overruns", "none");
     else

@@ -214,7 +214,8 @@ Cell built_cell(const Built& b, const BuildRequest& request) {
                       "slope", "smooth", "n"))),
       "declared"_shown(declared_text(b)), "squareness"_is(squareness_of(b, request)),
       "missing"_is(lines_cell(objections_in(b.made.findings), "")), "findings"_is(findings_cell(b.made.findings)),
-      "verdict"_shown(verdict_text(b.made.findings, !made_for_two_machines(b.made.map.map.header, b.identity).empty())),
+      "verdict"_shown(verdict_text(b.made.map.map, b.made.findings,
+                                   !made_for_two_machines(b.made.map.map.header, b.identity).empty())),
       "unused"_is(lines_cell(b.by.unused, "not used: ")), "notes"_is(lines_cell(b.made.map.notes, "note: ")),
       "header"_is(header_cell(b.made.map.map.header)));
 }

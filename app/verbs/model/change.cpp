@@ -107,6 +107,17 @@ Problem with_hint(Problem why) {
   return why;
 }
 
+/// Where the effect does not lower the error of readings that were not used for the fit: that, and how to take it back.
+std::string no_better_text(const model::Added& added, std::string_view unit, const std::string& output) {
+  const std::vector<model::LadderStep>& steps = added.model.history;
+  if (steps.size() < 2) return {};
+  const auto &before = steps[steps.size() - 2].held_out_rms_um, &after = steps.back().held_out_rms_um;
+  if (!before || !after || *after < *before) return {};
+  return paragraph(fmt::format("{} does not lower the error of held-out readings: {:.3f} -> {:.3f} {}.{}",
+                               to_text(added.effect.effect), *before, *after, unit,
+                               output.empty() ? "" : fmt::format(" `ecs model undo {}` removes it.", output)));
+}
+
 Cell added_cell(const model::Added& added, std::string_view unit, const std::string& output) {
   Json effect = effect_json(added.effect.effect);
   effect["parameters"] = parameters_cell(added.effect.parameters).json;
@@ -116,14 +127,15 @@ Cell added_cell(const model::Added& added, std::string_view unit, const std::str
                   name_with_alternatives(added.effect.effect), added.step.rms_before_um, added.step.rms_um, unit,
                   outliers > 0 ? fmt::format(" without {} outlier{}", outliers, outliers == 1 ? "" : "s") : "",
                   added.noise_um, unit));
-  return record_cell("{summary}{effect}\n{history}{model}\n", "summary"_shown(summary),
+  return record_cell("{summary}{effect}\n{history}{no_better}{model}\n", "summary"_shown(summary),
                      "rms_before_um"_is(added.rms_before_um), "rms_after_um"_is(added.rms_after_um),
                      "noise_um"_is(added.noise_um), "peak_um"_is(added.step.peak_um),
                      "held_out_rms_um"_is(added.step.held_out_rms_um),
                      "effect"_is(std::move(effect), paragraph(parameters_text(added.effect.parameters), 2, 4)),
                      "history"_is(ladder_cell(added.model)),
                      "model"_is(output.empty() ? null_cell("not saved: give -o MODEL to save it")
-                                               : Cell{output, "model written to " + output}));
+                                               : Cell{output, "model written to " + output}),
+                     "no_better"_shown(no_better_text(added, unit, output)));
 }
 
 /// The formula that a diagnosis of these data proposes.

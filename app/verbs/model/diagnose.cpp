@@ -128,10 +128,13 @@ Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
   return record_cell("\n{tells}{sentence}", fields);
 }
 
-std::string rivals_text(const std::vector<std::string>& rivals, bool adequate) {
-  const std::string_view what = adequate ? "could be present undetected" : "to be separated";
-  if (rivals.size() > 1) return paragraph(fmt::format("{}: {}", what, fmt::join(rivals, ", ")), 0, 2);
-  return rivals.empty() ? std::string() : paragraph("to be confirmed: " + rivals.front());
+/// Those of an adequate model are in a note below, with their size.
+std::string rivals_text(const std::vector<std::string>& rivals, const model::Diagnosis& diagnosis) {
+  if (rivals.empty() || diagnosis.verdict == model::Verdict::adequate) return {};
+  if (diagnosis.verdict == model::Verdict::unexplained_structure)
+    return diagnosis.different_run ? "Before another run, check the event named above.\n" : "";
+  return paragraph(
+      fmt::format("{}: {}", rivals.size() > 1 ? "to be separated" : "to be confirmed", fmt::join(rivals, ", ")), 0, 2);
 }
 
 Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& diagnosis, const NextRequest& request) {
@@ -141,7 +144,7 @@ Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& 
     proposals.text += "\nThe run that decides the most about all of these causes together, per minute, is the first.\n";
   return record_cell("{verdict}{rivals}{proposals}{notes}",
                      "verdict"_is(name_of(diagnosis.verdict), paragraph(diagnosis.headline)),
-                     "rivals"_is(next.rivals, rivals_text(next.rivals, diagnosis.verdict == model::Verdict::adequate)),
+                     "rivals"_is(next.rivals, rivals_text(next.rivals, diagnosis)),
                      "proposals"_is(std::move(proposals)), "program"_is(text_cell(request.program)),
                      "targets"_is(text_cell(request.targets)), "notes"_is(next.notes, notes_text(next.notes)));
 }

@@ -455,7 +455,9 @@ TEST_CASE("a command that acts on the machine and is not answered may have been 
   REQUIRE(unit.output_compensation(Axis::X, 5.0, true));
   shop.in_model([](UnitModel& model) { model.replies_to_lose = 1'000; });
   const auto output = unit.output_compensation(Axis::X, 6.0, true);
-  CHECK(says(output, "the relay of X may be closed"));
+  CHECK(
+      says(output, "The command may have been carried out. The relay of X may be closed, and 6 um may act. The unit"));
+  CHECK(says(output, "Cause: no answer"));
   const auto off = unit.output_off();
   CHECK(says(off, "a closed relay is still closed"));
   CHECK(says(off, "60 s"));

@@ -317,6 +317,16 @@ TEST_CASE("an invalid date of the files is not preset") {
   CHECK(header_with_files({}, driver.controller().work().lines).date.empty());
 }
 
+TEST_CASE("a header whose files state no date has the date of today, and says so") {
+  const StateFolder folder;
+  const std::string file = folder.with("x.csv", "axis,sense,x_mm,reading\nX,EX,0,0\nX,EX,-50,1\n");
+  LaserScreenDriver driver;
+  driver.take_files({file});
+  CHECK_FALSE(states_date(driver.controller().work().lines));
+  driver.type("7");
+  CHECK(contains(driver.seen(24, 120), "(today; no file states a date)"));
+}
+
 TEST_CASE("the question before sending names the first remark and what the header does not state") {
   ReadyMill ready;
   LaserScreenDriver& driver = ready.driver;
