@@ -33,7 +33,7 @@ constexpr std::array<FaultText, kFaultCount> kFaults{{
     {"user_software", "the user software exceeded its memory or its time", "check the program and its start address"},
     {"commit_record", "a commit record in the axis memory is damaged: a map may be lost",
      "send parameters and map again, or compare the unit with its map"},
-    {"live_input", "a temperature or load is missing or implausible: its terms keep their last value, then fade out",
+    {"live_input", "a live input is missing or implausible: its terms are held, then fade out",
      "check this sensor and its cable (`ecs utility inputs`); compensation goes on without it"},
 }};
 

@@ -387,7 +387,7 @@ Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments)
       "increment_mm"_is(b.increment_mm, shortest(b.increment_mm)), "complete"_is(b.complete()),
       "carried"_is(lines_cell(b.compiled.carried, "")),
       "not_carried"_is(paragraphs_cell(b.compiled.not_carried, "NOT COMPENSATED: ")),
-      "components"_is(components_cell(b)), "thermal"_is(thermal_cell(b.compiled.map.header)),
+      "components"_is(components_cell(b)), "thermal"_shown(thermal_cell(b.compiled.map.header).text),
       "squareness"_is(squareness_of_model(b, arguments)), "declared"_shown(declared_text(b)),
       "missing"_is(lines_cell(objections_in(b.findings), "")), "findings"_is(findings_cell(b.findings)),
       "verdict"_shown(

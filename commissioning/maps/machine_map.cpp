@@ -133,6 +133,8 @@ Result<ExportWork> export_work(MessageSink& messages, const ExportArguments& arg
   note_squareness_left_behind(work);
   for (const std::string& input : {arguments.map, arguments.machine, arguments.model})
     if (!input.empty()) work.inputs.push_back(input);
+  if (const auto& rows = work.source.map.header.thermal; !rows.empty())
+    work.notes.push_back(fmt::format("{} thermal row(s) of the map are not in the tables of a control", rows.size()));
   return work;
 }
 

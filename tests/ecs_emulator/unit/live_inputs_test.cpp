@@ -133,6 +133,7 @@ TEST_CASE("a sensor that fails is a fault in words, opens no relay and moves no 
   for (const SensorFailure failure : {SensorFailure::open, SensorFailure::shifted, SensorFailure::stuck}) {
     Bench b(kWarm, wired_machine());
     b.thermal = rows_for(b);
+    b.thermal_settings.rate_um_per_s = 2.0;
     b.thermal_settings.hold_s = 5.0;
     b.thermal_settings.stuck_s = 20.0;
     b.compensate();
@@ -140,7 +141,7 @@ TEST_CASE("a sensor that fails is a fault in words, opens no relay and moves no 
     b.unit.fail_sensor(0, failure, failure == SensorFailure::shifted ? 30.0 : 0.0);
     double largest_um = 0.0;
     double before_um = b.unit.monitor().axes[0].compensation_um;
-    for (int k = 0; k < 60'000; ++k) {
+    for (int k = 0; k < 120'000; ++k) {
       b.simulation.tick();
       const double now_um = b.unit.monitor().axes[0].compensation_um;
       largest_um = std::max(largest_um, std::abs(now_um - before_um));

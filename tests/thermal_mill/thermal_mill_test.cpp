@@ -1,0 +1,246 @@
+// From a model to the machine: what `map build --from-model` compiles, in the emulated unit, on a machine that warms,
+// bends and is loaded. The error at the tool with the map's geometry alone, and with its thermal rows.
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "base/file.hpp"
+#include "ecs_emulator/unit/unit.hpp"
+#include "ecs_emulator/workshop/procedures.hpp"
+#include "laser/map/image.hpp"
+#include "model/effects/definition.hpp"
+#include "model/fit/compiled_model.hpp"
+#include "model/fit/model_file.hpp"
+#include "tests/support/workshop_machines.hpp"
+
+using namespace ecs;
+using namespace ecs::emulator;
+using namespace ecs::emulator::test;
+
+namespace {
+
+using protocol::Command;
+using protocol::CommandCode;
+using protocol::CommandState;
+
+/// The image for this machine: what the model lacks is declared zero. @param thermal  false: without its rows
+std::vector<std::uint8_t> image_from(const std::string& model_text, const params::Machine& machine,
+                                     const std::string& serial_number, bool thermal) {
+  const model::Model model = must(model::parse_model(model_text, "model.toml", "."));
+  model::CompiledModel made = must(model::compiled(model, machine, 50.0));
+  const std::string why = made.not_carried.empty() ? std::string() : made.not_carried.front();
+  CAPTURE(why);
+  REQUIRE(made.not_carried.empty());
+  UnitParameters parameters = params::default_parameters_for(machine);
+  for (std::size_t i = kCurves; i < kComponents; ++i)
+    squareness_um_per_m(parameters, static_cast<Component>(i)) = made.squareness[i];
+  laser::MapHeader& header = made.map.header;
+  header.serial_number = serial_number;
+  const ComponentSet needed = components_needed(parameters);
+  for (std::size_t i = 0; i < kComponents; ++i) {
+    const auto c = static_cast<Component>(i);
+    const bool has = is_squareness(c) ? squareness_um_per_m(parameters, c) != 0.0
+                                      : laser::table_of(made.map, c, Approach::forward) != nullptr;
+    if (needed.contains(c) && !has) header.declared_zero.push_back({c, "exact in this test"});
+  }
+  if (!thermal) header.thermal.clear();
+  return must(laser::image_of(made.map, parameters)).bytes;
+}
+
+/// Machine and unit, compensating with that image.
+struct Mill {
+  Simulation simulation;
+  Unit unit;
+
+  Mill(const WorkshopMachine& machine, TrueErrors errors, const std::string& model_text, bool thermal)
+      : simulation(machine, std::move(errors), machine.settings.seed),
+        unit({machine.settings.serial_number, 1,
+              AxisModules{Transducer::encoder, Transducer::encoder, Transducer::encoder}, LinkSense::integrate,
+              machine.machine.inputs}) {
+    simulation.attach(&unit);
+    unit.power(true);
+    simulation.tick();
+    const auto image = image_from(model_text, machine.machine, machine.settings.serial_number, thermal);
+    const auto staged = unit.begin({.code = CommandCode::begin_staging});
+    REQUIRE(unit.write_memory(staged.value, image) == protocol::UnitError::none);
+    const auto committed = unit.begin({.code = CommandCode::commit_staged,
+                                       .length = static_cast<std::uint32_t>(image.size()),
+                                       .digest = protocol::short_digest(protocol::digest_of(image))});
+    REQUIRE_MESSAGE(committed.state == CommandState::done, committed.text);
+    load(0.0);
+    (void)unit.begin({.code = CommandCode::enter_compensation});
+    simulation.tick();
+    REQUIRE(reference(simulation, {Axis::X, Axis::Y, Axis::Z}).has_value());
+    REQUIRE(unit.mode() == UnitMode::compensating);
+  }
+
+  /// On the table, and stated to the unit.
+  void load(double kg) {
+    simulation.machine().load(kg);
+    REQUIRE(unit.begin({.code = CommandCode::set_input, .input = kLoadInput, .input_value = kg}).state ==
+            CommandState::done);
+  }
+
+  /// Mean square of the error of the tool at nine places [um^2].
+  double square_um2() {
+    const auto travel = simulation.machine().travel_mm();
+    double sum = 0.0;
+    for (const double x : {0.1, 0.5, 0.9})
+      for (const double yz : {0.1, 0.5, 0.9}) {
+        const auto at = [&](std::size_t a, double part) { return travel[a][0] + part * (travel[a][1] - travel[a][0]); };
+        REQUIRE(simulation.move_to({at(0, x), at(1, yz), at(2, yz)}, 0.0));
+        for (const double um : simulation.tool_now(false).error_um) sum += um * um;
+      }
+    return sum / 9.0;
+  }
+};
+
+/// Rms over the times of a course, with the map's geometry alone and with its thermal rows.
+struct BeforeAfter {
+  double geometry_um = 0.0;
+  double thermal_um = 0.0;
+};
+BeforeAfter before_after(const std::function<std::unique_ptr<Mill>(bool thermal)>& made,
+                         const std::function<void(Mill&, int step)>& course, int steps) {
+  const auto rms_um = [&](bool thermal) {
+    const auto mill = made(thermal);
+    double sum = 0.0;
+    for (int step = 0; step < steps; ++step) {
+      course(*mill, step);
+      sum += mill->square_um2();
+    }
+    CHECK(mill->unit.fault() == Fault::none);
+    return std::sqrt(sum / steps);
+  };
+  return {rms_um(false), rms_um(true)};
+}
+
+constexpr const char* kWarmWorkshop = R"(
+[air]
+mean_degC = 21.0
+swing_degC = 5.0
+[column]
+lag_s = 5400.0
+[material]
+lag_s = 1800.0
+start_degC = 15.0
+[spindle]
+lag_s = 1200.0
+degC_per_1000_rpm = 3.0
+steps = [[0, 4000], [5400, 0]]
+[sensor.material]
+of = "material"
+lag_s = 20.0
+[sensor.front]
+of = "column"
+lag_s = 60.0
+[sensor.spindle]
+of = "spindle"
+lag_s = 30.0
+)";
+
+/// One cause in the machine and in the model.
+struct Alone {
+  const char* effect;
+  const char* errors;
+  const char* model;
+};
+constexpr std::array<Alone, 5> kAlone{{
+    {"thermal_scale", "axis = \"X\"\nparameters = { um_per_m_degC = 11.5 }",
+     "axis = \"X\"\nsense = \"EX\"\nparameters = { um_per_m_degC = 11.5 }"},
+    {"thermal_drift", "axis = \"Z\"\nsense = \"EZ\"\nsensor = \"spindle\"\nparameters = { um_per_degC = -2.4 }",
+     "sense = \"EZ\"\nsensor = \"t_spindle_degC\"\nparameters = { um_per_degC = -2.4 }"},
+    {"thermal_bend",
+     "axis = \"X\"\nsense = \"EZ\"\nsensor = \"material\"\nsensor2 = \"front\"\nparameters = { um_per_m2_degC = 20.0 }",
+     "axis = \"X\"\nsense = \"EZ\"\nsensor = \"t_material_degC\"\nsensor2 = \"t_front_degC\"\n"
+     "parameters = { um_per_m2_degC = 20.0 }"},
+    {"warm_up", "axis = \"X\"\nsense = \"EX\"\nparameters = { tau_s = 240.0, c_um = 8.0, c_um_per_m = 15.0 }",
+     "axis = \"X\"\nsense = \"EX\"\nparameters = { tau_s = 240.0, c_um = 8.0, c_um_per_m = 15.0 }"},
+    {"load", "axis = \"Y\"\nsense = \"EZ\"\nparameters = { um_per_kg = -0.01, um_per_kg_m = 0.02 }",
+     "axis = \"Y\"\nsense = \"EZ\"\nparameters = { um_per_kg = -0.01, um_per_kg_m = 0.02 }"},
+}};
+
+/// A machine with inputs for all of it.
+WorkshopMachine machine_with_inputs() {
+  return machine_of(ideal_machine() +
+                    "[inputs]\nt_material_degC = 1\nt_front_degC = 2\nt_spindle_degC = 3\n"
+                    "load_kg = true\nmotion_X_mm_min = 1500.0\n");
+}
+
+std::string table_of_effect(const char* id, const char* keys) {
+  return std::string("[[effect]]\nid = \"") + id + "\"\n" + keys + "\n";
+}
+
+}  // namespace
+
+TEST_CASE("every effect with live inputs, alone in a machine, falls to a quarter and less by its thermal rows") {
+  std::size_t carried = 0;
+  for (const model::EffectDefinition& effect : model::effect_library())
+    carried += effect.carrier == model::Carrier::inputs ? 1 : 0;
+  CHECK(carried == kAlone.size());
+  for (const Alone& alone : kAlone) {
+    const std::string name = alone.effect;
+    CAPTURE(name);
+    REQUIRE(model::effect_named(alone.effect)->carrier == model::Carrier::inputs);
+    const std::string errors = kWarmWorkshop + table_of_effect(alone.effect, alone.errors);
+    const auto made = [&](bool thermal) {
+      Simulation cold(machine_with_inputs(), errors_of(errors), 1);
+      const std::string origin =
+          "[origin]\ntemperatures = { t_spindle_degC = " + std::to_string(cold.heat().first_degC_at(2)) + " }\n";
+      return std::make_unique<Mill>(machine_with_inputs(), errors_of(errors),
+                                    table_of_effect(alone.effect, alone.model) + origin, thermal);
+    };
+    const bool warms_by_motion = std::string_view(alone.effect) == "warm_up";
+    const auto course = [&](Mill& mill, int step) {
+      mill.load(step < 3 ? 0.0 : 400.0);
+      if (!warms_by_motion) REQUIRE(mill.simulation.dwell(1200.0));
+      for (int pass = 0; warms_by_motion && pass < 8; ++pass) {
+        REQUIRE(mill.simulation.move_to({-450.0, -200.0, -150.0}, 3000.0));
+        REQUIRE(mill.simulation.move_to({-50.0, -200.0, -150.0}, 3000.0));
+      }
+    };
+    const BeforeAfter rms = before_after(made, course, 8);
+    MESSAGE(name << ": " << rms.geometry_um << " um, with thermal rows " << rms.thermal_um << " um");
+    CHECK(rms.geometry_um > 1.0);
+    CHECK(rms.thermal_um <= 0.25 * rms.geometry_um);
+  }
+}
+
+TEST_CASE("a day of the thermal mill: its model's rows leave a quarter and less of what geometry alone leaves") {
+  const std::string folder = "samples/thermal_mill/";
+  const WorkshopMachine machine = must(load_workshop_machine(folder + "machine.toml"));
+  const std::string model = must(read_file(folder + "model.toml"));
+  const auto made = [&](bool thermal) {
+    return std::make_unique<Mill>(machine, must(TrueErrors::load(folder + "errors.toml")), model, thermal);
+  };
+  const auto course = [](Mill& mill, int hour) {
+    if (hour == 4) mill.load(600.0);
+    if (hour > 0) REQUIRE(mill.simulation.dwell(3600.0));
+  };
+  const BeforeAfter rms = before_after(made, course, 10);
+  MESSAGE("a day of ten hours: geometry alone " << rms.geometry_um << " um, with thermal rows " << rms.thermal_um
+                                                << " um");
+  CHECK(rms.geometry_um > 5.0);
+  CHECK(rms.thermal_um <= 0.25 * rms.geometry_um);
+}
+
+TEST_CASE("an effect without its input is left out of the map with the reason") {
+  const auto reason = [](const std::string& inputs, const std::string& effect) {
+    const auto machine = machine_of(ideal_machine() + inputs).machine;
+    const auto made = must(model::compiled(must(model::parse_model(effect, "model.toml", ".")), machine, 50.0));
+    CHECK(made.map.header.thermal.empty());
+    REQUIRE(made.not_carried.size() == 1);
+    return made.not_carried.front();
+  };
+  for (const Alone& alone : kAlone) {
+    const std::string why = reason("", table_of_effect(alone.effect, alone.model));
+    CHECK(contains(why, "[inputs]"));
+  }
+  CHECK(contains(reason("[inputs]\nt_spindle_degC = 3\n", table_of_effect(kAlone[1].effect, kAlone[1].model)),
+                 "the model does not state the temperature of t_spindle_degC at its origin"));
+  CHECK(contains(reason("[inputs]\nt_material_degC = 1\n", table_of_effect("thermal_scale",
+                                                                           "axis = \"X\"\nsense = \"EB\"\n"
+                                                                           "parameters = { um_per_m_degC = 1.0 }")),
+                 "no row for a rotation that changes along its axis"));
+}
