@@ -111,3 +111,10 @@ TEST_CASE("a known file is refused where it says what it is") {
   CHECK(why.column == 3);
   CHECK(contains(why.message, "an Aerotech two-axis correction table"));
 }
+
+TEST_CASE(
+    "a list that begins with its length and another number is a table of a Centroid control, any other list is not") {
+  CHECK(contains(refused("3 -1448\n0\n-32\n-38\n").message, "it seems to be a Centroid compensation table"));
+  for (const char* const other : {"4 -1448\n0\n-32\n-38\n", "3 a\n0\n-32\n-38\n", "3 5\n0.5\n1.5\n2.5\n"})
+    CHECK_FALSE(contains(refused(other).message, "Centroid"));
+}
