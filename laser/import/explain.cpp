@@ -600,6 +600,19 @@ constexpr std::array<Known, 24> kKnown{{
 
 bool is_json_lines(std::string_view text) { return trimmed(text).starts_with('{'); }
 
+/// A table without a word: a line with the number of values and another number, then a value a line.
+constexpr Known kCentroid{
+    "", "a Centroid compensation table of a ball screw: values added by a control, not measured errors"};
+
+bool is_centroid_table(std::string_view text) {
+  constexpr long kLeast = 3;
+  const auto lines = lines_of(trimmed(text));
+  const auto head = lines.empty() ? std::vector<std::string_view>{} : blank_words(lines.front());
+  const auto count = head.size() == 2 && integer_in(head[1]) ? integer_in(head[0]) : std::nullopt;
+  return count && *count >= kLeast && lines.size() == static_cast<std::size_t>(*count) + 1 &&
+         std::all_of(lines.begin() + 1, lines.end(), [](std::string_view line) { return integer_in(trimmed(line)); });
+}
+
 /// What a file is, and where it says so.
 struct Recognised {
   const Known* known = nullptr;
@@ -611,6 +624,7 @@ std::optional<Recognised> recognised_in(std::string_view text) {
   const std::string head = lower(text.substr(0, kExplainedBytes));
   for (const Known& known : kKnown)
     if (const std::size_t at = head.find(known.mark); at != std::string::npos) return Recognised{&known, at};
+  if (is_centroid_table(text)) return Recognised{&kCentroid, 0};
   return std::nullopt;
 }
 
@@ -685,7 +699,7 @@ Problem explanation_of(std::string_view text, const std::string& file_name) {
   if (has_table)
     why += fmt::format(". It contains {}. {}", table_text(*shape), column_advice(text, *shape, recognised.has_value()));
   else
-    why += ". It contains no table of numbers" + list_text(text);
+    why += ". It contains no table of numbers" + (recognised ? "" : list_text(text));
   if (!has_table && !recognised) why += ". Other files can be read if each line has a target and its error";
   if (!recognised) {
     why += ". Known formats: ";

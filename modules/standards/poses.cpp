@@ -56,6 +56,26 @@ Visited visited_points(const MeasurementSet& set, Findings& findings) {
   return all;
 }
 
+/// The points lie along one line, but for this share of its length: no turn about it can be found.
+bool are_on_line(const std::vector<Vector3>& points) {
+  constexpr double kShare = 0.01;
+  const auto difference = [](const Vector3& a, const Vector3& b) {
+    return Vector3{a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+  };
+  const auto length = [](const Vector3& v) { return std::hypot(v[0], v[1], v[2]); };
+  Vector3 along{};
+  for (const Vector3& a : points)
+    for (const Vector3& b : points)
+      if (const Vector3 d = difference(b, a); length(d) > length(along)) along = d;
+  const double whole = length(along);
+  return std::ranges::all_of(points, [&](const Vector3& point) {
+    const Vector3 d = difference(point, points.front());
+    const Vector3 across{d[1] * along[2] - d[2] * along[1], d[2] * along[0] - d[0] * along[2],
+                         d[0] * along[1] - d[1] * along[0]};
+    return length(across) <= kShare * whole * whole;
+  });
+}
+
 Vector3 sum_of(const Vector3& a, double factor, const Vector3& b) {
   return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]};
 }
@@ -78,6 +98,8 @@ Result<PoseTest> pose_test_of(const MeasurementSet& set) {
   Findings findings(set.source);
   const Visited all = visited_points(set, findings);
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
+  if (are_on_line(all.nominal_mm))
+    return problem_at(set.source, 0, 0, "expected points that are not all on one line: a motion needs three");
   const std::size_t points = all.nominal_mm.size(), visits = all.error_um.size();
   const double count = static_cast<double>(points * visits), per_visit = static_cast<double>(visits);
   PoseTest test{.file = set.source, .visits = static_cast<int>(visits)};
@@ -101,15 +123,13 @@ Result<PoseTest> pose_test_of(const MeasurementSet& set) {
     std::vector<Vector3> attained_mm;
     for (std::size_t p = 0; p < points; ++p)
       attained_mm.push_back(sum_of(all.nominal_mm[p], 1.0 / kUmPerMm, errors[p]));
-    const auto motion = rigid_set_up(means_mm, attained_mm);
-    if (!motion || motion->rotations < 3)
-      return problem_at(set.source, 0, 0, "expected points that are not all on one line: a motion needs three");
-    shifts += squares(motion->shift_um);
-    turns += squares(motion->rotation_um_m);
+    const RigidSetUp motion = rigid_set_up(means_mm, attained_mm).value();  // of three points or more there is one
+    shifts += squares(motion.shift_um);
+    turns += squares(motion.rotation_um_m);
     for (std::size_t p = 0; p < points; ++p) {
       const Vector3 off = sum_of(errors[p], -1.0, mean_um[p]);
       before += squares(off);
-      after += squares(sum_of(off, -1.0, set_up_error_um(*motion, means_mm[p])));
+      after += squares(sum_of(off, -1.0, set_up_error_um(motion, means_mm[p])));
     }
   }
   test.rms_um = std::sqrt(before / (3.0 * count));

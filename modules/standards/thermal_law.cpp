@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
-#include <optional>
+#include <utility>
 
 #include <Eigen/Core>
 #include <fmt/format.h>
@@ -82,25 +82,36 @@ double left_out_square(const Pool& pool, const Choice& chosen, const std::vector
   return squares / count;
 }
 
-/// Columns chosen by the runs `of` alone, one after the other.
+/// The column that lowers the error of the runs `of` most, with their mean square then.
+std::pair<Index, double> next_column(const Pool& pool, Choice chosen, const std::vector<bool>& of) {
+  std::pair<Index, double> best{-1, 1e300};
+  for (Index column = 0; column < static_cast<Index>(pool.terms.size()); ++column) {
+    if (std::ranges::find(chosen, column) != chosen.end()) continue;
+    chosen.push_back(column);
+    if (const double square = left_out_square(pool, chosen, of); square < best.second) best = {column, square};
+    chosen.pop_back();
+  }
+  return best;
+}
+
+/// Columns chosen by the runs `of` alone, one after the other; two at once where one alone is not enough, because
+/// sensors of opposite signs help together only.
 Choice chosen_by(const Pool& pool, const std::vector<bool>& of) {
+  constexpr double kEnough = (1.0 - kLeastFall) * (1.0 - kLeastFall);
   Choice chosen;
   double last = 1e300;
   while (chosen.size() < kMostTerms) {
-    double best = 1e300;
-    Index next = -1;
-    for (Index column = 0; column < static_cast<Index>(pool.terms.size()); ++column) {
-      if (std::ranges::find(chosen, column) != chosen.end()) continue;
-      chosen.push_back(column);
-      if (const double square = left_out_square(pool, chosen, of); square < best) {
-        best = square;
-        next = column;
-      }
-      chosen.pop_back();
+    Choice longer = chosen;
+    double square = 1e300;
+    for (int more = 0; more < 2 && (more == 0 || square > kEnough * last); ++more) {
+      const auto [column, then] = next_column(pool, longer, of);
+      if (column < 0) break;
+      longer.push_back(column);
+      square = then;
     }
-    if (next < 0 || best > (1.0 - kLeastFall) * (1.0 - kLeastFall) * last) break;
-    chosen.push_back(next);
-    last = best;
+    if (longer.size() == chosen.size() || square > kEnough * last) break;
+    chosen = std::move(longer);
+    last = square;
   }
   return chosen;
 }

@@ -70,7 +70,7 @@ TEST_CASE("where tables of several kinds follow each other the longest stretch i
 }
 
 TEST_CASE("a list of single numbers is answered with what it lacks") {
-  const Problem why = refused("4 -1448819\n0\n-32\n-38\n-47\n");
+  const Problem why = refused("9 -1448819\n0\n-32\n-38\n-47\n");
   CHECK(why.line == 1);
   CHECK(contains(why.message, "4 lines from line 2 contain one number each"));
 }
@@ -110,4 +110,11 @@ TEST_CASE("a known file is refused where it says what it is") {
   CHECK(why.line == 3);
   CHECK(why.column == 3);
   CHECK(contains(why.message, "an Aerotech two-axis correction table"));
+}
+
+TEST_CASE(
+    "a list that begins with its length and another number is a table of a Centroid control, any other list is not") {
+  CHECK(contains(refused("3 -1448\n0\n-32\n-38\n").message, "it seems to be a Centroid compensation table"));
+  for (const char* const other : {"4 -1448\n0\n-32\n-38\n", "3 a\n0\n-32\n-38\n", "3 5\n0.5\n1.5\n2.5\n"})
+    CHECK_FALSE(contains(refused(other).message, "Centroid"));
 }

@@ -53,8 +53,8 @@ Observations everything_varies() {
 
 /// Readings of a ball while the table C and the head B turn, the linear axes anywhere.
 Observations ball_everywhere() {
-  params::Machine machine = mill("XYTZ");
-  machine.rotary_configuration = "XYCTZB";
+  params::Machine machine = mill("TXYZ");
+  machine.rotary_configuration = "TXYZCB";
   machine.rotary[1] = {{-90.0, 90.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 250.0}};
   machine.rotary[2] = {{0.0, 360.0}, {0.0, 0.0, 1.0}, {500.0, 400.0, 100.0}};
   std::mt19937_64 random(5);
