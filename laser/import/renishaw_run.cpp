@@ -233,12 +233,12 @@ Result<Kind> kind_of(const RunFile& file, const std::string& file_name) {
                     "HEADER File type: expected rtl, rta or rts, found neither it nor such an extension");
 }
 
-/// "EY or EZ, across X"
+/// "EY or EZ across the axis X"
 std::string senses_across(Axis axis) {
   std::vector<std::string_view> senses;
   for (const Axis other : kAllAxes)
     if (other != axis) senses.push_back(ecs::name_of(static_cast<Sense>(index_of(other))));
-  return fmt::format("{}, across {}", fmt::join(senses, " or "), letter_of(axis));
+  return fmt::format("{} across the axis {}", fmt::join(senses, " or "), letter_of(axis));
 }
 
 Result<Sense> sense_of_file(Kind kind, Axis axis, const std::string& file_name, const ImportOptions& options) {

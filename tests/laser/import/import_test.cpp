@@ -90,7 +90,7 @@ TEST_CASE("angular runs are mrad in the file and um/m here, and need their sense
 TEST_CASE("straightness runs need a sense across the axis") {
   CHECK(read_any(sample("straight.rts"), {}).error().kind == ProblemKind::usage);
   CHECK(contains(refusal("straight.rts", options_with({}, Sense::EX)),
-                 "expected the sense EY or EZ, across X, found EX"));
+                 "expected the sense EY or EZ across the axis X, found EX"));
   CHECK(imported("straight.rts", options_with({}, Sense::EZ)).set.readings[1].error == Approx(5.0));
 }
 
