@@ -260,7 +260,7 @@ void keep_in_motion(MeasurementSet& set) {
   }
   std::vector<Reading> kept;
   if (!moved.empty()) {
-    std::ranges::nth_element(moved, moved.begin() + static_cast<std::ptrdiff_t>(moved.size() / 2));
+    std::nth_element(moved.begin(), moved.begin() + static_cast<std::ptrdiff_t>(moved.size() / 2), moved.end());
     const double least = kUsual * moved[moved.size() / 2];
     for (std::size_t i = 0; i < set.readings.size(); ++i)
       if (step[i] >= least) kept.push_back(std::move(set.readings[i]));
