@@ -36,6 +36,7 @@ std::vector<DumpPart> parts_of(const StatusSnapshot& snapshot, DumpScope scope) 
     return {{kEprom, kEprom.size},
             {kSystemRam, kSystemRam.size},
             {kCommitRecords, kCommitRecords.size},
+            {kThermalRecord, kThermalRecord.size},
             {kBankA, bank},
             {kBankB, bank}};
   std::vector<DumpPart> wanted{{kCommitRecords, kCommitRecords.size}};

@@ -341,7 +341,7 @@ Result<void> UnitClient::set_axis_position(Axis axis, double position_mm) {
 
 Result<void> UnitClient::set_input(std::uint16_t input, double value) {
   return run_acting({.code = CommandCode::set_input, .input = input, .input_value = value}, kShortLimit,
-                    "read the inputs of the unit");
+                    "Read the inputs of the unit.");
 }
 
 Result<void> UnitClient::output_compensation(Axis axis, double output_um, bool relay_on) {

@@ -36,7 +36,7 @@ void check_everyday_use(Workshop& shop) {
   const auto refused = unit.set_axis_position(Axis::X, 1.0);
   REQUIRE_FALSE(refused.has_value());
   CHECK(refused.error().kind == ProblemKind::refused);
-  CHECK(says(refused, "integration mode"));
+  CHECK(says(refused, "utility mode integrate"));
   CHECK(must_fail(unit.write_memory(kBankA.first, noise_image(100))).kind == ProblemKind::refused);
   CHECK(unit.enter_integration().has_value());
   CHECK(unit.set_axis_position(Axis::Y, -1.5).has_value());
