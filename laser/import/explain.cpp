@@ -478,8 +478,9 @@ std::optional<std::string> points_advice(const Columns& columns, const TableShap
     apart = std::max(apart, numbers[c]->span());
     for (const auto& [point, rows] : visits) {
       if (rows.size() < 2) return std::nullopt;
-      const auto [least, most] = std::ranges::minmax(rows, {}, [&](std::size_t i) { return numbers[c]->values[i]; });
-      scatter = std::max(scatter, numbers[c]->values[most] - numbers[c]->values[least]);
+      const auto [least, most] =
+          std::ranges::minmax_element(rows, {}, [&](std::size_t i) { return numbers[c]->values[i]; });
+      scatter = std::max(scatter, numbers[c]->values[*most] - numbers[c]->values[*least]);
     }
   }
   if (visits.size() < 2 || scatter > kOfOnePoint * apart) return std::nullopt;
