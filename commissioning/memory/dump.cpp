@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/answer_table.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/file_kind.hpp"

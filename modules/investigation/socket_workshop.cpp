@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "commissioning/link/emulator_process.hpp"
 #include "model/planning/questions.hpp"
