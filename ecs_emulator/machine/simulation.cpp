@@ -46,6 +46,10 @@ void RealTime::wait(double period_s) {
   due_ = now();
 }
 
+bool RealTime::is_behind(double period_s) const {
+  return static_cast<double>(nanoseconds(now()) - nanoseconds(due_)) * 1e-9 >= period_s;
+}
+
 namespace {
 
 constexpr int kSteady = 20;              ///< periods without a change of the output that count as settled

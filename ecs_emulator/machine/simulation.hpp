@@ -33,6 +33,9 @@ class RealTime {
   /// periods left out count as missed.
   void wait(double period_s);
 
+  /// The next period is due already, or long past.
+  [[nodiscard]] bool is_behind(double period_s) const;
+
   [[nodiscard]] const RealTimeRecord& record() const { return record_; }
 
  private:
@@ -69,6 +72,8 @@ class Simulation {
   /// From now on every period takes the time that it stands for, and no time is left out.
   void run_in_real_time() { real_time_.emplace(); }
   [[nodiscard]] const std::optional<RealTime>& real_time() const { return real_time_; }
+  /// Periods that run in real time are late.
+  [[nodiscard]] bool is_behind() const { return real_time_ && real_time_->is_behind(period_s()); }
 
   /// One period of the unit's loop.
   void tick();

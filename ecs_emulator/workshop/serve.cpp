@@ -20,6 +20,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kSlice{10};          ///< of real time, while nobody works
 constexpr double kMostCatchUp_s = 0.25;                  ///< lost time beyond this is not made up for
+constexpr int kMostPassedOver = 50;                      ///< late periods without an answer: 50 ms at 1 kHz
 constexpr std::chrono::milliseconds kBatteryDelay{500};  ///< a changed memory is on disc at the latest after so long
 
 /// The way in for a second host, where one is wanted.
@@ -137,8 +138,11 @@ class RunningWorkshop {
     ::poll(fds.data(), fds.size(), static_cast<int>(std::max<std::int64_t>(0, left.count())));
   }
 
-  /// Answers what waits on the lines. False once the process is to end.
+  /// Answers what waits on the lines. False once the process is to end. A loop that is late catches up first: each
+  /// request that it answered meanwhile would delay the periods after it. Hosts wait for at most so many periods.
   bool serve_line() {
+    if (simulation_.is_behind() && ++passed_over_ < kMostPassedOver) return stop_ == 0;
+    passed_over_ = 0;
     line_.serve_ready(socket_, std::chrono::milliseconds(0));
     if (second_line_) second_line_->serve_ready(socket_, std::chrono::milliseconds(0));
     if (unit_.shown_code() != code_told_) tell_code();
@@ -195,6 +199,7 @@ class RunningWorkshop {
   Clock::time_point last_{};
   Clock::time_point kept_{};
   double owed_s_ = 0.0;
+  int passed_over_ = 0;
   std::string code_told_;
 };
 

@@ -248,7 +248,7 @@ function candidateBox(candidate, library) {
   const known = library.get(candidate.effect);
   const facts = [
     ["because", candidate.because], ["but", candidate.but], ["to decide", candidate.decide],
-    ["cause", known && known.cause], ["check", known && known.check], [known && known.compensated ? "compensated" : "not compensated", known && known.how],
+    ["cause", known && known.cause], ["check", known && known.check], [known && known.compensated ? "can be compensated by" : "not compensated", known && known.how],
     ["next", candidate.next_measurement],
   ].filter(([, text]) => text);
   return element("article", { class: "candidate" },
