@@ -53,6 +53,8 @@ constexpr double kMostSquareOfAll = 2.0;
 constexpr double kPositive = 3.0;
 /// Below this e-value readings that an effect was not fitted to speak against it.
 constexpr double kSpeaksAgainst = 1.0 / kPositive;
+/// Score by which another set of as many effects is clearly better: odds of e^(9/2), 90 to one.
+constexpr double kBetterSet = 9.0;
 /// Candidates shown where nothing is found; refined where the size of the noise is open, for the best under noise that
 /// is too large is the simplest.
 constexpr std::size_t kClosest = 3, kRefinedBesideNoise = 8;
@@ -129,8 +131,9 @@ void settle_groups(const Search& search, Found& found) {
 }
 
 /// Groups of the effects found, each with its e-value; those that readings they were not fitted to speak against are
-/// taken back, the worst first.
-void weigh(const Regressors& regressors, const Base& base, const Search& search, Found& found) {
+/// taken back, the worst first. What remains is the best set of its size: one that needed what was taken back is not.
+void weigh(const Regressors& regressors, const Base& base, const Search& search, StepwiseOptions stepwise,
+           Found& found) {
   const auto e_value_of_group = [&](std::size_t i, NullHypothesis null) {
     const LinearProblem without =
         joined(base, search, search.solution(others(found.solution.chosen, i), found.solution.own));
@@ -147,6 +150,10 @@ void weigh(const Regressors& regressors, const Base& base, const Search& search,
     }
     if (!worst) break;
     found.solution = search.refined(others(found.solution.chosen, *worst), found.solution.own);
+    stepwise.most_effects = found.solution.chosen.size();
+    if (stepwise.most_effects == 0) continue;
+    Solution best = best_solution(search, stepwise);
+    if (best.score() > found.solution.score()) found.solution = std::move(best);
   }
   if (found.groups.empty()) return;
   const LinearProblem all = joined(base, search, found.solution);
@@ -329,6 +336,29 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
   if (found.objection.empty()) hold_against_wander(data, base, search, found);
 }
 
+/// Where something speaks against some of the effects found, the others may be no more than what fitted beside those:
+/// the best set of as many effects takes their place. @param structure  all of them together leave some: then readings
+/// that an effect was not fitted to speak against it too. @return there is a better set
+bool took_best_of_those_left(const Search& search, StepwiseOptions stepwise, bool structure, Found& found) {
+  std::vector<Choice> kept;
+  for (std::size_t i = 0; i < found.groups.size(); ++i) {
+    const Group& group = found.groups[i];
+    if (group.denied || (structure && group.e_value.value_or(1.0) < kSpeaksAgainst)) continue;
+    kept.push_back(found.solution.chosen[i]);
+  }
+  if (kept.empty() || kept.size() == found.groups.size()) return false;
+  stepwise.most_effects = kept.size();
+  Solution best = best_solution(search, stepwise);
+  if (best.chosen.empty() || best.score() <= search.refined(kept, found.solution.own).score() + kBetterSet)
+    return false;
+  found.solution = std::move(best);
+  found.bad_run.reset();
+  found.run_note.clear();
+  found.objection.clear();
+  found.doubt.clear();
+  return true;
+}
+
 /// A step between two runs takes the place of a run that was blamed for it.
 void blame_step(Found& found) {
   found.noisy.reset();
@@ -460,10 +490,10 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
     const bool known_little = found.noise.pure.dof < kManyDegrees;
     if (round == 0) find_level(search, structure, replicates, options, found);
     found.solution = search.alone();
-    if (found.entry_score < kBeyondAll)
-      found.solution =
-          best_solution(search, {options.most_effects, found.entry_score, kLeastShare * n, kLateShare * n,
-                                 found.noise.pure.dof, known_little ? freedom_beside(alone, found.left_out) : 0.0});
+    const StepwiseOptions stepwise{options.most_effects, found.entry_score,
+                                   kLeastShare * n,      kLateShare * n,
+                                   found.noise.pure.dof, known_little ? freedom_beside(alone, found.left_out) : 0.0};
+    if (found.entry_score < kBeyondAll) found.solution = best_solution(search, stepwise);
     LinearProblem all = joined(base, search, found.solution);
     if (round < kMostRounds && noise_changed(data, base, all, whitener, options.plain, found.noise, found.left_out))
       continue;
@@ -479,7 +509,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
     } else {
       found.stands_out.reset();
     }
-    weigh(regressors, base, search, found);
+    weigh(regressors, base, search, stepwise, found);
     const auto chance_beside = [&](const Space& space, const std::vector<StructureTest>& tests) {
       return tail_probability(structure.largest_of(space, replicates.beside(space)), largest_of(tests));
     };
@@ -498,10 +528,17 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       found.structure_p_after = chance_beside(alone, found.before);
       found.closest = search.expand(alone, kClosest);
     } else {
-      judge(regressors, base, search, whitener, noise_freedom, found);
+      const auto judge_all = [&] {
+        judge(regressors, base, search, whitener, noise_freedom, found);
+        found.after = structure.tests(found.solution.space);
+        found.structure_p_after = chance_beside(found.solution.space, found.after);
+      };
+      judge_all();
+      if (took_best_of_those_left(search, stepwise, leaves_structure(found, options), found)) {
+        weigh(regressors, base, search, stepwise, found);
+        judge_all();
+      }
       if (options.p_values) state_p_values(regressors, base, search, found);
-      found.after = structure.tests(found.solution.space);
-      found.structure_p_after = chance_beside(found.solution.space, found.after);
     }
     found.beyond_position = tests_beyond_position(data, whitener, structure, alone, found.before);
     const VectorXd residual = residual_of(all, whitener);
