@@ -238,10 +238,11 @@ void check_slew(const UnitParameters& p, const AxisParameters& a, Axis axis, Fin
                                         shortest(kRapid_mm_min), std::ceil(needed_um_per_s)));
   const double step_um = a.output_slew_um_per_s * p.loop_period_us * 1e-6;
   if (a.output_limit_um > 0.0 && step_um > 2.0 * a.output_limit_um)
-    findings.warning({key, "compensation.loop_period_us"},
-                     fmt::format("the output can jump by {:.6g} um, from limit to limit, in one loop: the slew limit "
-                                 "has no effect; lower it",
-                                 step_um));
+    findings.warning(
+        {key, "compensation.loop_period_us"},
+        fmt::format("the slew limit allows {:.6g} um in one loop, the output limit only {:.6g} um from end "
+                    "to end: the slew limit has no effect; lower {}",
+                    step_um, 2.0 * a.output_limit_um, key));
 }
 
 struct SwitchRule {

@@ -139,7 +139,8 @@ void add_configuration(std::vector<Field>& table) {
       row({"configuration.chain", Group::configuration,
            "How the machine is built: letters after T are the axes on the tool side, letters before it those on the "
            "workpiece side, both from the base outward. TXYZ = moving column mill, XYTZ = compound table. A lathe is "
-           "TZX, or XTYZ without axis X, with Y as its cross slide. Write the axes down in order from the bed outward.",
+           "TZX; if its cross slide is called Y, the chain is XTYZ and the axes are YZ. Write the axes down in order "
+           "from the bed outward.",
            "axis configuration"},
           FieldType::text);
   chain.accepts = "one T and different letters of XYZ, such as \"TXYZ\"";
@@ -267,7 +268,7 @@ void add_axis_compensation(std::vector<Field>& table, Axis axis) {
       table, axis,
       number(
           {"output_scale_counts_per_um", group,
-           "D/A counts that move the axis by one um. Output a known value with the relay on and measure how far "
+           "D/A counts that move the axis by one um. Output a known value with the relay closed and measure how far "
            "the axis moves.",
            "compensation output value scaling factor"},
           "counts/um", {0.0, 32'767.0, false}, [i](auto& p) -> auto& { return p.axes[i].output_scale_counts_per_um; }));

@@ -264,7 +264,7 @@ constexpr std::string_view kHead = R"(# Parameters of the unit
 
 The parameters that adapt a unit to its machine: the three groups of thesis section 5.3, with our additions (a dash in the last column).
 Keys are paths in the TOML file and the names for `ecs params set`. Keys of an axis are shown for X; Y and Z have the same.
-This page is written by `parameters_markdown()` from the table of fields in params/.
+This page is generated from the program.
 
 A file may begin with `[identity]`: `machine` and `serial_number`, texts that identify the machine and unit.
 Missing keys have their default; `params check`, `params send` and `map send` list them. The last line is

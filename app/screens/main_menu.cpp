@@ -164,8 +164,7 @@ std::unique_ptr<Screen> menu_of(const TopMenu& menu, const Connection& connectio
   return std::make_unique<MenuScreen>(
       menu.name,
       std::string(menu.name) + ": " + menu.help +
-          ". Entries in capitals are screens; the others are verbs of `ecs` with their options as fields. A verb that "
-          "a screen also performs is listed only in the results of /.",
+          ". Entries in capitals are screens; the others are verbs of `ecs` with their options as fields.",
       with_synonyms(std::move(choices)));
 }
 

@@ -70,11 +70,15 @@ std::string coverage_text(const laser::ErrorMap& map) {
   std::set<Component> with_values;
   for (const laser::MapTable& table : map.tables) with_values.insert(table.component);
   for (const laser::DeclaredZero& one : zero) with_values.erase(one.component);
+  std::set<Component> live;
+  for (const auto& row : map.header.thermal) live.insert(row.component);
+  const auto has_row = [&](const auto& one) { return live.contains(one.component); };
   const bool one_reason = std::ranges::all_of(zero, [&](const auto& one) { return one.reason == zero.front().reason; });
-  return fmt::format("{} curve{} measured, {} declared zero{}. The unit does not correct {}.", with_values.size(),
-                     with_values.size() == 1 ? "" : "s", zero.size(),
+  return fmt::format("{} component{} with values, {} declared zero{}. The unit does not correct {}{}.",
+                     with_values.size(), with_values.size() == 1 ? "" : "s", zero.size(),
                      one_reason ? fmt::format(" ({})", zero.front().reason) : "",
-                     zero.size() == 1 ? "that one" : "those");
+                     zero.size() == 1 ? "that one" : "those",
+                     std::ranges::any_of(zero, has_row) ? ", except by the thermal rows of the map" : "");
 }
 
 }  // namespace
@@ -82,9 +86,8 @@ std::string coverage_text(const laser::ErrorMap& map) {
 std::string verdict_text(const laser::ErrorMap& map, const std::vector<laser::MapFinding>& findings,
                          bool of_two_machines) {
   if (of_two_machines)
-    return fmt::format(
-        "the map is {}, but `ecs map send` refuses it: map and parameters belong to different machines\n",
-        completeness(findings));
+    return fmt::format("the map is {}{} map and parameters belong to different machines: `ecs map send` refuses it\n",
+                       completeness(findings), has_objections(findings) ? ", and" : ", but");
   const std::string coverage = coverage_text(map);
   if (findings.empty() && coverage.empty()) return "the map is complete and can be sent\n";
   if (findings.empty()) return paragraph("the map can be sent: " + coverage);

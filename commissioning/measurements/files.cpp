@@ -205,7 +205,8 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
   using F = cli::Fields<A>;
   using cli::Range, cli::Words;
   return {
-      {"--axis", &A::axis, "moving axis; overrides an instrument's file, but not a measurement CSV",
+      {"--axis", &A::axis,
+       "moving axis, used in place of that in an instrument's file; a measurement CSV states its own",
        Words{"X", "Y", "Z", "A", "B", "C"}},
       {sense_option, &A::sense, "measured component, if the file does not state it",
        Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},

@@ -264,8 +264,10 @@ std::string closest_text(const Diagnosis& d) {
       closest.push_back({to_text(candidate.effect), candidate.probability, place_text(candidate.effect)});
   if (closest.empty()) return {};
   return "\n" +
-         paragraph("Nearest candidates, with the probability that each is real and not noise: " + set_text(closest, 2),
-                   0, 2);
+         paragraph(
+             "Nearest candidates, each with the probability that it is real and not noise, too small to name one: " +
+                 set_text(closest, 2),
+             0, 2);
 }
 
 /// What adding the likely effects would do, and how.

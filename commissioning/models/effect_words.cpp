@@ -75,7 +75,7 @@ std::vector<EffectFact> details_of(const model::Candidate& candidate) {
   for (EffectFact& fact : facts_of(definition)) facts.push_back(std::move(fact));
   facts.push_back({"values", parameters_text(candidate.parameters)});
   const auto rivals = places_of(candidate.rivals);
-  facts.push_back({"could also be", rivals.empty() ? "no other effect of the library, as far as the noise allows"
+  facts.push_back({"could also be", rivals.empty() ? "no other effect of the library, within the noise"
                                                    : fmt::format("{}", fmt::join(rivals, ", "))});
   if (!candidate.but.empty()) facts.push_back({"not proved", candidate.but});
   if (!candidate.decide.empty()) facts.push_back({"to decide", candidate.decide});

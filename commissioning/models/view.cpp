@@ -185,7 +185,7 @@ std::string shape_text(const std::string& variable, const std::vector<ShapePoint
   double largest = 0.0;
   for (const ShapePoint& point : few) largest = std::max(largest, std::abs(point.um));
   std::string text =
-      fmt::format("  {:>22}  {:>9}  of the readings around each value\n", variable, fmt::format("mean [{}]", unit));
+      fmt::format("  {:>22}  {:>9}  of the residual near each value\n", variable, fmt::format("mean [{}]", unit));
   for (const ShapePoint& point : few)
     text += fmt::format("  {:>22}  {:>9.2f}  {}\n", position_text(point.at), point.um, bar(point.um, largest));
   return text;
@@ -199,7 +199,7 @@ std::string rows_text(const std::vector<int>& rows, std::size_t most) {
 
 Cell ladder_cell(const model::Model& model) {
   const std::vector<LadderStep>& history = model.history;
-  if (history.empty()) return {Json::array(), "no effect has been added yet: use `ecs model add`\n"};
+  if (history.empty()) return {Json::array(), "the model has no added effect; `ecs model add` adds one\n"};
   Cell ladder{Json::array(), fmt::format("{:>4}  {} {:>9} {:>9} {:>9} {:>9}\n", "step", padded("effect", 34),
                                          rms_heading(unit_of_model(model)), "peak", "noise", "held-out")};
   const LadderStep& first = history.front();

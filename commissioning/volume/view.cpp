@@ -91,7 +91,7 @@ Cell size_cell(std::string_view name, const volume::VolumeSize& size, const Volu
 
 /// Below the sizes of what is left: what may be there, by the uncertainty of the map.
 std::string bound_row(const VolumeWork& work) {
-  return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   95 % confidence (map alone)\n", "after, at most",
+  return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   95 % confidence\n", "after, at most",
                      work.uncertainty.largest_95_um, "-", work.uncertainty.rms_95_um);
 }
 

@@ -206,7 +206,8 @@ std::optional<double> instrument_coefficient(const MeasurementSet& set) {
 
 Result<Normalised> normalised(const MeasurementSet& set, const Normalisation& how) {
   if (is_normalised(set))
-    return problem(ProblemKind::refused, "the readings are already normalised to 20 degC: undo that first with --back");
+    return problem(ProblemKind::refused,
+                   "the material correction of these readings has been changed already: undo that first with --back");
   Normalised done;
   done.set = set;
   done.instrument_um_per_m_degC =

@@ -204,9 +204,10 @@ Result<Smooth> smooth(const std::vector<SidePoint>& side, const Window& window) 
                      fmt::format("the line has {} targets, smoothing needs {} or more: do not smooth it", side.size(),
                                  kFewestPoints));
     if (reach.end - reach.begin < kFewestPoints)
-      return problem(ProblemKind::refused,
-                     fmt::format("the window contains {} points at {} mm, smoothing needs {} or more: widen it",
-                                 reach.end - reach.begin, side[i].position_mm, kFewestPoints));
+      return problem(
+          ProblemKind::refused,
+          fmt::format("the window contains {} points at {} mm, smoothing needs {} or more: increase it (--smooth)",
+                      reach.end - reach.begin, side[i].position_mm, kFewestPoints));
     const Eigen::VectorXd weights = weights_of(side, i, reach);
     double value = 0.0;
     for (std::size_t k = reach.begin; k < reach.end; ++k) {
@@ -473,7 +474,10 @@ Result<Curve> rotation_from(const Curve& first, const Curve& second) {
   }
   if (result.points.size() < 2)
     return problem(ProblemKind::refused,
-                   fmt::format("the two lines have {} targets in common, expected two or more", result.points.size()));
+                   fmt::format("these are two parallel lines of {}, whose difference would give an angle; they have {} "
+                               "target{} in common, "
+                               "expected two or more",
+                               letter_of(first.axis), result.points.size(), result.points.size() == 1 ? "" : "s"));
   if (result.points.size() < first.points.size())
     result.notes.push_back(fmt::format("{} targets outside the other line's travel are ignored",
                                        first.points.size() - result.points.size()));

@@ -387,7 +387,7 @@ Result<MeasurementSet> read_run(std::string_view text, const std::string& file_n
   }
   if (descending) set.notes.push_back("targets descend: odd passes approach in reverse");
   if (filled) set.notes.push_back("marked unidirectional: backward passes of zeros are ignored");
-  if (!file.has_end) set.notes.push_back("no EOF section");
+  if (!file.has_end) set.notes.push_back("no EOF section: the file may be truncated");
   spread(set, environment_of(file, set.notes), options.spread_environment);
   number_rows(set);
   return set;

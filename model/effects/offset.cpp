@@ -15,7 +15,7 @@ EffectDefinition offset() {
       .headline = "{where} all shifted by {um}",
       .parameters = {{"um", "um", "shift"}},
       .carrier = Carrier::error_map,
-      .how = "a constant in the map, or the datum's null offset",
+      .how = "a constant in the map, or the null offset of the datum (null_offset_mm)",
       .separated_by = separations::kFinerTargets,
       .traits = {.shows_at_zero = true, .is_usual = true, .one_per_axis = true, .on_rotary_axes = true},
       .place = Place::sense,

@@ -115,7 +115,7 @@ struct FleetDiagnoseRequest {
          Need::required},
         {"--threads", &R::threads, "number of machines at the same time; 0: the number of cores",
          Range{0, kMostThreads}},
-        {"--blanks", &R::blanks, "number of simulated noise-only data sets that a finding must beat",
+        {"--blanks", &R::blanks, "number of simulated noise-only data sets with which each finding is compared",
          Range{50, 20'000}},
         {"--part", &R::part, "process only this part of the rows, for one of many hosts: 3/16 is part 3 of 16"},
         {"--limit", &R::limit, "time limit for one machine [s]; the others continue", Range{0.1, 86'400.0}}};

@@ -137,12 +137,13 @@ Cell whole_entry_cell(const LogbookEntry& entry) {
 }
 
 Cell verdict_cell(const LogVerdict& verdict, const std::string& path, const std::string& expected) {
-  std::string text = verdict.whole()
-                         ? fmt::format("{} entries, each fits its hash and the one before; the last hash is {}\n",
-                                       verdict.entries, verdict.last_hash)
-                     : verdict.first ? fmt::format("entry {} is missing or does not fit: {}; {} before it fit\n",
-                                                   *verdict.first, verdict.why, verdict.entries)
-                                     : fmt::format("{}\n", verdict.why);
+  std::string text =
+      verdict.whole()
+          ? fmt::format("{} entries: each agrees with its hash and with the entry before it; the last hash is {}\n",
+                        verdict.entries, verdict.last_hash)
+      : verdict.first ? fmt::format("entry {} is missing or does not fit: {}; {} before it fit\n", *verdict.first,
+                                    verdict.why, verdict.entries)
+                      : fmt::format("{}\n", verdict.why);
   if (verdict.whole() && expected.empty())
     text += "Entries missing at the end are found only with --hash and the last hash of a report or certificate.\n";
   return record_cell("{text}", "log"_is(path), "whole"_is(verdict.whole()), "entries"_is(verdict.entries),

@@ -200,14 +200,13 @@ std::string scatter_sentence(const TableRow& row) {
   const auto& iso = row.after->iso;
   if (!iso.R || !iso.E) return "";
   if (is_scatter(row) && scatters_more(row))
-    return fmt::format(
-        " It is mostly scatter: repeatability R = {} (four standard deviations), before compensation {}.",
-        quantity(row, *iso.R), quantity(row, *row.before->iso.R));
+    return fmt::format(" It is mostly scatter: repeatability R = {} (ISO 230-2), before compensation {}.",
+                       quantity(row, *iso.R), quantity(row, *row.before->iso.R));
   if (is_scatter(row))
-    return fmt::format(" It is mostly scatter, which no map removes (repeatability R = {}, four standard deviations).",
+    return fmt::format(" It is mostly scatter, which no map removes (repeatability R = {}, ISO 230-2).",
                        quantity(row, *iso.R));
-  return fmt::format(" Its systematic part is E = {}. The repeatability R is {} (four standard deviations).",
-                     quantity(row, *iso.E), quantity(row, *iso.R));
+  return fmt::format(" Its systematic part is E = {}. The repeatability R of ISO 230-2 is {}.", quantity(row, *iso.E),
+                     quantity(row, *iso.R));
 }
 
 std::string worst_sentence_of(const TableRow& row) {

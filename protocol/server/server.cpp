@@ -534,7 +534,8 @@ Result<ModbusServer> ModbusServer::on_pty(const PtyOptions& options) {
 Result<ModbusServer> ModbusServer::on_tcp(const TcpOptions& options) {
   std::vector<std::uint8_t> token;
   if (options.token_file.empty() && !is_loopback(options.host))
-    return problem(ProblemKind::usage, fmt::format("{}: a token is required beyond this computer", options.host));
+    return problem(ProblemKind::usage,
+                   fmt::format("{} can be reached from other computers: a token is required", options.host));
   if (!options.token_file.empty()) {
     ECS_TRY(digest, token_digest_of(options.token_file));
     token = std::move(digest);

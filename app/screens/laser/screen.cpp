@@ -19,8 +19,8 @@ const LaserStepRow kLaserStepRows[kLaserSteps] = {
     {"Lines", "measured lines, their positions and conditions",
      "Step 2: every measured line: component and axis, position of the other axes, targets, runs, approaches. Below "
      "are the conditions stated in the file. A ? marks an unknown position of a parked axis: 0 is assumed until you "
-     "enter it with Enter. Press c to correct a position that a file states wrongly. comp.: measured with compensation "
-     "active, cannot be used for a map.",
+     "enter it with Enter. Press c to correct a position that a file states wrongly. A line that was measured with "
+     "compensation active cannot be used for a map.",
      laser_lines_page},
     {"Exclude", "exclude or include runs and readings",
      "Step 3: exclude a run or a single reading. Press Space to exclude it or to include it again. Files are never "
@@ -80,7 +80,7 @@ std::string next_to_do(const LaserController& controller) {
   const LaserMapWork& map = controller.work().map;
   if (is(LaserStep::files, LaserMark::open)) return {};
   if (is(LaserStep::files, LaserMark::doubtful))
-    return "Step 1: a file was not read: press Enter to add data, x to remove it.";
+    return "Step 1: a file was not read. Press 1, then Enter to add data or x to remove it.";
   if (!controller.mismatch().empty())
     return controller.mismatch() + " Press p to choose the parameters of this machine.";
   if (is(LaserStep::map, LaserMark::open)) return "Next: choose the parameters of the unit: p in step 1, 4 or 6.";

@@ -58,7 +58,7 @@ constexpr int kBarColumn = 59;
 
 std::string heading() {
   return fmt::format("{:>13} {:>9}  {:<4}{:<4}{:<6}{:<9}{:>8}  {:^11}  {}", "position mm", "mm/min", "ref", "sw",
-                     "mark", "approach", "um", "added", "relay");
+                     "mark", "approach", "comp. um", "as a bar", "relay");
 }
 
 /// @param sound  the unit has no fault: a reference counts for something

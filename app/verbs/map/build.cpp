@@ -202,8 +202,8 @@ Cell squareness_of(const Built& b, const BuildRequest& request) {
 
 Cell built_cell(const Built& b, const BuildRequest& request) {
   return record_cell(
-      "{components}{declared}band: range of the readings as measured; largest: of the compensation\nslope: removed, "
-      "per m; smooth: rms removed by smoothing; n: points per "
+      "{components}{declared}band: range of the readings as measured; largest: largest compensation\nslope: slope "
+      "removed, per m; smooth: rms removed by smoothing; n: points per "
       "table\n{unused}{notes}{squareness}{findings}{verdict}{map}{params_out}",
       "map"_is(written_cell("map", request.output, "nothing written: give -o map.csv to keep it\n")),
       "params_out"_is(written_cell("parameters", request.params_out)),

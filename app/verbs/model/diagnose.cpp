@@ -31,7 +31,7 @@ struct DiagnoseRequest {
     using R = DiagnoseRequest;
     return {
         &R::common,
-        {"--blanks", &R::blanks, "number of simulated noise-only data sets that a finding must beat",
+        {"--blanks", &R::blanks, "number of simulated noise-only data sets with which each finding is compared",
          Range{50, 20'000}},
         {"--plain", &R::plain, "use ordinary least squares: no reading is treated as an outlier"},
         {"--plot", &R::plot, "plot of measured and modelled values and of the residual, as .svg or .png", Is::output}};
@@ -140,8 +140,7 @@ std::string rivals_text(const std::vector<std::string>& rivals, const model::Dia
 Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& diagnosis, const NextRequest& request) {
   Cell proposals{Json::array(), {}};
   for (const MeasurementProposal& one : next.proposals) proposals.add(proposal_cell(one, proposals.json.size() + 1));
-  if (proposals.json.size() > 1)
-    proposals.text += "\nThe run that decides the most about all of these causes together, per minute, is the first.\n";
+  if (proposals.json.size() > 1) proposals.text += "\nProposal 1 distinguishes these causes best per minute.\n";
   return record_cell("{verdict}{rivals}{proposals}{notes}",
                      "verdict"_is(name_of(diagnosis.verdict), paragraph(diagnosis.headline)),
                      "rivals"_is(next.rivals, rivals_text(next.rivals, diagnosis)),
@@ -243,12 +242,13 @@ Result<Outcome> next(VerbContext& context, const NextRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kModelDiagnosis{
-    action("model diagnose", "find which effect is missing from a model, with evidence, rivals and doubts",
+    action("model diagnose", "find which effect is missing from a model, with its evidence and rivals",
            "ecs model diagnose model.toml data.csv --machine machine.toml --plot residual.svg", diagnose,
            {.logged = Logged::always, .kind = "diagnosis"}),
     action("model check", "recompute a saved diagnosis from its data; exit 1 if the result differs",
            "ecs model check answer.json data.csv", check_saved),
-    action("model next", "propose the measurement that separates the causes best per minute; --check tests a plan",
+    action("model next",
+           "propose the measurement that best distinguishes the causes for its duration; --check tests a plan",
            "ecs model next model.toml data.csv --machine machine.toml\n"
            "  ecs model next model.toml --check plan.csv --machine machine.toml",
            next)};

@@ -148,7 +148,8 @@ Result<Outcome> fit(VerbContext& context, const FitRequest& request) {
     const std::string text = volume::rotary_csv(found.errors, work.machine ? work.machine->name : "");
     ECS_DO(write_file(request.rotary, text));
     for (const std::string& one : found.not_told) answer.text += paragraph(one, 0, 2);
-    for (const std::string& one : found.left_out) answer.text += paragraph("not written to the file: " + one, 0, 2);
+    for (const std::string& one : found.left_out)
+      answer.text += paragraph(fmt::format("not written to {}: {}", request.rotary, one), 0, 2);
     answer.text += fmt::format("errors of rotary axes written to {}\n", request.rotary);
   }
   if (!request.plot.empty()) answer.text += fmt::format("plot written to {}\n", request.plot);
