@@ -336,14 +336,15 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
   if (found.objection.empty()) hold_against_wander(data, base, search, found);
 }
 
-/// Where something speaks against some of the effects found, the others may be no more than what fitted beside those:
-/// the best set of as many effects takes their place. @param structure  all of them together leave some: then readings
-/// that an effect was not fitted to speak against it too. @return there is a better set
+/// Where all effects found leave structure, and readings that some of them were not fitted to speak against those, the
+/// others may be no more than what fitted beside them: the best set of as many effects takes their place. Not where
+/// something else speaks against one: the structure, not another effect, is what is left then. @return there is one
 bool took_best_of_those_left(const Search& search, StepwiseOptions stepwise, bool structure, Found& found) {
   std::vector<Choice> kept;
   for (std::size_t i = 0; i < found.groups.size(); ++i) {
     const Group& group = found.groups[i];
-    if (group.denied || (structure && group.e_value.value_or(1.0) < kSpeaksAgainst)) continue;
+    if (group.denied) return false;
+    if (structure && group.e_value.value_or(1.0) < kSpeaksAgainst) continue;
     kept.push_back(found.solution.chosen[i]);
   }
   if (kept.empty() || kept.size() == found.groups.size()) return false;

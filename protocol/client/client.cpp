@@ -397,7 +397,7 @@ Result<void> UnitClient::arm(const std::string& code, std::uint16_t minutes) {
   const ExchangeTerms terms = exchange_terms(code, serial_number_, session_, minutes);
   const HalfExchange own = half_exchange(terms);
   const auto refused = [](const ArmAnswer& answer) {
-    const std::string wait = answer.wait_s > 0 ? fmt::format(". Try again in {} s", answer.wait_s) : std::string();
+    const std::string wait = answer.wait_s > 0 ? fmt::format(": try again in {} s", answer.wait_s) : std::string();
     return problem(ProblemKind::refused, fmt::format("the unit refuses to arm: {}{}", text_of(answer.error), wait));
   };
   const auto share = [&] {

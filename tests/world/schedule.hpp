@@ -22,6 +22,13 @@ struct Killed {};
 
 class Schedule;
 
+/// What sanitizers know a stack by.
+struct StackOf {
+  const void* bottom = nullptr;
+  std::size_t bytes = 0;
+  void* fiber = nullptr;
+};
+
 class Program {
  public:
   Program(Schedule& schedule, std::function<void()> body);
@@ -42,6 +49,7 @@ class Program {
   Schedule* schedule_;
   std::function<void()> body_;
   std::unique_ptr<std::byte[]> stack_;
+  StackOf own_stack_, back_stack_;
   ucontext_t own_{};
   ucontext_t back_{};
   std::uint64_t waits_ = 0;  ///< number of the wait at hand; another one: what wakes it comes too late

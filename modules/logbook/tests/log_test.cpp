@@ -67,7 +67,7 @@ TEST_CASE("entries are listed, opened, checked, and new ones come on their own")
   check_holds(after(*screen, "\n"), {"ecs map build", "Jo Fitter"});
   (void)press(*screen, Key::Name::escape);
   (void)letter(*screen, 'v');
-  CHECK(until(*screen, [&] { return contains(picture(*screen), "2 entries, each fits its hash"); }));
+  CHECK(until(*screen, [&] { return contains(picture(*screen), "2 entries: each agrees with its hash"); }));
   (void)press(*screen, Key::Name::escape);
   REQUIRE(ran({"params", "set", params, "axis.X.deadband_um=3", "-o", folder / "new.toml"}).code == 0);
   CHECK(until(*screen, [&] { return contains(picture(*screen), "params set: new.toml"); }));

@@ -136,7 +136,7 @@ TEST_CASE("windows that smooth nothing or are not given are refused") {
   CHECK(smoothed(curve, how).error().kind == ProblemKind::usage);
   Smoothing narrow;
   narrow.window_mm = 5.0;
-  CHECK(contains(smoothed(curve, narrow).error().message, "widen it"));
+  CHECK(contains(smoothed(curve, narrow).error().message, "increase it"));
   Smoothing common = five_points();
   common.common = true;
   CHECK_FALSE(smoothed(curve_of({{0.0, {1.0}, {}}, {1.0, {1.0}, {}}}), common).has_value());
