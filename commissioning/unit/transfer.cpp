@@ -185,8 +185,8 @@ Result<std::optional<Image>> read_active_image(protocol::UnitClient& client,
   if (before.active_bank == Bank::none) return std::optional<Image>();
   ECS_TRY(image, client.read_memory(address_of(before.active_bank), before.image_length_bytes, progress));
   ECS_TRY(after, client.active_map());
-  if (after.commit_sequence != before.commit_sequence)
-    return problem(ProblemKind::refused, "another map became active while it was read: read again");
+  if (after.commit_sequence != before.commit_sequence || after.digest != before.digest)
+    return problem(ProblemKind::refused, "the active map changed while it was read: read again");
   return std::optional<Image>(std::move(image));
 }
 
@@ -266,13 +266,15 @@ std::function<void(const SentImage&)>& watcher() {
   return watch;
 }
 
-/// How the active image differs from the one that was sent; empty: they have the same values. A problem where it is not
-/// that of the commit any more.
+/// How the active image differs from the one that was sent; empty: they have the same values, and the unit still had
+/// them when all were read: a restart in between can bring others. A problem where it is not that of the commit any more.
 Result<std::string> difference_in_unit(protocol::UnitClient& client, const Image& sent, std::uint32_t commit,
                                        const protocol::ProgressCallback& progress) {
   const auto active = read_active_image(client, progress);
   if (!active && active.error().kind != ProblemKind::refused) return tl::unexpected(active.error());
   ECS_TRY(now, client.active_map());
+  if (now.commit_sequence == commit && now.digest != protocol::digest_of(sent))
+    return std::string("its SHA-256 differs: its values have changed since the unit accepted them");
   if (!active || now.commit_sequence != commit)
     return problem(ProblemKind::refused,
                    fmt::format("the unit accepted the map (commit {}), but another map is now active (commit {}): "

@@ -198,7 +198,6 @@ void Rules::ends(const Attempt& attempt, const Result<commissioning::SentMap>& s
   }
   const std::string& words = sent.error().message;
   record_.trace(words.data(), words.size());
-  if (holds(words, "try again in")) record_.reached(Sometimes::code_delayed);
   const bool says_none = holds(words, "the unit contains no map, as before");
   const auto old_commit = number_after(words, "the old map is active (commit ");
   const auto new_commit = number_after(words, "it is active (commit ");

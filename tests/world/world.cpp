@@ -299,7 +299,10 @@ void World::hear(int from, int to, const Bytes& frame) {
 /// What the unit refuses, and why.
 void World::hear_unit(int to, const Bytes& pdu) {
   const auto host = host_at_.find(to);
-  constexpr std::size_t kResult = 2 + 2 * protocol::kCommandResult.count, kAck = 2 + 2 * protocol::kWindowAck.count;
+  constexpr std::size_t kResult = 2 + 2 * protocol::kCommandResult.count, kAck = 2 + 2 * protocol::kWindowAck.count,
+                        kArm = 2 + 2 * protocol::kArmAnswer.count;
+  if (host != host_at_.end() && pdu.size() == kArm && (pdu[6] != 0 || pdu[7] != 0))  // "try again in … s"
+    record_.reached(Sometimes::code_delayed);
   if (host == host_at_.end() || (pdu.size() != kResult && pdu.size() != kAck)) return;
   const auto error = static_cast<UnitError>(pdu[pdu.size() == kResult ? 15 : 9]);
   if (pdu.size() == kAck && error == UnitError::check_mismatch) record_.reached(Sometimes::window_closed_by_forger);

@@ -68,6 +68,22 @@ TEST_CASE("an image whose values change although its checks agree is not called 
   check_holds(sent.message, {"the active map has changed", "compare before compensating"});
 }
 
+TEST_CASE("an image whose values change after they were read back is not called already held, and is sent whole") {
+  auto shop = Workshop::on_tcp();
+  const Bytes image = sent_to(shop);
+  auto unit = shop.client();
+  bool changed = false;
+  const auto sent = must(send_image(unit, image, Addressee::as_stated, [&](const protocol::Progress& now) {
+    if (now.bytes_done == now.bytes_total || std::exchange(changed, true)) return;
+    shop.in_server([](ModbusServer&, UnitModel& model) {  // of the piece that was read first
+      (model.active == protocol::Bank::A ? model.bank_a : model.bank_b)[kPrefixBytes] ^= 1;
+    });
+  }));
+  CHECK(changed);
+  CHECK_FALSE(sent.already_held);
+  CHECK(active_in(shop) == image);
+}
+
 TEST_CASE("a map that another host sends before the values are compared is left as it is") {
   auto shop = Workshop::on_tcp();
   (void)sent_to(shop);
