@@ -2,6 +2,7 @@
 // bends and is loaded. The error at the tool with the map's geometry alone, and with its thermal rows.
 #include <cmath>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -204,6 +205,45 @@ TEST_CASE("every effect with live inputs, alone in a machine, falls to a quarter
     MESSAGE(name << ": " << rms.geometry_um << " um, with thermal rows " << rms.thermal_um << " um");
     CHECK(rms.geometry_um > 1.0);
     CHECK(rms.thermal_um <= 0.25 * rms.geometry_um);
+  }
+}
+
+TEST_CASE(
+    "every effect that tables of the map or the parameters carry, alone in a machine, falls to a tenth and less") {
+  constexpr const char* kCurveInMachine = "points = [[-500, -6.0], [-300, 4.0], [-200, 5.0], [0, -3.0]]";
+  constexpr const char* kCurveInModel =
+      "curve = { p_mm = [-500.0, -300.0, -200.0, 0.0], value = [-6.0, 4.0, 5.0, -3.0] }";
+  const std::string along = "axis = \"X\"\nsense = \"EX\"\n", bent = "axis = \"X\"\ncode = \"ECX\"\n";
+  const auto both = [&](const std::string& keys) { return std::pair(along + keys, along + keys); };
+  const std::map<std::string, std::pair<std::string, std::string>> alone{
+      {"offset", both("parameters = { um = 7.0 }")},
+      {"scale", both("parameters = { um_per_m = -32.0 }")},
+      {"cyclic", both("parameters = { period_mm = 130.0, amplitude_um = 6.0, phase_rad = 0.7 }")},
+      {"backlash", both("parameters = { um = 9.0 }")},
+      {"step", both("parameters = { height_um = 11.0, position_mm = -170.0 }")},
+      {"sag", both("parameters = { k2 = 60.0, k3 = -20.0 }")},
+      {"progressive", {along + kCurveInMachine, along + kCurveInModel}},
+      {"reversal_curve", {along + kCurveInMachine, along + kCurveInModel}},
+      {"angular", {bent + kCurveInMachine, bent + kCurveInModel}},
+      {"squareness",
+       {"code = \"C0Y\"\nparameters = { um_per_m = 25.0 }", "code = \"C0Y\"\nparameters = { um_per_m = 25.0 }"}},
+  };
+  for (const model::EffectDefinition& effect : model::effect_library()) {
+    const bool tables = effect.carrier == model::Carrier::error_map;
+    // What else the parameters correct is no error of the machine: a fault of the map in the unit, or of its line.
+    if (!tables && effect.id != "squareness") continue;
+    const std::string id(effect.id);
+    CAPTURE(id);
+    REQUIRE(alone.contains(id));
+    const auto& [in_machine, in_model] = alone.at(id);
+    const auto rms_um = [&](const std::string& model_text) {
+      Mill mill(machine_with_inputs(), errors_of(table_of_effect(id.c_str(), in_machine.c_str())), model_text, true);
+      return std::sqrt(mill.square_um2());
+    };
+    const double before = rms_um(""), after = rms_um(table_of_effect(id.c_str(), in_model.c_str()));
+    MESSAGE(id << ": " << before << " um, with the map " << after << " um");
+    CHECK(before > 0.5);
+    CHECK(after <= 0.1 * before);
   }
 }
 
