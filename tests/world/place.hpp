@@ -84,7 +84,8 @@ class Place {
   [[nodiscard]] std::uint32_t commit() const;
   /// Of all that the unit keeps; another number: it may have changed.
   [[nodiscard]] std::uint64_t version() const;
-  [[nodiscard]] emulator::Drives drives() const { return drives_; }
+  /// Open without a supply, also between two periods.
+  [[nodiscard]] emulator::Drives drives() const { return running() ? drives_ : emulator::Drives{}; }
   /// Every period up to now has passed.
   void catch_up();
 
