@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstring>
 #include <limits>
 
 namespace ecs::protocol {
@@ -68,12 +69,15 @@ bool is_digit(std::uint8_t byte) { return (byte >= '0' && byte <= '9') || (byte 
 /// The longest repeat of what lies before `at`, and how far back it begins; the nearest of equals.
 Token longest_repeat(View bytes, std::size_t at, std::size_t to) {
   Token best{Token::Kind::repeat, 0, 0};
-  for (std::size_t distance = 1; distance <= std::min(at, kHistoryBytes); ++distance) {
-    if (bytes[at + best.count] != bytes[at + best.count - distance]) continue;  // it is no longer than the best
+  const std::size_t furthest = std::min(at, kHistoryBytes);
+  for (std::size_t distance = 0; distance < furthest && at + best.count < to;) {
+    const std::size_t next = at + best.count;  // that byte agrees in a longer one
+    const void* const found = ::memrchr(&bytes[next - furthest], bytes[next], furthest - distance);
+    if (found == nullptr) break;
+    distance = static_cast<std::size_t>(&bytes[next] - static_cast<const std::uint8_t*>(found));
     std::size_t count = 0;
     while (at + count < to && bytes[at + count] == bytes[at + count - distance]) ++count;
     if (count > best.count) best = {Token::Kind::repeat, count, distance};
-    if (at + count == to) break;
   }
   return best;
 }
