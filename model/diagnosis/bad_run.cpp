@@ -19,7 +19,7 @@ namespace ecs::model {
 namespace {
 
 constexpr std::size_t kFewestRuns = 3;
-/// 2 ln 100: an effect that explains a run better by this is more than the run (docs/model.md, "Diagnose").
+/// 2 ln 100: an effect that explains a run better by this is more than the run (docs/model.md, "When no cause").
 constexpr double kBetterByHundred = 9.21;
 /// A run scatters more than the others where its mean absolute residual is larger by this factor, and by this many
 /// standard deviations of the difference: 3e-6 of runs on one side. Fewer readings a run tell nothing of its scatter.

@@ -42,7 +42,7 @@ constexpr double kDegreesWithoutRepeats = 20.0;
 /// Readings that tell little of the noise do not show that nothing is missing where noise explains as much as the
 /// closest candidate does in fewer cases than this: the usual level of a test.
 constexpr double kRareOfNoise = 0.05;
-/// What is left is no noise beyond this many times what repeats or neighbours show (docs/model.md, "Noise").
+/// What is left is no noise beyond this many times what repeats or neighbours show (docs/model.md, verdicts).
 constexpr double kMostOfNoise = 3.0;
 /// What is left below this is rounding: no instrument reads a nanometre [um].
 constexpr double kNothingLeft_um = 1e-3;

@@ -54,7 +54,7 @@ Result<std::vector<double>> along_axis(const Model& fitted, const EffectInstance
 }
 
 /// An effect that varies by this many times what the table with it does is cancelled by others: the readings do not
-/// determine it (docs/model.md, "Diagnose").
+/// determine it (docs/model.md, "A map from a model").
 constexpr double kMostOfTable = 100.0, kLeastRange_um = 0.1;  // below, it is no error of a machine
 
 double range_of(const std::vector<double>& values) {

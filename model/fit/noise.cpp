@@ -50,8 +50,8 @@ constexpr double kLeastInformation = 0.05;
 /// number. A choice: a smaller part names less and later.
 constexpr double kFreedomOfReplicates = 0.7;
 /// Turbulence is correlated over up to a minute [s], the longest time tried: there it may be any longer one; noise is
-/// at most three times what neighbours scatter (docs/model.md, "Fit"); variance of a second difference of independent
-/// readings: 1 + 4 + 1.
+/// at most three times what neighbours scatter (docs/statistics.md, "Noise"); variance of a second difference of
+/// independent readings: 1 + 4 + 1.
 constexpr double kTurbulence_s = 60.0, kMostOfScatter = 3.0, kSquaresOfSecond = 6.0;
 /// Level at which the least of three estimates counts: two tests at it keep the choice below the usual 0.05 by far, for
 /// few readings scatter less by chance.

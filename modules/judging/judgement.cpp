@@ -316,7 +316,7 @@ constexpr std::size_t kEnoughRuns = 4;
 /// Into how many stretches fewer runs are cut together, and how many readings each has at least.
 constexpr double kStretches = 8.0;
 constexpr std::size_t kFewestInStretch = 4;
-/// Shorter ones are not independent: twice the minute over which turbulence correlates readings (docs/model.md).
+/// Shorter ones are not independent: twice the minute over which turbulence correlates readings (docs/statistics.md).
 constexpr double kShortestStretch_s = 120.0;
 
 /// Consecutive stretches of each run in which the predictions differ by equal squares: what acts at one place only

@@ -22,7 +22,7 @@ namespace {
 
 using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
 
-/// Δχ² below which two answers are equally good, as for periods (docs/model.md).
+/// Δχ² below which two answers are equally good, as for periods (docs/statistics.md, "Sets").
 constexpr double kEquallyGood = 9.0;
 /// Columns of which less than this part is left beside the others add nothing.
 constexpr double kNothingNew = 1e-6;
