@@ -85,8 +85,11 @@ Result<void> stage(const OutputFile& file, StagedFiles& staged) {
   }
   one.beside = one.target.string() + fmt::format(".new-{}", ::getpid());
   staged.all.push_back(one);
-  if (const auto written = write_file(one.beside, file.content); !written)
-    return output_problem(file.path, written.error().message + "; no file was changed");
+  const auto written = [&] {
+    const Unwatched unseen;  // its name is that of a moment
+    return write_file(one.beside, file.content);
+  }();
+  if (!written) return output_problem(file.path, written.error().message + "; no file was changed");
   if (one.old) fs::permissions(one.beside, fs::status(one.target, ignored).permissions(), ignored);
   return {};
 }
@@ -110,12 +113,14 @@ std::string taken_back(const std::vector<Staged>& all, std::size_t renamed) {
 }  // namespace
 
 Result<std::vector<WrittenFile>> write_together(const std::vector<OutputFile>& files) {
-  std::error_code ignored;
   std::vector<WrittenFile> written;
-  if (files.size() == 1) {
-    const bool there = fs::exists(files.front().path, ignored);
-    ECS_DO(write_file(files.front().path, files.front().content));
-    written.push_back({files.front().path, there});
+  FileWatch* const watch = FileWatch::current();
+  if (files.size() == 1 || (watch != nullptr && watch->replaces_disc())) {
+    for (const OutputFile& file : files) {
+      const bool there = is_there(file.path);
+      ECS_DO(write_file(file.path, file.content));
+      written.push_back({file.path, there});
+    }
     return written;
   }
   StagedFiles staged;
@@ -126,6 +131,7 @@ Result<std::vector<WrittenFile>> write_together(const std::vector<OutputFile>& f
       const std::string why = std::strerror(errno);
       return output_problem(one.name, fmt::format("cannot write: {}; {}", why, taken_back(staged.all, i)));
     }
+    if (watch != nullptr) watch->was_written(one.name, files[i].content);
     written.push_back({one.name, one.old.has_value()});
   }
   return written;

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "base/answer_table.hpp"
+#include "base/file.hpp"
 #include "modules/controllers/export.hpp"
 #include "modules/controllers/tests/output_files.hpp"
 #include "tests/support/folder.hpp"
@@ -26,6 +27,32 @@ TEST_CASE("several files are written together, and each says whether it replaced
   struct stat now {};
   REQUIRE(::stat((folder / "y.comp").c_str(), &now) == 0);
   CHECK((now.st_mode & 07777) == 0640);
+}
+
+/// As a logbook sees them; with `replaces`, as a repetition from it does, which writes nothing.
+class Seen final : public FileWatch {
+ public:
+  explicit Seen(bool replaces) : replaces_(replaces) {}
+  [[nodiscard]] bool replaces_disc() const override { return replaces_; }
+  [[nodiscard]] Result<std::string> content(const std::filesystem::path&) override { return problem(ProblemKind::bad_input, "none"); }
+  void was_read(const std::filesystem::path&, std::string_view) override {}
+  void was_written(const std::filesystem::path& path, std::string_view content) override {
+    written += path.filename().string() + ": " + std::string(content) + "\n";
+  }
+  std::string written;
+
+ private:
+  bool replaces_;
+};
+
+TEST_CASE("who watches the files sees them by their names, and writes them in place of the disc") {
+  for (const bool replaces : {false, true}) {
+    const Folder folder;
+    Seen seen(replaces);
+    REQUIRE(write_together(three(folder)));
+    CHECK(seen.written == "x.comp: new x\ny.comp: new y\nz.comp: new z\n");
+    CHECK(entries_in(folder) == (replaces ? 0 : 3));
+  }
 }
 
 TEST_CASE("where one of the names is a folder, no file is changed") {
