@@ -136,6 +136,16 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   return near.empty() ? std::string() : fmt::format("; did you mean \"{}\"?", near);
 }
 
+/// The verbs and menus below `app` whose own name this is, by their whole paths.
+void add_paths_named(const CLI::App& app, const std::string& path, const std::string& name,
+                     std::vector<std::string>& paths) {
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
+    const std::string below = path + " " + sub->get_name();
+    if (sub->get_name() == name) paths.push_back("`" + below + "`");
+    add_paths_named(*sub, below, name, paths);
+  }
+}
+
 /// The menu or verb that the words lead to, and the first word that is none.
 struct WordsEnd {
   const CLI::App* app = nullptr;
@@ -191,13 +201,21 @@ std::string lacking_value(const CLI::App& app, const std::vector<std::string>& w
   return {};
 }
 
+/// That a menu has no such verb, with the nearest that it has, or those of that name in its other menus.
+std::string no_verb_text(const WordsEnd& end) {
+  const std::vector<std::string> verbs = names_of_verbs(*end.app);
+  std::string near = did_you_mean(end.stray, verbs);
+  std::vector<std::string> elsewhere;
+  if (end.stray == "help") near = fmt::format("; did you mean `{} --help`?", end.path);
+  if (near.empty()) add_paths_named(*end.app, end.path, end.stray, elsewhere);
+  if (!elsewhere.empty()) near = fmt::format("; did you mean {}?", fmt::join(elsewhere, " or "));
+  return fmt::format("`{}` has no verb \"{}\"{} It has: {}", end.path, end.stray, near.empty() ? "." : near,
+                     fmt::join(verbs, ", "));
+}
+
 std::string usage_text(const CLI::App& root, const std::vector<std::string>& words, const std::string& what) {
   const WordsEnd end = end_of(root, words);
-  const auto verbs = names_of_verbs(*end.app);
-  if (!end.stray.empty())
-    return fmt::format("`{}` has no verb \"{}\"{} It has: {}", end.path, end.stray,
-                       did_you_mean(end.stray, verbs).empty() ? "." : did_you_mean(end.stray, verbs),
-                       fmt::join(verbs, ", "));
+  if (!end.stray.empty()) return no_verb_text(end);
   if (const std::string lacks = lacking_value(*end.app, words, what); !lacks.empty())
     return fmt::format("{}: {} (see `{} --help`)", end.path, lacks, end.path);
   const std::vector<std::string> options = names_of_options(*end.app);
@@ -282,6 +300,7 @@ Request CommandTree::parsed(const std::vector<std::string>& words) {
     root_->parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
     const WordsEnd end = end_of(*root_, words);
+    if (!end.stray.empty()) return {Request::Kind::wrong, no_verb_text(end)};
     return {Request::Kind::help, wrapped_help(end.app->help(end.parent))};
   } catch (const CLI::CallForVersion&) {
     return {Request::Kind::version, {}};

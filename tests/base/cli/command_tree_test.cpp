@@ -84,6 +84,10 @@ TEST_CASE("what is wrong is said with a hint") {
   };
   CHECK(contains(refusal({"rum"}), "`tool` has no verb \"rum\"; did you mean \"run\"? It has: run, shop"));
   CHECK(contains(refusal({"shop", "a.sock", "mesure"}), "did you mean \"measure\"?"));
+  CHECK(contains(refusal({"measure"}), "has no verb \"measure\"; did you mean `tool shop measure`? It has: run, shop"));
+  CHECK(contains(refusal({"help"}), "did you mean `tool --help`?"));
+  CHECK(contains(refusal({"rum", "--help"}), "`tool` has no verb \"rum\"; did you mean \"run\"?"));
+  CHECK(contains(refusal({"shop", "a.sock", "pay", "--help"}), "`tool shop` has no verb \"pay\". It has: measure"));
   CHECK(contains(refusal({"run", "--fed", "1"}), "did you mean \"--feed\"?"));
   CHECK(contains(refusal({"run", "--feed", "nan"}), "expected a number, got \"nan\""));
   CHECK(contains(refusal({"run", "--mode", "odd"}), "expected slow or fast, got \"odd\""));
