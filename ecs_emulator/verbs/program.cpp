@@ -17,15 +17,16 @@ constexpr RequestOption kPlanOptions[]{
     {"--axis", OptionKind::word, "moving axis"},
     {"--sense", OptionKind::word, "measured component (positioning)"},
     {"--instrument", OptionKind::word, "instrument stated in the head of the program"},
-    {"--from", OptionKind::number, "first target, mm"},
-    {"--to", OptionKind::number, "last target, mm"},
-    {"--step", OptionKind::number, "mm"},
-    {"--targets", OptionKind::numbers, "target positions, instead of from, to and step"},
+    {"--from", OptionKind::number, "first target [mm]"},
+    {"--to", OptionKind::number, "last target [mm]"},
+    {"--step", OptionKind::number, "step between targets [mm]"},
+    {"--targets", OptionKind::numbers,
+     "target positions, separated by commas, instead of --from, --to and --step [mm]"},
     {"--runs", OptionKind::integer, "number of runs, there and back (3)"},
     {"--unidirectional", OptionKind::flag, "measure in one direction only"},
-    {"--feed", OptionKind::number, "mm/min (2000)"},
+    {"--feed", OptionKind::number, "feed [mm/min] (2000)"},
     {"--dwell", OptionKind::number, "dwell before each reading [s] (2)"},
-    {"--overrun", OptionKind::number, "mm (5)"},
+    {"--overrun", OptionKind::number, "travel beyond the end targets [mm] (5)"},
 };
 
 struct ProgramRequest {

@@ -83,16 +83,19 @@ const std::vector<RequestOption> kCaptureOptions = with_settings(
         kForceOption,
     });
 const std::vector<RequestOption> kSurveyOptions{
-    {"--step", number, "step of the grid [mm]"},
-    {"--approach", integer, "1 or -1"},
+    {"--step", number, "step of the grid [mm] (250)"},
+    {"--approach", integer, "side from which every axis approaches a point: 1 or -1 (1)"},
     {"--with-scatter", flag, "include the scatter"},
     {"-o,--output", path, "CSV file to write"},
     kForceOption,
 };
 const std::vector<RequestOption> kComponentsOptions{
-    {"--x", numbers, "coordinates, separated by commas, mm"}, {"--y", numbers, "coordinates, separated by commas, mm"},
-    {"--z", numbers, "coordinates, separated by commas, mm"}, {"--a", numbers, "angles, separated by commas, deg"},
-    {"--b", numbers, "angles, separated by commas, deg"},     {"--c", numbers, "angles, separated by commas, deg"},
+    {"--x", numbers, "positions of X, separated by commas [mm]"},
+    {"--y", numbers, "positions of Y, separated by commas [mm]"},
+    {"--z", numbers, "positions of Z, separated by commas [mm]"},
+    {"--a", numbers, "angles of A, separated by commas [deg]"},
+    {"--b", numbers, "angles of B, separated by commas [deg]"},
+    {"--c", numbers, "angles of C, separated by commas [deg]"},
 };
 const std::vector<RequestOption> kCircleOptions{
     {"--plane", word, "plane: XY, YZ, ZX, or the axes in the other order; the angle rises from the first to the second",
@@ -136,10 +139,10 @@ const std::vector<RequestOption> kRunOptions{
 const std::vector<RequestOption> kBallOptions{
     {"--ball", numbers, "X,Y,Z at which the linear axes touch the ball, all rotary axes at 0 [mm]"},
     {"--sweep", words, "turning axis from:to:step and position of another axis, as in C=0:330:30/A=-60"},
-    {"--tool-offset", numbers, "X,Y,Z from the point at which errors count to the ball in the spindle"},
+    {"--tool-offset", numbers, "X,Y,Z from the point to which the errors apply to the ball in the spindle [mm]"},
     {"--off", numbers, "X,Y,Z by which the ball is off its position on the table [um]"},
     {"--tool-off", numbers, "X,Y,Z by which the ball in the spindle is off its position [um]"},
-    {"--on-workpiece", flag, "sensors turn with the table"},
+    {"--on-workpiece", flag, "sensors on the workpiece: they turn with the table"},
     {"--runs", integer, "number of runs, each there and back (2)"},
     {"--noise", number, "standard deviation of a reading [um] (0.3)"},
     {"--seconds", number, "time from one pose to the next [s] (5)"},
@@ -156,26 +159,32 @@ const std::vector<RequestOption> kTurnOptions{
     kForceOption,
 };
 const std::vector<RequestOption> kJogOptions{
-    {"--x,-x", number, "", Need::optional, "X"},
-    {"--y,-y", number, "", Need::optional, "Y"},
-    {"--z,-z", number, "", Need::optional, "Z"},
-    {"--feed", number, "feed [mm/min]; 0: rapid"},
+    {"--x,-x", number, "position to which X moves, machine coordinates [mm]", Need::optional, "X"},
+    {"--y,-y", number, "position to which Y moves, machine coordinates [mm]", Need::optional, "Y"},
+    {"--z,-z", number, "position to which Z moves, machine coordinates [mm]", Need::optional, "Z"},
+    {"--feed", number, "feed [mm/min]; default: rapid traverse"},
 };
 const std::vector<RequestOption> kFaultOptions{
-    {"NAME", word, "", Need::required},
-    {"--address", integer},
-    {"--bit", integer},
-    {"--level", integer},
-    {"--bits", integer},
-    {"--axis", word},
-    {"--back", flag},
-    {"--us", number},
-    {"--input", integer},
-    {"--how", word},
-    {"--by", number},
-    {"--count", integer},
-    {"--probability", number},
-    {"--slow-ms", number},
+    {"NAME", word,
+     "ram_stuck, corrupt, overrun, hang or power_fails (unit); sensor (input of the unit); transducer, marker, switch "
+     "or miscount (axis); no_reply, lost_request, bad_crc, slow_reply, garbage_before, drop_byte, cut_tail or "
+     "stale_reply (line); clear: remove every fault",
+     Need::required},
+    {"--address", integer, "address in the unit's memory, for ram_stuck and corrupt"},
+    {"--bit", integer, "stuck bit, 0 to 7, for ram_stuck (0)"},
+    {"--level", integer, "level of the stuck bit or switch, 0 or 1, for ram_stuck and switch (1)"},
+    {"--bits", integer, "mask of the inverted bits, 1 to 255, for corrupt (1)"},
+    {"--axis", word, "axis, for transducer, marker, switch and miscount"},
+    {"--back", flag, "remove the fault again, for transducer, marker, switch and sensor"},
+    {"--us", number, "additional time in each period, for overrun [us] (1000000)"},
+    {"--input", integer, "temperature input, from 1 on, for sensor (1)"},
+    {"--how", word, "failure of the sensor: open, stuck or shifted"},
+    {"--by", number, "shift of the sensor, for shifted [degC] (0)"},
+    {"--count", integer,
+     "number of faulty transactions (line), of slow periods (overrun; 0: all), of additional counts (miscount), or of "
+     "bytes that are still written to axis memory (power_fails)"},
+    {"--probability", number, "probability of a fault in each transaction of the line, 0 to 1, instead of --count"},
+    {"--slow-ms", number, "delay of each slow_reply [ms]"},
 };
 
 Json coordinates_in(const std::vector<std::string>& texts) {
@@ -340,8 +349,8 @@ struct PlanRequest {
             {"-o,--output", &R::folder, "folder for the files", Need::required},
             {"--force", &R::force, "overwrite existing files"},
             of_choice("--moved", &C::moved, "displace the targets from equal steps, as ISO 230-2 requires"),
-            of_choice("--date", &C::date, ""),
-            of_choice("--engineer", &C::engineer, "")};
+            of_choice("--date", &C::date, "date in the metadata"),
+            of_choice("--engineer", &C::engineer, "engineer in the metadata")};
   }
 };
 
@@ -363,27 +372,30 @@ Result<Outcome> follow_plan(VerbContext& context, const PlanRequest& arguments) 
 
 const std::vector<Action>& workshop_verbs() {
   static const std::vector<Action> verbs{
-      request("state", "positions, unit, time and counters", "state", {}),
+      request("state", "show positions, unit, time and counters", "state", {}),
       request("jog", "move axes", "jog --x -100 --y 50 --feed 2000", kJogOptions),
-      request("reference", "run the controller's reference sequence, all axes or --axes X", "reference --axes X",
-              {{"--axes", words}}),
+      request("reference", "run the reference sequence of the control for all axes, or for --axes",
+              "reference --axes X", {{"--axes", words, "axes, separated by commas; default: all"}}),
       request("measure", "measure a line", "measure --axis X --sense EX --from 0 --to -4100 --step 50 -o exx.csv",
               kMeasureOptions),
       request("run", "run a part program", "run exx.nc --axis X --sense EX -o exx.csv", kRunOptions),
-      request("mdi", "one block of a part program", "mdi \"G01 X-100 F2000\"",
+      request("mdi", "run one block of a part program", "mdi \"G01 X-100 F2000\"",
               {{"BLOCK", word, "one block: \"G01 X-100 F2000\"", Need::required}}),
       request("capture", "record the display at a constant rate", "capture --axis X --sense EX --seconds 10 -o run.rtx",
               kCaptureOptions),
-      request("circle", "circular test (ISO 230-4) with a ball bar", "circle --plane XY --radius 100 -o circle.csv",
-              kCircleOptions),
-      request("survey", "true volumetric error: corners and grid", "survey --step 500 -o survey.csv", kSurveyOptions),
-      request("tool", "true error of the tool now, against the commanded position", "tool", {}),
-      request("power", "the unit's mains switch: off, on or cycle", "power cycle",
-              {{"STATE", word, "", Need::required}}),
-      request("wait", "advance the simulated time", "wait 3600", {{"SECONDS", number, "", Need::required}}),
+      request("circle", "make a circular test (ISO 230-4) with a ball bar",
+              "circle --plane XY --radius 100 -o circle.csv", kCircleOptions),
+      request("survey", "compute the true volumetric error at the corners and on a grid",
+              "survey --step 500 -o survey.csv", kSurveyOptions),
+      request("tool", "show the true error of the tool now, against its commanded position", "tool", {}),
+      request("power", "operate the mains switch of the unit: off, on or cycle", "power cycle",
+              {{"STATE", word, "off, on or cycle", Need::required}}),
+      request("wait", "advance the simulated time", "wait 3600",
+              {{"SECONDS", number, "simulated time [s]", Need::required}}),
       request("tick", "run a number of periods of the unit's loop", "tick 1000",
-              {{"COUNT", integer, "", Need::required}}),
-      request("load", "load a workpiece on the table", "load 500", {{"KG", number, "", Need::required}}),
+              {{"COUNT", integer, "number of periods", Need::required}}),
+      request("load", "load a workpiece on the table", "load 500",
+              {{"KG", number, "mass of the workpiece [kg]", Need::required}}),
       request("arm-code", "show the arming code of the unit", "arm-code", {}),
       request("fault", "provoke a fault by its name", "fault ram_stuck --address 0x100000 --bit 3", kFaultOptions),
   };

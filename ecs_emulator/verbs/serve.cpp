@@ -76,13 +76,14 @@ struct ServeRequest {
         whole_number("--tcp", [](O& o, long long port) { o.tcp = static_cast<std::uint16_t>(port); },
                      "serve Modbus TCP on this port of 127.0.0.1, instead of --pty; 0: any free port", {0, 65535}),
         {"--also-tcp", &O::also_tcp,
-         "also serve Modbus TCP on a free port of 127.0.0.1, for a second host (`second_link` of the first line)"},
+         "also serve Modbus TCP on a free port of 127.0.0.1, for a second host (`second_link` in the first line of "
+         "output)"},
         {"--tcp-host", &O::tcp_host, "address of another interface for --tcp; needs --token"},
         {"--token", &O::token_file, "file with the token that a TCP host must show first"},
         {"--unit", &O::unit, "Modbus unit number, 1 to 247", cli::Range{1, 247}},
         {"--serial-number", &O::serial_number, "serial number of the unit, at most 16 characters"}};
     const Fields<O> pace = whole_number("--pace", [](O& o, long long baud) { o.pace_baud = static_cast<int>(baud); },
-                                        "pace the line to this baud rate, 300 to 921600", {300, 921600});
+                                        "slow the line down to this baud rate, 300 to 921600", {300, 921600});
     return {&R::machine,
             {&R::options, of_line},
             {"--memory", &R::memory, "file for the battery-backed axis memory"},
@@ -128,7 +129,7 @@ Result<Outcome> run_server(VerbContext& context, const ServeRequest& arguments) 
 }  // namespace
 
 extern const Action kServe =
-    action("serve", "serve the unit on a line, with its machine",
+    action("serve", "serve the emulated unit, with its machine, on a link",
            "ecs-emulator serve --machine mill.toml --workshop /tmp/shop --memory battery.bin", run_server);
 
 }  // namespace ecs::emulator
