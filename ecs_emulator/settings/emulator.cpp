@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/toml_reader.hpp"
 #include "ecs_emulator/settings/reader.hpp"
 
@@ -266,7 +266,7 @@ Result<WorkshopMachine> parse_workshop_machine(std::string_view text, const std:
 }
 
 Result<WorkshopMachine> load_workshop_machine(const std::filesystem::path& path) {
-  ECS_TRY(text, read_file(path));
+  ECS_TRY(text, read_file_of(FileKind::machine, path));
   return parse_workshop_machine(text, path.string(), path.parent_path());
 }
 
