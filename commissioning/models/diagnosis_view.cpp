@@ -228,7 +228,7 @@ Cell candidate_cell(const Candidate& c) {
       "named"_is(c.named), "standing"_is(name_of(c.standing)),
       "but"_is(text_or_null(c.but), details(!c.but.empty(), "but: " + c.but)),
       "decide"_is(text_or_null(c.decide), details(!c.decide.empty(), "to decide: " + c.decide)),
-      "rms_after_um"_is(c.rms_after_um, 3), "explained"_is(c.explained, percent(c.explained)),
+      "rms_after_um"_is(c.rms_after_um, 3), "explained"_is(c.explained, percent(c.shown_explained())),
       "explainable_share"_is(c.explainable_share), "p_value"_is(c.p_value, ""), "false_naming"_is(c.false_naming),
       "probability"_is(c.probability),
       "set"_is(set_json(c.set), details(c.set.size() > 1, "one of these (99 %): " + set_text(c.set))),

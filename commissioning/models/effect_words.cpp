@@ -90,7 +90,7 @@ std::vector<EffectFact> evidence_of(const model::Candidate& candidate, const mod
     facts.push_back({"with the named effects", "lack of fit " + lack_of_fit_cell(diagnosis.lack_of_fit_after).text});
   facts.push_back(
       {"residual", fmt::format("{:.3f} -> {:.3f} {} rms, {:.1f} % explained; noise {:.3f} {}", diagnosis.rms_um,
-                               candidate.rms_after_um, diagnosis.noise.unit, 100.0 * candidate.explained,
+                               candidate.rms_after_um, diagnosis.noise.unit, 100.0 * candidate.shown_explained(),
                                diagnosis.noise.noise_um, diagnosis.noise.unit)});
   if (candidate.held_out_rms_um && candidate.held_out_rms_before_um)
     facts.push_back(

@@ -4,6 +4,7 @@
 // (model/planning/next_measurement.hpp).
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <map>
@@ -72,6 +73,8 @@ struct TrialNumbers {
   double kept_rms_before_um = 0.0;  ///< as rms, outliers left out
   double kept_rms_after_um = 0.0;   ///< as rms_after, outliers left out
   double explainable_share = 0.0;  ///< of what is above noise, outliers left out: (before² − after²)/(before² − noise²)
+  /// `explained` for a reader: a fit by weights can raise the rms a little.
+  [[nodiscard]] double shown_explained() const { return std::max(0.0, explained); }
 };
 
 struct Candidate : TrialNumbers {

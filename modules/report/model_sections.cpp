@@ -98,7 +98,7 @@ Markup evidence_table(const ReportedDiagnosis& d, bool named) {
                                         number_text(*effect.held_out_after_um, 2))
                           : std::string("\u2013");
     table.row({element("strong", effect.place), cell(effect.rms_after_um, 2),
-               text(effect.explained ? percent(*effect.explained) : "\u2013"), text(held)});
+               text(effect.explained ? percent(std::max(0.0, *effect.explained)) : "\u2013"), text(held)});
   }
   if (table.empty()) return {};
   if (left_out == 0) return table.markup();
