@@ -45,12 +45,13 @@ std::size_t end_of_phrase(const std::string& help, int columns) {
   return clause > 0 ? clause : phrase;
 }
 
-/// The help without its end, where it is too long for a row; the row of the cursor has it whole below.
+/// The help without its end, where it is too long for a row: with a mark; the row of the cursor has it whole below.
 std::string shortened(const std::string& help, int columns) {
+  constexpr std::string_view kMark = " …";
   if (width_of(help) <= columns) return help;
-  std::string text = help.substr(0, end_of_phrase(help, columns));
+  std::string text = help.substr(0, end_of_phrase(help, columns - width_of(kMark)));
   while (!text.empty() && (text.back() == ',' || text.back() == ';' || text.back() == ':')) text.pop_back();
-  return text;
+  return text.append(kMark);
 }
 
 }  // namespace
