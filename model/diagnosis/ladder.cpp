@@ -192,6 +192,7 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
   added.rms_before_um = rms_of(before.core.residual);
   added.rms_after_um = fit.rms_um;
   added.noise_um = fit.noise.noise_um;
+  added.noise_is_upper_limit = fit.noise.is_upper_limit();
   const MatrixXd columns = after.assembly.columns();
   const VectorXd target = Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size())) -
                           after.assembly.fixed(data.size());

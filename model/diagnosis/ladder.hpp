@@ -36,6 +36,7 @@ struct Added {
   double rms_before_um = 0.0;
   double rms_after_um = 0.0;
   double noise_um = 0.0;
+  bool noise_is_upper_limit = false;
   LadderStep step;
 };
 /// Refits the model with the effect in the place that fits best among those the request allows.

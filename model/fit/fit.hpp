@@ -35,6 +35,8 @@ struct PureError {
   double dof = 0.0;           ///< degrees of freedom of the repeats
   bool is_of_step = false;    ///< repeats scatter less than the step of the readings must: they do not show the noise
   std::string_view unit = "um";  ///< of the readings: um, um/m, or both
+  /// Neighbouring readings differ by the shape of the error as well as by their noise.
+  [[nodiscard]] bool is_upper_limit() const { return !from_repeats && !is_of_step; }
 };
 
 struct LackOfFit {

@@ -26,7 +26,7 @@ ListRow cause_row(const model::Candidate& candidate, const model::Diagnosis& dia
                                                       : fmt::format("{} rival{}", candidate.rivals.size(),
                                                                     candidate.rivals.size() == 1 ? "" : "s");
   return {fmt::format("{} {:>7.3f} > {:<7.3f} {:>5.1f} %  {}", in_columns(place_text(candidate.effect), name_columns),
-                      diagnosis.rms_um, candidate.rms_after_um, 100.0 * candidate.explained, rivals),
+                      diagnosis.rms_um, candidate.rms_after_um, 100.0 * candidate.shown_explained(), rivals),
           candidate.named         ? Tone::strong
           : candidate.in_answer() ? Tone::warning
                                   : Tone::plain};
@@ -108,9 +108,9 @@ void ModelScreen::draw_tabs(Canvas& canvas, const Area& area) const {
 std::string ModelScreen::state_text() const {
   const model::Fit& fit = controller_->fit();
   const std::size_t effects = controller_->model().effects.size();
-  return fmt::format("{} readings, {} effect{}: rms {:.3f} {}, noise of one reading {:.3f} {}",
+  return fmt::format("{} readings, {} effect{}: rms {:.3f} {}, noise of one reading {}{:.3f} {}",
                      controller_->data().size(), effects, effects == 1 ? "" : "s", fit.rms_um, fit.noise.unit,
-                     fit.noise.noise_um, fit.noise.unit);
+                     fit.noise.is_upper_limit() ? "at most " : "", fit.noise.noise_um, fit.noise.unit);
 }
 
 int ModelScreen::state_rows(const Area& area) const {
@@ -180,7 +180,7 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   const Area text = area.between_margins();
   if (!controller_->diagnosis()) {
     canvas.paragraph(text, 1,
-                     controller_->busy() ? "The library is being tried on the residual."
+                     controller_->busy() ? "Every effect of the library is being tried on the residual."
                                          : "Press d to try every effect of the library on the residual and compare it "
                                            "with noise simulated for this data set.");
     return;
@@ -263,7 +263,9 @@ void ModelScreen::draw_ladder(Canvas& canvas, const Area& area) const {
   const auto room = static_cast<std::size_t>(std::max(2, area.rows * 2 / 3 - 3));  // the newest, all in the table below
   for (std::size_t k = rungs.size() > room ? rungs.size() - room : 0; k < rungs.size(); ++k)
     rung(rungs[k].first, rungs[k].second, Tone::plain, Tone::forward);
-  rung("noise of one reading", controller_->fit().noise.noise_um, Tone::faint, Tone::faint);
+  const auto& noise = controller_->fit().noise;
+  rung(noise.is_upper_limit() ? "noise of one reading, at most" : "noise of one reading", noise.noise_um, Tone::faint,
+       Tone::faint);
   const Area below = area.below(row + 1);
   int widest = 12;
   for (const model::EffectFit& effect : controller_->fit().effects)

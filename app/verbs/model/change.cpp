@@ -34,7 +34,7 @@ struct AddRequest {
          Need::required},
         {"--data", &R::data, "measurement files to fit to", Need::required},
         {"-o,--output", &R::output, "model file to write, with the effect; may be MODEL itself", Is::output},
-        {"--approach", &R::approach, "approach on which the effect acts", Words{"both", "forward", "reverse"}},
+        {"--approach", &R::approach, "approach in which the effect acts", Words{"both", "forward", "reverse"}},
         {"--sensor", &R::sensor, "column of the sensor that the effect follows"},
         {"--sensor2", &R::sensor2, "column of the second sensor, for an effect that follows the difference of two"},
         {"--sense", &R::sense, "sense in which the effect acts", Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
@@ -123,10 +123,10 @@ Cell added_cell(const model::Added& added, std::string_view unit, const std::str
   effect["parameters"] = parameters_cell(added.effect.parameters).json;
   const int outliers = added.step.outliers;
   const std::string summary = paragraph(
-      fmt::format("added {}: rms {:.3f} -> {:.3f} {}{}, noise of one reading {:.3f} {}",
+      fmt::format("added {}: rms {:.3f} -> {:.3f} {}{}, noise of one reading {}{:.3f} {}",
                   name_with_alternatives(added.effect.effect), added.step.rms_before_um, added.step.rms_um, unit,
                   outliers > 0 ? fmt::format(" without {} outlier{}", outliers, outliers == 1 ? "" : "s") : "",
-                  added.noise_um, unit));
+                  added.noise_is_upper_limit ? "at most " : "", added.noise_um, unit));
   return record_cell("{summary}{effect}\n{history}{no_better}{model}\n", "summary"_shown(summary),
                      "rms_before_um"_is(added.rms_before_um), "rms_after_um"_is(added.rms_after_um),
                      "noise_um"_is(added.noise_um), "peak_um"_is(added.step.peak_um),
