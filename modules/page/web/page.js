@@ -186,6 +186,7 @@ function setBusy(now) {
   for (const control of document.querySelectorAll("button, #files")) control.disabled = now;
   if (!now) {
     byId("again").disabled = byId("restart").disabled = !given.size;
+    updatePlay();
     updateUndo();
     updateSealed();
   }
@@ -306,7 +307,7 @@ function showMissing(said, library) {
   const possible = candidates.filter((one) => one.standing === "possible");
   const rows = possible.map((one) => [
     (library.get(one.effect) || {}).title || one.effect, element("code", {}, placeOf(one)), one.rms_after_um.toFixed(3),
-    `${(100 * one.explained).toFixed(1)} %`,
+    `${(100 * Math.max(0, one.explained)).toFixed(1)} %`,
     element("button", { type: "button", "data-add": one.name, "aria-label": `Add ${placeOf(one)} to the model`,
       click: () => addEffect(one.name, wordsOf(one), one) }, "Add")]);
   const runs = runsBox(different_run);
@@ -738,10 +739,13 @@ function updateSealed() {
   if (bench && !bench.game && bench.sealed && byId("truth")) byId("truth").disabled = busy || !(bench.answered || bench.added.length);
 }
 
+const isDrawn = () => Boolean(bench && bench.seed === byId("seed").value);
+const updatePlay = () => (byId("play").textContent = isDrawn() ? "Draw the next case" : "Draw this case");
+
 function play(event) {
   event.preventDefault();
   if (!byId("game").reportValidity()) return;
-  if (bench && bench.seed === byId("seed").value) byId("seed").value = String(Number(bench.seed) + 1);  // the next one
+  if (isDrawn()) byId("seed").value = String(Number(bench.seed) + 1);
   const seed = byId("seed").value;
   return during("The emulated machine is being measured.", async () => {
     bench = null;
@@ -977,6 +981,7 @@ async function droppedFiles(transfer) {
 
 function listen() {
   byId("game").addEventListener("submit", play);
+  byId("seed").addEventListener("input", updatePlay);
   byId("own").addEventListener("submit", (event) => event.preventDefault());
   byId("files").addEventListener("change", (event) => takeIn(chosenFiles(event.target.files)));
   byId("again").addEventListener("click", analyse);
