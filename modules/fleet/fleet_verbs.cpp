@@ -25,7 +25,7 @@ struct BatchRequest {
         {"PLAN", &R::plan,
          "plan file (TOML) or table (.csv) with the columns id, link, params, serial_number, map, arm_code",
          Need::required},
-        {"--dry-run", &R::dry_run, "check everything, write nothing"},
+        {"--dry-run", &R::dry_run, "check everything except the arming codes, write nothing"},
         {"--lines", &R::lines, "number of links (serial or network lines) used at the same time", Range{1, kMostLines}},
         {"-o,--output", &R::output, "report to write, one line of JSON per unit", Is::output}};
   }
@@ -85,7 +85,9 @@ Result<Outcome> batch(VerbContext& context, const BatchRequest& request) {
     object["error"] = problem_json(*problem);
   std::string text = units.text;
   if (request.dry_run)
-    text += "dry run: files, checks, images, links and serial numbers were checked; no unit was changed\n";
+    text +=
+        "dry run: files, checks, images, links and serial numbers were checked, but not the arming codes; no unit was "
+        "changed\n";
   return Outcome{text, one_line(object), exit_code};
 }
 
