@@ -34,10 +34,9 @@ Result<PreparedMap> prepared_map(const std::string& map_file, const std::string&
   ECS_TRY(map, laser::read_map_csv(map_file));
   ECS_TRY(parameters, params::read_parameters(params_file));
   if (auto wrong = objections_to(parameters, params_file, options.incomplete)) return tl::unexpected(std::move(*wrong));
-  std::vector<std::string> objections = objections_to_map(map, parameters.parameters);
-  if (!options.other_machine)
-    for (std::string& differs : other_machine(map.header, parameters.identity))
-      objections.push_back(std::move(differs));
+  std::vector<std::string> objections;
+  if (!options.other_machine) objections = other_machine(map.header, parameters.identity);  // it explains the rest
+  for (std::string& why : objections_to_map(map, parameters.parameters)) objections.push_back(std::move(why));
   if (auto refused = refused_map(objections, map_file)) return tl::unexpected(std::move(*refused));
   ECS_TRY(image, laser::image_of(map, parameters.parameters));
   if (!image.changed.empty() && !options.accept_resampling) {

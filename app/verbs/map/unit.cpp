@@ -3,6 +3,8 @@
 // file, and against a file.
 #include "app/verbs/map/unit.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
@@ -41,7 +43,7 @@ struct ShowRequest {
     using R = ShowRequest;
     return {{"FILE", &R::file, "map CSV; or give --unit"},
             {"--unit", &R::unit, "use the map in the unit"},
-            {"--component", &R::component, "show one of the 18 curves, with its values in --json"},
+            {"--component", &R::component, "show only this one of the 18 curves; --json then lists its values"},
             {"--params", &R::params, "parameters to check the map against; with --unit, those of the unit"},
             {"--machine", &R::machine,
              "machine file (.toml) with the travels to cover; default: machine.toml in the folder of the parameters"},
@@ -142,13 +144,21 @@ Result<Outcome> send(VerbContext& context, const SendRequest& request) {
           prepared_map(request.file, request.params,
                        {request.other_machine, request.accept_incomplete ? Incomplete::accept : Incomplete::refuse,
                         request.accept_resampling}));
-  for (const std::string& note : ready.image.notes) context.console.note(note);
-  for (const std::string& remark : ready.remarks) context.console.warn(remark);
   ECS_TRY(unit, open_unit(context));
-  const auto sent =
-      send_map(unit.client(), ready, request.file, request.other_machine, {}, progress_bar(context, "map"));
+  bool remarks_shown = false;  // when the unit accepts data: why it refuses them comes first
+  const auto show_remarks = [&] {
+    if (std::exchange(remarks_shown, true)) return;
+    for (const std::string& note : ready.image.notes) context.console.note(note);
+    for (const std::string& remark : ready.remarks) context.console.warn(remark);
+  };
+  const auto sent = send_map(unit.client(), ready, request.file, request.other_machine, {},
+                             [&, bar = progress_bar(context, "map")](const auto& progress) {
+                               show_remarks();
+                               bar(progress);
+                             });
   context.console.end_progress();
   if (!sent) return tl::unexpected(sent.error());
+  show_remarks();
   if (sent->check_before != sent->check && !context.console.json) context.console.note(kBeforeFirstCompensation);
   return finished_outcome_of(record_cell(
       sent->report.already_held
