@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "base/file_kind.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "laser/groups.hpp"
 #include "laser/import/fields.hpp"
 #include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
@@ -103,6 +105,45 @@ Result<Imported> turned(Result<Imported> imported, const ImportOptions& options)
   return imported;
 }
 
+/// The first stretch of readings that rise or fall does so in even steps, as targets do, over far more than its
+/// positions, which are small and uneven.
+bool look_exchanged(const MeasurementSet& set, const Group& group) {
+  constexpr std::size_t kFewestSteps = 4;
+  constexpr double kEven = 0.5, kUneven = 1.0;  // largest minus smallest step, of their mean size
+  constexpr double kLeast_um_per_mm = 20.0;     // no machine has an error of 2 %
+  if (group.rotary || is_rotation(group.sense)) return false;
+  const std::size_t axis = index_of(group.axis);
+  std::vector<double> steps_mm, steps_um;
+  double largest_mm = 0.0, travel_um = 0.0;
+  for (std::size_t k = 1; k < group.readings.size(); ++k) {
+    const Reading &before = set.readings[group.readings[k - 1]], &reading = set.readings[group.readings[k]];
+    const double step_um = reading.error - before.error;
+    if (step_um == 0.0 || step_um * travel_um < 0.0) break;
+    steps_um.push_back(step_um);
+    steps_mm.push_back(reading.position_mm[axis] - before.position_mm[axis]);
+    travel_um += step_um;
+    largest_mm = std::max({largest_mm, std::abs(before.position_mm[axis]), std::abs(reading.position_mm[axis])});
+  }
+  const auto spread = [](const std::vector<double>& steps) {
+    const auto [least, most] = std::ranges::minmax(steps);
+    double size = 0.0;
+    for (const double step : steps) size += std::abs(step) / static_cast<double>(steps.size());
+    return size > 0.0 ? (most - least) / size : 0.0;
+  };
+  return steps_um.size() >= kFewestSteps && spread(steps_um) < kEven && spread(steps_mm) > kUneven &&
+         std::abs(travel_um) > kLeast_um_per_mm * largest_mm;
+}
+
+/// Notes lines whose columns of position and reading look exchanged.
+void note_exchanged(MeasurementSet& set) {
+  for (const Group& group : groups_of(set))
+    if (look_exchanged(set, group))
+      set.notes.push_back(fmt::format(
+          "{}: the readings rise or fall in even steps and the positions do not: the columns of position and reading "
+          "look exchanged",
+          curve_name(group.sense, group.axis, group.rotary)));
+}
+
 /// With the nominal ones beside them.
 bool gives_measured_positions(const ImportOptions& options) {
   const auto any = [&](auto is) { return options.mapping && std::ranges::any_of(options.mapping->rules, is); };
@@ -133,6 +174,7 @@ Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
   }
   if (imported)
     if (auto refused = implausible(imported->set, file_name)) return tl::unexpected(std::move(*refused));
+  if (imported && (options.mapping || imported->format->places_in_columns)) note_exchanged(imported->set);
   if (imported && !options.note.empty()) imported->set.notes.push_back(options.note);
   if (imported && text.encoding != Encoding::utf8)
     imported->set.notes.push_back(fmt::format("not UTF-8: read as {}", name_of(text.encoding)));
