@@ -243,6 +243,11 @@ std::string senses_across(Axis axis) {
 
 Result<Sense> sense_of_file(Kind kind, Axis axis, const std::string& file_name, const ImportOptions& options) {
   const Sense positioning = static_cast<Sense>(index_of(axis));
+  if (options.rotary && kind != Kind::angular)
+    return tl::unexpected(
+        usage(file_name, fmt::format("the file contains a {} measurement, that is lengths, and a rotary axis needs "
+                                     "angles: give an angular file (.rta), or a linear axis: X, Y or Z",
+                                     kind == Kind::linear ? "linear" : "straightness")));
   if (kind == Kind::linear) {
     if (options.sense.value_or(positioning) == positioning) return positioning;
     return tl::unexpected(usage(file_name, fmt::format("a linear run along {} contains {}, not {}", letter_of(axis),
