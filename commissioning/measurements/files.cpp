@@ -440,9 +440,6 @@ MeasurementSet set_of(const MeasurementSet& set, const laser::Group& group) {
   return own;
 }
 
-namespace {
-
-/// By its beginning: a measurement CSV, or a file of an instrument.
 bool is_measurement(const std::filesystem::path& path, bool with_paths) {
   constexpr std::size_t kBeginning = 64U << 10;
   const std::string head = head_of(path, kBeginning);
@@ -453,8 +450,6 @@ bool is_measurement(const std::filesystem::path& path, bool with_paths) {
   const auto text = laser::decoded(head, path.string());
   return text && laser::recognised_format(text->text, path.string()) != nullptr;
 }
-
-}  // namespace
 
 Result<GivenFiles> given_files(const std::vector<std::string>& words, bool with_paths) {
   namespace fs = std::filesystem;
@@ -477,9 +472,11 @@ Result<GivenFiles> given_files(const std::vector<std::string>& words, bool with_
     }
     std::sort(taken.begin(), taken.end());
     if (taken.empty())
-      return problem_at(word, 0, 0, "expected a measurement file, found a directory without files of a known format");
+      return problem_at(word, 0, 0,
+                        "a folder without measurement files: expected files that `ecs laser import` reads, such as "
+                        ".csv, .rtl, .rta, .rts, .pos or .dat");
     for (const std::string& path : taken) names.push_back(fs::path(path).filename().string());
-    given.notes.push_back(fmt::format("{}: a folder; its measurement files are {}{}", word, fmt::join(names, ", "),
+    given.notes.push_back(fmt::format("{} is a folder. Its measurement files are {}{}", word, fmt::join(names, ", "),
                                       others > 0 ? fmt::format("; {} other files are ignored", others) : ""));
     given.files.insert(given.files.end(), taken.begin(), taken.end());
   }

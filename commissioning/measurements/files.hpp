@@ -131,4 +131,7 @@ struct GivenFiles {
 /// @param with_paths  files of circles and diagonals are measurements too
 [[nodiscard]] Result<GivenFiles> given_files(const std::vector<std::string>& words, bool with_paths = false);
 
+/// By its beginning: a measurement CSV, or a file of an instrument.
+[[nodiscard]] bool is_measurement(const std::filesystem::path& path, bool with_paths);
+
 }  // namespace ecs::commissioning

@@ -91,9 +91,12 @@ Result<Outcome> import(VerbContext& context, const FileImportRequest& request) {
   std::vector<laser::MeasurementSet> sets;
   Cell files{Json::array(), {}};
   for (const std::string& file : given.files) {
-    ECS_TRY(imported, read_measurements(file, request.import));
-    files.add(file_cell(file, imported));
-    sets.push_back(std::move(imported.set));
+    auto imported = read_measurements(file, request.import);
+    if (!imported && imported.error().kind == ProblemKind::usage && !given.notes.empty())
+      imported.error().message += ". Options apply to every file of a folder: import the files of each axis separately";
+    if (!imported) return tl::unexpected(std::move(imported.error()));
+    files.add(file_cell(file, *imported));
+    sets.push_back(std::move(imported->set));
   }
   std::string profile;
   if (!request.save_profile.empty()) {
