@@ -166,9 +166,19 @@ std::optional<Problem> of_other_axes(const model::Model& model, const laser::Mea
   return std::nullopt;
 }
 
+constexpr std::size_t kBeginning = 64U << 10;  // bytes that say what a file is
+
+/// A file named as MODEL that is something else, such as measurements in place of DATA.
+std::optional<Problem> other_than_model(const std::string& file) {
+  const std::string head = head_of(file, kBeginning);
+  if (auto wrong = wrong_kind(FileKind::model, head, file)) return wrong;
+  if (kind_of_content(head) == FileKind::model || !is_measurement(file, true)) return std::nullopt;
+  return Problem{
+      ProblemKind::bad_input, "this is a measurement, not an error model: give MODEL first, then DATA", file, 0, 0, {}};
+}
+
 /// The first of the files that is a model; empty: none is.
 std::string model_among(const std::vector<std::string>& files) {
-  constexpr std::size_t kBeginning = 64U << 10;
   for (const std::string& file : files)
     if (kind_of_content(head_of(file, kBeginning)) == FileKind::model) return file;
   return {};
@@ -311,8 +321,10 @@ Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& argume
 
 Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& arguments) {
   std::error_code error;
-  if (std::filesystem::exists(arguments.model, error))
+  if (std::filesystem::exists(arguments.model, error)) {
+    if (auto other = other_than_model(arguments.model)) return tl::unexpected(std::move(*other));
     return problem(ProblemKind::usage, arguments.model + " already exists: open it, or give another name");
+  }
   ECS_DO(model::write_model(arguments.model, model::Model{}));
   auto work = model_work(messages, arguments);
   if (work) {
