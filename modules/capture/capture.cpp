@@ -495,7 +495,7 @@ cli::Fields<CaptureChoice> CaptureChoice::fields() {
        "trigger of a reading: DEVICE.toml[@SERIAL], enter, or each (every value that arrives)"},
       {"--gauge", &A::gauge, "read from an indicator gauge: DEVICE.toml[@SERIAL]"},
       {"--readings", &A::readings, "read from a file or FIFO: each trigger reads the next line"},
-      {"--follow", &A::follow, "read from a file or FIFO that a display writes: the last line counts"},
+      {"--follow", &A::follow, "read from a file or FIFO that a display writes: the last line is the reading"},
       {"--display", &A::display, "read from a shell command that prints the displayed value"},
       {"--shows", &A::shows, "quantity shown: the error, or the position of the axis [mm]",
        cli::Words{"error", "position"}},

@@ -158,7 +158,7 @@ cli::Fields<CaptureTargets> CaptureTargets::fields() {
            "displace the targets from equal steps, as ISO 230-2 requires, so that no period is hidden by the step"},
           {"--runs", &A::runs, "number of passes forward and back; 0: as in --plan, or 3 (ISO 230-2 requires 5)",
            cli::Range{0, kMostRuns}},
-          {"--one-way", &A::one_way, "take no readings on the way back"},
+          {"--one-way", &A::one_way, "record no readings on the way back"},
           {"--parked", &A::parked, "positions of the other axes, as in y=-1400,z=0 [mm]"},
           {"--feed", &A::feed_mm_min, "feed between the targets [mm/min], recorded with the data"},
           {"--targets", &A::targets, "target list (CSV) written by `ecs model next --targets`"},

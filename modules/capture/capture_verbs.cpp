@@ -50,7 +50,7 @@ struct DevicesRequest : LearnChoice {
   int count = 1;
   static Fields<DevicesRequest> fields() {
     using R = DevicesRequest;
-    return {{"DESCRIPTION", &R::descriptions, "device descriptions for which --udev writes rules too"},
+    return {{"DESCRIPTION", &R::descriptions, "device descriptions for which --udev also writes rules"},
             {"--learn", &R::learn, "find the bit that changes while a trigger is pressed"},
             {"-o,--output", &R::output, "description to write (--learn)", Is::output},
             {"--device", &R::device, "use only this path, serial number or vendor:product (--learn)"},
@@ -224,7 +224,7 @@ Result<Outcome> devices(VerbContext& context, const DevicesRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kLaserCapturing{
-    action("laser capture", "guide through the targets of a measurement, forward and back, and take its readings",
+    action("laser capture", "guide through the targets of a measurement, forward and back, and record its readings",
            "ecs laser capture --axis X --sense EX --from 0 --to 500 --step 50 --runs 3 -o exx.csv\n"
            "  ecs laser capture --plan plan.toml --row EXX --trigger foot_switch.toml --gauge gauge.toml --environment "
            "temper "

@@ -151,7 +151,9 @@ Result<ControllerTables> read_twincat(const ReadRequest& request) {
 
 const FormatOption kSign{
     .name = "ssfk-sign",
-    .help = "use of a value by TwinCAT; default: subtracts, as in its manual; lists written by ecs state it",
+    .help =
+        "whether TwinCAT subtracts or adds a value; default: as a list written by ecs states, else subtracts, as "
+        "in its manual",
     .words = {"subtracts", "adds"}};
 
 }  // namespace

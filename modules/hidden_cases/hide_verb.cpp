@@ -277,7 +277,7 @@ struct HideRequest {
             {"--noise", &R::noise, "distribution of the noise for --kind blank (usual)",
              Words{kNoiseLaws.words.begin(), kNoiseLaws.words.end()}},
             {"--case", &R::printed_case,
-             "predefined case; xytz: the XYTZ machine under the thesis's printed equation (27)", Words{"xytz"}}};
+             "predefined case; xytz: the XYTZ machine with equation (27) as printed in the thesis", Words{"xytz"}}};
   }
 };
 
@@ -305,13 +305,14 @@ Result<Outcome> hide(VerbContext& /*context*/, const HideRequest& arguments) {
   return Outcome{fmt::format("{}", fmt::join(lines, "\n")), {}};
 }
 
-const std::vector<Action> kHide{action("hide", "make measurements of a machine whose model lacks a hidden effect",
-                                       "ecs-emulator hide --seed 7 -o case\n"
-                                       "  ecs-emulator hide --seed 1 --kind single --effect cyclic --snr 3 -o cyclic\n"
-                                       "  ecs-emulator hide --seed 1000 --count 300 --kind blank -o blanks\n"
-                                       "  ecs-emulator hide --case xytz -o xytz\n"
-                                       "Then diagnose DIR/data.csv, and: ecs model reveal DIR",
-                                       hide)};
+const std::vector<Action> kHide{
+    action("hide", "make a practice case: measurements of a machine with an effect that its model lacks",
+           "ecs-emulator hide --seed 7 -o case\n"
+           "  ecs-emulator hide --seed 1 --kind single --effect cyclic --snr 3 -o cyclic\n"
+           "  ecs-emulator hide --seed 1000 --count 300 --kind blank -o blanks\n"
+           "  ecs-emulator hide --case xytz -o xytz\n"
+           "Then diagnose DIR/data.csv, and: ecs model reveal DIR",
+           hide)};
 
 }  // namespace
 

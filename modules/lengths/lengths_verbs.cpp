@@ -167,8 +167,8 @@ cli::Fields<LengthsArguments> LengthsArguments::fields() {
                 "standard uncertainty of the scale of each set-up (air, wavelength) [um/m]; 0: none", Range{0.0}}}},
           {"--zero", &A::zero, "declare a component zero: EBY=\"too small to measure\""},
           {&A::settings, cli::Fields<S>{{"--keep-outliers", &S::keep_outliers, "exclude no readings"}}},
-          {"--customer", &A::customer, "customer, as stated in the map header"},
-          {"--engineer", &A::engineer, "engineer, as stated in the map header"},
+          {"--customer", &A::customer, "customer to state in the map header"},
+          {"--engineer", &A::engineer, "engineer to state in the map header"},
           {"--date", &A::date, "date in the map header, as in 2026-03-12"}};
 }
 
@@ -283,7 +283,7 @@ cli::Fields<LengthsPlanAsked> LengthsPlanAsked::fields() {
            {"--scale", &S::scale_um_per_m, "standard uncertainty of the scale of each set-up [um/m]", Range{0.0}},
            {"--ball-bar-mm", &S::ball_bar_mm, "radius of a ball bar [mm]", Range{1.0}},
            {"--bar-um", &S::bar_um, "standard uncertainty of a ball bar's length [um]; 0: not known", Range{0.0}},
-           {"--bar-lowest-deg", &S::bar_lowest_deg, "lowest elevation that the post of the ball permits",
+           {"--bar-lowest-deg", &S::bar_lowest_deg, "lowest elevation that the post of the ball permits [deg]",
             Range{-90.0, 0.0}},
            {"--targets", &S::targets_an_interval,
             "number of targets between two knots of a line; each line gets four additional targets", Range{0.1, 10.0}},

@@ -482,8 +482,7 @@ extern const std::vector<Action> kLog{
            "ecs log export -o log.jsonl\n  ecs log export --entry 12 --files entry12/\n  ecs log export --dcc "
            "certificate.xml --schema schemas/ --laboratory \"Example Ltd\" --customer Works --instrument-um-per-m 0.5",
            export_log),
-    action("log verify",
-           "check every entry against its hash and the previous entry; exit 1 at the first that does not fit",
+    action("log verify", "check every entry against its hash and the previous entry; exit 1 at the first mismatch",
            "ecs log verify --hash 3f0c…", verify_log),
     action("log replay", "derive the active map again from the raw readings and compare it bit for bit",
            "ecs log replay --json", replay_log, {.link = Link::reads}),

@@ -92,8 +92,8 @@ Result<Outcome> thermal(VerbContext& context, const ThermalRequest& request) {
 
 }  // namespace
 
-extern const std::vector<Action> kTestsOfHeat{
-    action("test thermal", "how a displacement follows several temperatures, judged by runs left out",
-           "ecs test thermal warm_ups.csv", thermal, {.logged = Logged::always, .kind = "test"})};
+extern const std::vector<Action> kTestsOfHeat{action(
+    "test thermal", "law by which a displacement follows several temperatures, tested on runs left out of its fit",
+    "ecs test thermal warm_ups.csv", thermal, {.logged = Logged::always, .kind = "test"})};
 
 }  // namespace ecs::app

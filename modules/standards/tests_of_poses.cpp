@@ -94,7 +94,7 @@ Result<Outcome> poses(VerbContext& context, const PosesRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kTestsOfPoses{
-    action("test poses", "ISO 9283: repeatability of a pose, and the effect of the way of approach",
+    action("test poses", "ISO 9283: repeatability of a pose, and the effect of the approach",
            "ecs test poses same_way.csv any_way.csv", poses, {.logged = Logged::always, .kind = "test"})};
 
 }  // namespace ecs::app

@@ -33,7 +33,8 @@ struct ProcessRequest {
     return {{"FILE", &R::file, "measurement file", Need::required},
             {"--slope", &R::slope, "slope to remove; default: least_squares for straightness, none for the others",
              Words{"none", "end_points", "least_squares"}},
-            {"--smooth", &R::smooth_mm, "window of the local quadratic [mm]; 0: none", Range{0.0, 1e6}},
+            {"--smooth", &R::smooth_mm, "window of the smoothing by local quadratics [mm]; 0: no smoothing",
+             Range{0.0, 1e6}},
             {"--exclude-run", &R::exclude_runs, "runs to exclude: 3 or 3,5"},
             {"--exclude-row", &R::exclude_rows, "data rows to exclude, counted from 1"},
             {"-o,--output", &R::output, "CSV file for the processed means", Is::output},
@@ -262,7 +263,8 @@ struct NormaliseRequest {
     using R = NormaliseRequest;
     return {
         {"FILE", &R::file, "measurement file", Need::required},
-        {"--coefficient", &R::coefficient, "expansion coefficient [um/(m degC)]; 0 undoes that of the instrument"},
+        {"--coefficient", &R::coefficient,
+         "expansion coefficient [um/m/degC]; 0 removes the correction of the instrument"},
         {"--instrument", &R::instrument,
          "coefficient that the instrument has already applied; read from the file if not given (Renishaw Exp coeff)"},
         {"--material-sensor", &R::sensor, "column with the material temperature"},
@@ -362,7 +364,7 @@ extern const std::vector<Action> kLaserProcessing{
         "laser prepare", "write a measured line as a file of its own: joined, corrected, without the excluded readings",
         "ecs laser prepare EXX.csv --line \"EX along X at Y -1400, Z 0\" --leave-out-run 3=vibration -o exx_line.csv",
         prepare, {.logged = Logged::when_written, .kind = "processing"}),
-    action("laser normalise", "normalise positioning errors to 20 degC by an expansion coefficient, or undo it",
+    action("laser normalise", "normalise positioning errors to 20 degC with an expansion coefficient, or undo it",
            "ecs laser normalise exx.csv --coefficient 11.7 -o exx20.csv\n"
            "  ecs laser normalise exx20.csv --back -o exx.csv",
            normalise, {.logged = Logged::when_written, .kind = "processing"}),

@@ -461,8 +461,8 @@ Result<Outcome> stats(VerbContext& context, const StatsRequest& request) {
 
 }  // namespace
 
-extern const std::vector<Action> kLaserStatistics{
-    action("laser stats", "accuracy and repeatability by ISO 230-2, outliers, drift between runs, conditions not met",
-           "ecs laser stats x_axis.csv y_axis.rtl --json", stats)};
+extern const std::vector<Action> kLaserStatistics{action(
+    "laser stats", "compute accuracy and repeatability by ISO 230-2, outliers, drift between runs, conditions not met",
+    "ecs laser stats x_axis.csv y_axis.rtl --json", stats)};
 
 }  // namespace ecs::app

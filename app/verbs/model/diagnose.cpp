@@ -247,8 +247,7 @@ extern const std::vector<Action> kModelDiagnosis{
            {.logged = Logged::always, .kind = "diagnosis"}),
     action("model check", "recompute a saved diagnosis from its data; exit 1 if the result differs",
            "ecs model check answer.json data.csv", check_saved),
-    action("model next",
-           "propose the measurement that best distinguishes the causes for its duration; --check tests a plan",
+    action("model next", "propose the measurement that distinguishes the causes best per minute; --check tests a plan",
            "ecs model next model.toml data.csv --machine machine.toml\n"
            "  ecs model next model.toml --check plan.csv --machine machine.toml",
            next)};

@@ -49,7 +49,8 @@ Result<Outcome> repair(VerbContext& context, const RepairRequest& request) {
 extern const std::vector<Action> kModelJudgement{
     action("model what-if", "predict the error after compensation; compare it with the achieved error",
            "ecs model what-if model.toml before.csv --machine machine.toml --after measured_again.csv", what_if),
-    action("model repair", "repair or compensate: remaining error in readings, volume and circle for each cause",
+    action("model repair",
+           "compare repair and compensation of each cause: remaining error in readings, volume and circle",
            "ecs model repair model.toml data.csv --machine machine.toml", repair)};
 
 }  // namespace ecs::app

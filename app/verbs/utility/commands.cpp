@@ -33,7 +33,7 @@ struct PositionRequest {
   static Fields<PositionRequest> fields() {
     using R = PositionRequest;
     return {{"AXIS", &R::axis, "axis", Words{"X", "Y", "Z"}, Need::required},
-            {"MM", &R::position_mm, "position, mm", Need::required}};
+            {"MM", &R::position_mm, "position [mm]", Need::required}};
   }
 };
 
@@ -52,7 +52,7 @@ struct OutputRequest {
   static Fields<OutputRequest> fields() {
     using R = OutputRequest;
     return {{"AXIS", &R::axis, "axis", Words{"X", "Y", "Z"}},
-            {"UM", &R::output_um, "compensation, um"},
+            {"UM", &R::output_um, "compensation [um]"},
             {"--relay", &R::relay, "close the relay, so that the machine axis moves (needs --yes)"},
             {"--off", &R::off, "set every output to 0 and open every relay"},
             {"--yes", &R::yes, "confirm that the axis may move"}};

@@ -169,7 +169,7 @@ Result<Outcome> show_status(VerbContext& context, const StatusRequest& request) 
 extern const std::vector<Action> kUtilityDatum{
     action("utility datum record", "record speed, switch and marker of an axis for ten seconds while it is referenced",
            "ecs utility datum record X -o x_datum.csv", record, {.link = Link::writes}),
-    action("utility datum show", "show a recorded sequence as velocity-time graph and events",
+    action("utility datum show", "show a recorded sequence as a velocity-time graph and a list of events",
            "ecs utility datum show x_datum.csv", show),
     action("utility datum test", "run the unit's datum routine, axis by axis", "ecs utility datum test X Y --wait 120",
            test, {.link = Link::writes}),

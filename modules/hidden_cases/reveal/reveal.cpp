@@ -402,7 +402,8 @@ struct RevealRequest {
     return {{"DIR", &R::folder, "a case of `ecs-emulator hide`, or a folder of such cases", Need::required},
             {"--diagnosis", &R::diagnosis,
              "saved JSON of `ecs model diagnose --json`; if not given, the diagnosis is made now"},
-            {"--blanks", &R::blanks, "number of noise replicates, as for `ecs model diagnose`", Range{50, 20'000}},
+            {"--blanks", &R::blanks, "number of simulated noise-only data sets, as for `ecs model diagnose`",
+             Range{50, 20'000}},
             {"--machine", &R::machine, "machine file to use instead of machine.toml of the case"}};
   }
 };
