@@ -126,7 +126,7 @@ Choices memory_choices(const Connection& connection) {
            [connection] { return std::make_unique<MemoryScreen>(connection); }}};
 }
 Choices model_choices(const Connection& connection) {
-  return {{"MODEL SCREEN", "curves, missing effects, adding them, the map to the unit",
+  return {{"MODEL SCREEN", "curves, missing effects, adding them, sending the map",
            [connection] { return model_form(connection); }}};
 }
 

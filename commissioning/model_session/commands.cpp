@@ -110,7 +110,7 @@ void ModelCommands::diagnosed(bool changed) const {
 }
 
 void ModelCommands::looked_after(bool changed, const std::vector<std::string>& measured_again) const {
-  if (changed) return note_remark("what-if asked here, with changes of the model that are not saved yet");
+  if (changed) return note_remark("what-if computed here, with changes of the model that are not saved yet");
   Words words = on_data("what-if");
   if (!measured_again.empty()) words.emplace_back("--after");
   for (const std::string& file : measured_again) words.push_back(path_word(file));
@@ -118,7 +118,7 @@ void ModelCommands::looked_after(bool changed, const std::vector<std::string>& m
 }
 
 void ModelCommands::drawn(bool changed, const std::string& picture) const {
-  if (changed) return note_remark("the picture " + picture + " is of a model with changes that are not saved yet");
+  if (changed) return note_remark("the picture " + picture + " shows a model with changes that are not saved yet");
   Words words = on_data("fit");
   add_option(words, "--plot", path_word(picture));
   note_command(std::move(words));

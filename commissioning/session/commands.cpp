@@ -298,11 +298,11 @@ std::string command_text(const NotedCommand& command) {
 std::string script_of(const std::vector<NotedCommand>& commands) {
   const ScriptNames names = names_in(commands);
   std::string text = fmt::format(
-      "#!/bin/sh\n# What was done on the screens of ecs on {:%Y-%m-%d}, each action as the command that does the "
+      "#!/bin/sh\n# Actions on the screens of ecs on {:%Y-%m-%d}, as the commands that do the "
       "same.\n"
-      "# It was done in the folder {}. Files are named from there;\n# in another folder it needs those that it reads, "
-      "and overwrites none.\n"
-      "# What writes to a unit needs it armed: ECS_ARM_CODE=… in front of the script.\nset -e\nset -C\n",
+      "# File names are relative to the folder {}. In another\n# folder the script needs the same input files; it "
+      "overwrites no file.\n"
+      "# Commands that write to a unit need its code: ECS_ARM_CODE=… before the script name.\nset -e\nset -C\n",
       fmt::localtime(std::time(nullptr)), folder_text());
   text += preset_line("LINK", names.link, "the unit; LINK=… before the script name selects another one");
   text +=

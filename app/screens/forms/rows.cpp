@@ -117,7 +117,7 @@ constexpr const char* kArmExplained =
     "that the unit shows, then repeat the refused command. Commands that stop or switch off need no code.";
 
 FormEntry volume_entry() {
-  return {"error anywhere, before and after, with its uncertainty",
+  return {"error anywhere, before and after compensation",
           {.verb = "volume",
            .title = "VOLUME",
            .asks = "How large is the error in the working volume?",

@@ -233,7 +233,7 @@ std::string words_for(laser::SlopeMethod method) {
 
 const char* words_for(laser::Taken taken) {
   if (taken == laser::Taken::noise) return "noise, by the repeats";
-  if (taken == laser::Taken::signal) return "shape of the curve removed too, use less";
+  if (taken == laser::Taken::signal) return "part of the shape: use less";
   return "no repeats to judge it by";
 }
 

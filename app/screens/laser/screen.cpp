@@ -85,7 +85,7 @@ std::string next_to_do(const LaserController& controller) {
     return controller.mismatch() + " Press p to choose the parameters of this machine.";
   if (is(LaserStep::map, LaserMark::open)) return "Next: choose the parameters of the unit: p in step 1, 4 or 6.";
   if (is(LaserStep::leave_out, LaserMark::doubtful)) return "Step 3: readings differ from their repeats (o).";
-  if (is(LaserStep::curves, LaserMark::doubtful)) return "Step 4: a curve marked ! needs a look.";
+  if (is(LaserStep::curves, LaserMark::doubtful)) return "Step 4: check the curve marked !.";
   if (map.missing() > 0) {
     std::string missing = fmt::format("Step 6: {} of {} components are missing.", map.missing(), map.components.size());
     for (const LaserComponent& one : map.components)

@@ -65,7 +65,7 @@ class SendPage final : public LaserPage {
     if (d.sent_is_current() && !d.busy()) lines.say("next", "step 9 reads it back and compares it.");
     if (map.parameters && (!map.complete() || d.sent_is_current())) lines.skip();
     lines.say("saved with it",
-              fmt::format("{} (with the squareness measured) and {} (`ecs map build` makes the same map)",
+              fmt::format("{} (with the measured squareness) and {} (`ecs map build` makes the same map)",
                           files.parameters, files.recipe),
               Tone::faint);
   }

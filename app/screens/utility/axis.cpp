@@ -64,7 +64,7 @@ class PositionScreen final : public AxesScreen {
     int row = kCallRow + 2;
     row += canvas.paragraph(inside, row, kPositionExplained, Tone::faint) + 1;
     if (!done_.empty())
-      canvas.text(inside, row++, 0, "Set here, newest first (press u to undo the first):", Tone::faint);
+      canvas.text(inside, row++, 0, "Set here, newest first (press u to undo the newest):", Tone::faint);
     for (auto it = done_.rbegin(); it != done_.rend() && row < inside.rows - 3; ++it)
       canvas.text(inside, row++, 2,
                   fmt::format("{}  {:>13.4f} mm, was {:.4f} mm", letter_of(it->axis), it->after_mm, it->before_mm));

@@ -253,7 +253,7 @@ class DatumViewScreen final : public KeyedScreen {
       if (!record) return message_.say(record.error());
       if (as_overlay) {
         second_ = std::move(*record);
-        message_.say(fmt::format("{} is the second, drawn broken.", second_->name));
+        message_.say(fmt::format("{} is the second record, drawn broken.", second_->name));
       } else {
         first_ = std::move(*record);
         fresh_ = false;
