@@ -419,7 +419,7 @@ function showComparison(said, svg, residual) {
   // The diagnosis states rms, noise and lack of fit; without it the comparison does.
   const mostDrawn = 3;
   fill("figures", card("The model against the measurement", overAbscissa(svg, residual),
-    bench.lineCount > mostDrawn ? element("p", { class: "soft" }, `Drawn are the ${mostDrawn} of ${bench.lineCount} lines with the largest error.`) : null,
+    bench.lineCount > mostDrawn ? element("p", { class: "soft" }, `The ${mostDrawn} of ${bench.lineCount} lines with the largest error are drawn.`) : null,
     byId("verdict").firstChild ? null : element("p", {}, typeset(unwrapped(said.text.split("\n\n")[0]))),
     table("the residual, reading − model, in µm (EA, EB and EC in µm/m)",
       ["sense", "axis", "direction", ">readings", ">bias", ">rms", ">peak", "lack of fit"],
@@ -469,7 +469,7 @@ async function showLadder() {
         number(step.peak_um), number(step.noise_um),
         worse[i] ? element("span", { class: "worse" }, `${number(step.held_out_rms_um)} ▲ worse`) : number(step.held_out_rms_um)])),
     [...text.matchAll(/^ +(rms and peak of .*)$/gm)].map(([, note]) => element("p", { class: "soft" }, note)),
-    element("p", {}, element("button", { id: "undo", type: "button", click: takeBack }, "Take the last effect out again")),
+    element("p", {}, element("button", { id: "undo", type: "button", click: takeBack }, "Remove the last effect")),
     wholeAnswer("ecs model history", text)));
 }
 
@@ -641,7 +641,7 @@ function clearGame() {
 }
 
 function takeBack() {
-  return during("Taking the last effect out.", async () => {
+  return during("The last effect is being removed.", async () => {
     await write(bench.model, bench.added.pop().before);
     ++bench.changes;
     clearGame();
