@@ -34,7 +34,9 @@ class Seen final : public FileWatch {
  public:
   explicit Seen(bool replaces) : replaces_(replaces) {}
   [[nodiscard]] bool replaces_disc() const override { return replaces_; }
-  [[nodiscard]] Result<std::string> content(const std::filesystem::path&) override { return problem(ProblemKind::bad_input, "none"); }
+  [[nodiscard]] Result<std::string> content(const std::filesystem::path&) override {
+    return problem(ProblemKind::bad_input, "none");
+  }
   void was_read(const std::filesystem::path&, std::string_view) override {}
   void was_written(const std::filesystem::path& path, std::string_view content) override {
     written += path.filename().string() + ": " + std::string(content) + "\n";
