@@ -38,7 +38,8 @@ constexpr GlossaryRow kGlossary[] = {
     {"datum|datuming", "reference point of an axis: found by switch and marker while the control references it"},
     {"deadband", "travel in the new direction after which the approach counts as changed"},
     {"dead path",
-     "laser path from interferometer to reflector when the reading is set to zero; its air is not corrected"},
+     "laser path from interferometer to reflector when the reading is set to zero; changes of the air in it are not "
+     "corrected"},
     {"diagnosis|diagnose", "the search for effects that the model lacks, with evidence"},
     {"e-value",
      "evidence from held-out readings: noise alone reaches 100 at most once in 100 cases; not valid where the zero "
@@ -55,7 +56,9 @@ constexpr GlossaryRow kGlossary[] = {
      "at rest at this position while another axis was measured; angular errors act in proportion to the distance from "
      "it"},
     {"pitch", "travel per turn of a screw, or distance between the lines of a scale: errors repeat with it"},
-    {"proved", "shown by held-out readings with an e-value of at least 100"},
+    {"proved",
+     "shown by held-out readings with an e-value of at least 100, or by noise-only data sets where the readings give "
+     "no e-value"},
     {"referenced", "the axis has found its datum since power-up: its positions are true machine coordinates"},
     {"relay", "connects the unit's output to the drive's velocity command; open: the unit cannot act on the machine"},
     {"residual", "reading minus model: the part that the model does not explain"},

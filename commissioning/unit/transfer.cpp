@@ -267,7 +267,8 @@ std::function<void(const SentImage&)>& watcher() {
 }
 
 /// How the active image differs from the one that was sent; empty: they have the same values, and the unit still had
-/// them when all were read: a restart in between can bring others. A problem where it is not that of the commit any more.
+/// them when all were read, since a restart in between can bring others. A problem where it is not that of the commit
+/// any more.
 Result<std::string> difference_in_unit(protocol::UnitClient& client, const Image& sent, std::uint32_t commit,
                                        const protocol::ProgressCallback& progress) {
   const auto active = read_active_image(client, progress);
