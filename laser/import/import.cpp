@@ -125,10 +125,10 @@ bool look_exchanged(const MeasurementSet& set, const Group& group) {
     largest_mm = std::max({largest_mm, std::abs(before.position_mm[axis]), std::abs(reading.position_mm[axis])});
   }
   const auto spread = [](const std::vector<double>& steps) {
-    const auto [least, most] = std::ranges::minmax(steps);
+    const auto [least, most] = std::minmax_element(steps.begin(), steps.end());
     double size = 0.0;
     for (const double step : steps) size += std::abs(step) / static_cast<double>(steps.size());
-    return size > 0.0 ? (most - least) / size : 0.0;
+    return size > 0.0 ? (*most - *least) / size : 0.0;
   };
   return steps_um.size() >= kFewestSteps && spread(steps_um) < kEven && spread(steps_mm) > kUneven &&
          std::abs(travel_um) > kLeast_um_per_mm * largest_mm;
