@@ -11,11 +11,9 @@ target_compile_options(ecs_flags INTERFACE
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>)
 # The same bits on every processor. One rounding an operation: g++ fuses a*b + c where the processor can, as on arm64 and, with -march, on
 # x86-64. Matrix products in the same order: Eigen would choose it by the caches of the processor.
-if(CMAKE_BUILD_TYPE STREQUAL "Release" OR NOT CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
-  target_compile_options(ecs_flags INTERFACE -ffp-contract=off)
-  target_compile_definitions(ecs_flags INTERFACE EIGEN_NO_CPUID EIGEN_DEFAULT_L1_CACHE_SIZE=32768 EIGEN_DEFAULT_L2_CACHE_SIZE=262144
-                             EIGEN_DEFAULT_L3_CACHE_SIZE=2097152)
-endif()
+target_compile_options(ecs_flags INTERFACE -ffp-contract=off)
+target_compile_definitions(ecs_flags INTERFACE EIGEN_NO_CPUID EIGEN_DEFAULT_L1_CACHE_SIZE=32768 EIGEN_DEFAULT_L2_CACHE_SIZE=262144
+                           EIGEN_DEFAULT_L3_CACHE_SIZE=2097152)
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
   target_compile_options(ecs_flags INTERFACE -include ${CMAKE_SOURCE_DIR}/cmake/eigen_as_on_amd64.hpp)
 endif()
