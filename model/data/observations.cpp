@@ -65,7 +65,8 @@ Paths paths_of(const MeasurementSet& set) {
   return paths;
 }
 
-/// Everything a reading is, in an order of its own: two readings that compare equal are interchangeable.
+/// Everything a reading is, in an order of its own: two readings that compare equal are interchangeable. Readings at one
+/// place of a pass stay as they follow each other in the file: in order of size, neighbours would differ too little.
 auto key_of(const MeasurementSet& set, const Paths& paths, std::size_t k, bool by_time) {
   const Reading& r = set.readings[k];
   const double along = paths.of[k] > 0 ? paths.along[k] : laser::target_of(r);
@@ -75,7 +76,7 @@ auto key_of(const MeasurementSet& set, const Paths& paths, std::size_t k, bool b
   if (paths.of[k] > 0) parked = {};
   const Vector3 place = r.rotary ? r.position_mm : Vector3{};
   return std::make_tuple(by_time ? *r.time_s : 0.0, paths.of[k], r.axis, r.sense, parked, r.run,
-                         -static_cast<int>(r.approach), travelled, place, r.feed_mm_min, r.load_kg, r.error, r.row);
+                         -static_cast<int>(r.approach), travelled, place, r.feed_mm_min, r.load_kg, r.row, r.error);
 }
 
 std::vector<std::size_t> canonical_order(const MeasurementSet& set, const Paths& paths) {
@@ -506,9 +507,15 @@ Observations counted_once(Observations data, const MeasurementSet& set) {
     moved.line = other.line;
     return moved == other;
   };
-  std::vector<std::size_t> first;                  // of rows that are equal
-  std::vector<std::size_t> counts;                 // how many there are
-  for (std::size_t k = 0; k < data.size(); ++k) {  // equal rows are neighbours in canonical order
+  std::vector<std::size_t> by_value(data.size());
+  std::iota(by_value.begin(), by_value.end(), std::size_t{0});
+  std::ranges::stable_sort(by_value, {}, [&](std::size_t k) {
+    const Reading& r = set.readings[data.file_order[k]];
+    return std::make_tuple(r.error, r.position_mm, r.angle_deg, r.time_s, r.axis, r.sense, r.run, r.approach);
+  });
+  std::vector<std::size_t> first;   // of rows that are equal
+  std::vector<std::size_t> counts;  // how many there are
+  for (const std::size_t k : by_value) {
     if (!first.empty() && same(first.back(), k)) {
       ++counts.back();
     } else {
@@ -516,6 +523,7 @@ Observations counted_once(Observations data, const MeasurementSet& set) {
       counts.push_back(1);
     }
   }
+  std::ranges::sort(first);
   const bool has_times =
       std::ranges::none_of(data.time_s, [](double t) { return std::isnan(t); }) && !data.time_s.empty();
   const bool evenly = std::ranges::all_of(counts, [&](std::size_t n) { return n == counts.front(); });

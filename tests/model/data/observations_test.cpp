@@ -48,3 +48,17 @@ TEST_CASE("a plan without readings keeps its repeats") {
   for (laser::Reading& reading : plan.readings) reading.error = 0.0;
   CHECK(counted(plan).size() == 10);
 }
+
+TEST_CASE("readings at one place of a pass stay as they follow each other in the file, also where rows are equal") {
+  laser::MeasurementSet set;
+  for (const double error : {3.0, 1.0, 2.0, 1.0, 3.0}) {
+    laser::Reading reading;
+    reading.position_mm[0] = 100.0;
+    reading.error = error;
+    reading.row = static_cast<int>(set.readings.size()) + 1;
+    set.readings.push_back(reading);
+  }
+  CHECK(counted(set).reading == Column{3.0, 1.0, 2.0, 1.0, 3.0});
+  for (laser::Reading& reading : set.readings) reading.time_s = 0.0;
+  CHECK(counted(set).reading == Column{3.0, 1.0, 2.0});
+}

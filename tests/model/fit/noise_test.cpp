@@ -317,6 +317,27 @@ TEST_CASE("white noise does not wander, with repeats or without, nor do rounded 
   }
 }
 
+TEST_CASE("white noise at one target, many readings a run, keeps its size and does not wander") {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    laser::MeasurementSet set;
+    std::mt19937_64 random(seed);
+    NormalDraws normal;
+    for (int k = 0; k < 75; ++k) {
+      laser::Reading reading;
+      reading.position_mm[0] = 100.0;
+      reading.run = 1 + k / 15;
+      reading.row = k + 1;
+      reading.error = kWhite_um * normal(random);
+      set.readings.push_back(reading);
+    }
+    Measured m = readings_of(set);
+    m.residual.array() -= m.residual.mean();
+    const NoiseModel noise = noise_in(m);
+    CHECK(noise.pure.noise_um == Approx(kWhite_um).epsilon(0.3));  // 75 readings know it to 8 %: over three sigmas
+    CHECK_FALSE(wanders(m.data, noise, m.residual, m.left_out));
+  }
+}
+
 TEST_CASE("a random walk that is taken for white noise, or for noise correlated over minutes, wanders") {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Measured m = walk(seed);
