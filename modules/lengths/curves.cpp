@@ -191,12 +191,6 @@ Eigen::MatrixXd volume_weight(const MachineCurves& curves, const std::vector<Vec
   return stacked.transpose() * stacked / static_cast<double>(places.size() * tools_mm.size());
 }
 
-namespace {
-
-Eigen::Vector3d eigen(const Vector3& v) { return {v[0], v[1], v[2]}; }
-
-}  // namespace
-
 NuisanceColumns nuisance_of(const LengthTest& test, Eigen::Index first) {
   NuisanceColumns out;
   out.first = out.end = first;

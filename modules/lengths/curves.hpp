@@ -19,6 +19,8 @@
 
 namespace ecs::model {
 
+[[nodiscard]] inline Eigen::Vector3d eigen(const Vector3& v) { return {v[0], v[1], v[2]}; }
+
 /// Cubic B-splines (C. de Boor, A Practical Guide to Splines, 1978) on even knots over a travel, made orthonormal over
 /// it, zero at the reference, on request without slope.
 class SplineCurves {

@@ -141,7 +141,7 @@ class LengthReport {
     out.pass_um = deviation(Scatter::pass);
     out.pass_um_per_m = deviation(Scatter::pass_angle);
     out.residual_um = fitted_.single_um;
-    out.repeat_um = repeats();
+    out.repeat_um = repeats_of(fitted_.test);
     report_set_ups(out);
     report_stations(out);
     report_jumps(out);
@@ -339,26 +339,6 @@ class LengthReport {
     }
   }
 
-  /// Of a single reading, from poses that were measured again in another run; the zero of each run is taken off.
-  [[nodiscard]] std::optional<double> repeats() const {
-    std::map<std::tuple<std::size_t, std::size_t, Vector3, PerAxis<int>>, std::map<int, double>> poses;
-    for (const LengthReading& r : fitted_.test.readings)
-      poses[{r.set_up, r.tool, r.position_mm, r.approach}][r.run] = r.deviation_um;
-    std::map<std::tuple<std::size_t, std::size_t, int, int>, std::vector<double>> differences;
-    for (const auto& [pose, runs] : poses)
-      for (auto a = runs.begin(); a != runs.end(); ++a)
-        if (const auto b = std::next(a); b != runs.end())
-          differences[{std::get<0>(pose), std::get<1>(pose), a->first, b->first}].push_back(b->second - a->second);
-    double squares = 0.0, freedom = 0.0;
-    for (const auto& [runs, list] : differences) {
-      const double mean = std::accumulate(list.begin(), list.end(), 0.0) / static_cast<double>(list.size());
-      for (const double d : list) squares += (d - mean) * (d - mean);
-      freedom += static_cast<double>(list.size()) - 1.0;
-    }
-    if (freedom < kLeastRepeats) return std::nullopt;
-    return std::sqrt(squares / freedom / 2.0);
-  }
-
   void compare_repeats(Identification& out) const {
     if (!out.repeat_um) {
       out.notes.push_back("no pose is measured in two runs: the noise is estimated from the residuals alone");
@@ -378,6 +358,25 @@ class LengthReport {
 };
 
 }  // namespace
+
+std::optional<double> repeats_of(const LengthTest& test) {
+  std::map<std::tuple<std::size_t, std::size_t, Vector3, PerAxis<int>>, std::map<int, double>> poses;
+  for (const LengthReading& r : test.readings)
+    poses[{r.set_up, r.tool, r.position_mm, r.approach}][r.run] = r.deviation_um;
+  std::map<std::tuple<std::size_t, std::size_t, int, int>, std::vector<double>> differences;
+  for (const auto& [pose, runs] : poses)
+    for (auto a = runs.begin(); a != runs.end(); ++a)
+      if (const auto b = std::next(a); b != runs.end())
+        differences[{std::get<0>(pose), std::get<1>(pose), a->first, b->first}].push_back(b->second - a->second);
+  double squares = 0.0, freedom = 0.0;
+  for (const auto& [runs, list] : differences) {
+    const double mean = std::accumulate(list.begin(), list.end(), 0.0) / static_cast<double>(list.size());
+    for (const double d : list) squares += (d - mean) * (d - mean);
+    freedom += static_cast<double>(list.size()) - 1.0;
+  }
+  if (freedom < kLeastRepeats) return std::nullopt;
+  return std::sqrt(squares / freedom / 2.0);
+}
 
 bool Identification::whole() const {
   const auto right = [](const auto& one) { return one.why_not.empty(); };

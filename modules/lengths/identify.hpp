@@ -87,6 +87,9 @@ struct Identification {
 [[nodiscard]] Result<Identification> identify(const LengthTest& test, const params::Machine& machine,
                                               const IdentifySettings& settings);
 
+/// Standard deviation of a single reading [um], from poses that were measured in several runs; nothing with too few.
+[[nodiscard]] std::optional<double> repeats_of(const LengthTest& test);
+
 /// Spacing of knots for a file: as asked, else as its head says, else twice its spacing of coordinates and at most
 /// twelve intervals.
 [[nodiscard]] PerAxis<double> knots_for(const LengthTest& test, const LengthMachine& machine,

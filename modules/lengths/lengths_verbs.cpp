@@ -1,5 +1,6 @@
 // `ecs lengths fit`: files read, the 21 components identified from lengths, the map made. `plan`: which lengths to
-// measure for a wanted uncertainty of the volume, in the fewest minutes. Both answers as text and JSON.
+// measure for a wanted uncertainty of the volume, in the fewest minutes. `compare`: a map against lengths that had no
+// part in it. All answers as text and JSON.
 // Does not live here: the least squares and the choice (identify.hpp, plan_lengths.hpp).
 
 #include <algorithm>
@@ -25,6 +26,7 @@
 #include "laser/map/csv.hpp"
 #include "laser/map/error_map.hpp"
 #include "laser/measurement_set.hpp"
+#include "modules/lengths/compare_lengths.hpp"
 #include "modules/lengths/identify.hpp"
 #include "modules/lengths/plan_lengths.hpp"
 #include "params/parameters_toml.hpp"
@@ -69,6 +71,13 @@ struct LengthsPlanAsked {
 /// @param stopped  asked now and then: true ends the search, and the problem says so
 [[nodiscard]] Result<model::LengthPlan> lengths_plan(const LengthsPlanAsked& asked,
                                                      const std::function<bool()>& stopped = {});
+
+/// As typed; empty: not given.
+struct LengthsCompared {
+  std::string map, file, params;
+  double at_least_percent = 0.0;  ///< of the errors explained; less does not hold
+  static cli::Fields<LengthsCompared> fields();
+};
 
 /// Signs of the printed equations of the thesis: rotations about X and Z, and squareness but B0Z, are turned
 /// (docs/physics.md).
@@ -451,6 +460,65 @@ Cell lengths_plan_cell(const model::LengthPlan& plan, double wanted_U_um, const 
       "plan"_is(written_cell("plan", file, "plan not written: give -o plan.csv\n")));
 }
 
+cli::Fields<LengthsCompared> LengthsCompared::fields() {
+  using A = LengthsCompared;
+  using cli::Need, cli::Range;
+  return {
+      {"MAP", &A::map, "error map (.csv)", Need::required},
+      {"LENGTHS", &A::file, "measured lengths that had no part in the map (.csv)", Need::required},
+      {"--params", &A::params, "parameters that belong to the map: squareness, convention, measurement lines",
+       Need::required},
+      {"--at-least", &A::at_least_percent, "required agreement [%]; below it the exit code is 1", Range{0.0, 100.0}}};
+}
+
+/// @param at_least_percent  0: nothing is required
+Cell compared_cell(const std::string& map, const model::LengthTest& test, const model::LengthComparison& found,
+                   double at_least_percent, bool holds) {
+  const auto set_up = [](const model::ComparedSetUp& one) {
+    return record_cell("  set-up {set_up}, tool {tool}: {readings} lengths, {error_um} um, {left_um} um left\n",
+                       "set_up"_is(one.name), "tool"_is(one.tool), "readings"_is(one.readings),
+                       "error_um"_is(one.error_um, 2), "left_um"_is(one.left_um, 2),
+                       "station_correction_mm"_is(Json(one.station_correction_mm)));
+  };
+  const auto length = [](const model::ComparedLength& one) {
+    return record_cell("  line {line}: {error_um} um, {left_um} um left\n", "line"_is(one.line),
+                       "error_um"_is(one.error_um, 2), "left_um"_is(one.left_um, 2));
+  };
+  return record_cell(
+      "{map} explains {agreement_percent} % of {file}: {error_um} um before, {left_um} um left (standard deviations of "
+      "{readings} lengths, {unknowns} zeros and stations fitted)\n"
+      "{repeat_text}{set_ups}the lengths that fit worst:\n{worst}{verdict}",
+      "map"_is(map), "file"_is(test.source), "readings"_is(found.readings), "unknowns"_is(found.unknowns),
+      "agreement_percent"_is(100.0 * found.agreement(), 1), "error_um"_is(found.error_um, 2),
+      "left_um"_is(found.left_um, 2), "repeat_um"_is(found.repeat_um, 2),
+      "repeat_text"_shown(found.repeat_um
+                              ? fmt::format("  repeated poses scatter by {:.2f} um\n", *found.repeat_um)
+                              : std::string("  no pose is measured in two runs: the scatter is not known\n")),
+      "set_ups"_is(list_cell(found.set_ups, set_up)), "worst"_is(list_cell(found.worst, length)),
+      "at_least_percent"_is(at_least_percent, 1), "holds"_is(holds),
+      "verdict"_shown(at_least_percent > 0.0
+                          ? fmt::format("required: {:g} %: {}\n", at_least_percent, holds ? "reached" : "NOT REACHED")
+                          : std::string()));
+}
+
+Result<Outcome> compare_the_lengths(VerbContext&, const LengthsCompared& a) {
+  ECS_TRY(map, laser::read_map_csv(a.map));
+  ECS_TRY(unit, params::read_whole_parameters(a.params));
+  ECS_TRY(text, read_file_of(FileKind::lengths, a.file));
+  ECS_TRY(test, model::parse_lengths(text, a.file));
+  if (const auto other = laser::other_machine({test.machine, ""}, {map.header.machine, ""}, "the map is of"))
+    return tl::unexpected(Problem{ProblemKind::refused, *other, a.file, 0, 0, {}});
+  const std::string_view chain = configuration_of(unit.parameters);
+  if (!map.header.configuration.empty() && map.header.configuration != chain)
+    return problem_at(a.params, 0, 0,
+                      fmt::format("expected the parameters of a machine {} as in the map, found {}",
+                                  map.header.configuration, chain));
+  constexpr std::size_t kWorst = 5;
+  ECS_TRY(found, model::compared_lengths(test, map, unit.parameters, kWorst));
+  const bool holds = a.at_least_percent == 0.0 || 100.0 * found.agreement() >= a.at_least_percent;
+  return outcome_of(compared_cell(a.map, test, found, a.at_least_percent, holds), holds ? kDone : kDoesNotHold);
+}
+
 Result<Outcome> fit_lengths(VerbContext&, const LengthsArguments& a) {
   if (const auto wrong = wrong_date(a.date)) return problem(ProblemKind::usage, "--date: " + *wrong);
   if ((!a.output.empty() || !a.params_out.empty()) && a.params.empty())
@@ -482,6 +550,8 @@ extern const std::vector<Action> kLengths{
            "measured.toml",
            fit_lengths),
     action("lengths plan", "plan the lengths that reach a required uncertainty of the volume in the shortest time",
-           "ecs lengths plan --machine machine.toml --volume-um 2 -o plan.csv", plan_the_lengths)};
+           "ecs lengths plan --machine machine.toml --volume-um 2 -o plan.csv", plan_the_lengths),
+    action("lengths compare", "show how well a map predicts lengths that had no part in it, and where it fails",
+           "ecs lengths compare map.csv lengths.csv --params measured.toml --at-least 84", compare_the_lengths)};
 
 }  // namespace ecs::app
