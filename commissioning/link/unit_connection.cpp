@@ -15,7 +15,8 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kBetweenFastLooks = 25ms;  ///< forty a second where the link is fast enough
 constexpr auto kBetweenSlowLooks = 1s;
 constexpr auto kBeforeNextTry = 1s;
-constexpr auto kGlance = 5ms;  ///< how soon a cancel and a wish for the link are seen
+constexpr auto kBetweenInputs = 5s;  ///< temperatures change slowly; on a slow line they cost a twentieth of it
+constexpr auto kGlance = 5ms;        ///< how soon a cancel and a wish for the link are seen
 constexpr int kFailuresToLose = 3;
 
 std::string where_of(const protocol::UnitClient& client) {
@@ -151,11 +152,20 @@ void UnitConnection::look() {
   if (const auto sample = unit_link_->client().monitor()) {
     failures_ = 0;
     take(*sample);
+    if (watchers_ > 0 && Clock::now() >= next_inputs_) look_at_inputs();
   } else {
     ++failures_;
     lost(sample.error());
   }
   settle();
+}
+
+void UnitConnection::look_at_inputs() {
+  next_inputs_ = Clock::now() + kBetweenInputs;
+  const auto inputs = unit_link_->client().live_inputs();
+  const std::lock_guard lock(mutex_);
+  state_.inputs = inputs ? std::optional(*inputs) : std::nullopt;
+  ++changes_;
 }
 
 /// Opens the link if there is none. @pre the link is ours
@@ -177,6 +187,7 @@ Result<void> UnitConnection::opened() {
   emulator_ = line->emulator();
   unit_link_ = std::move(*line);
   failures_ = 0;
+  next_inputs_ = {};
   const std::lock_guard lock(mutex_);
   state_.link = unit_link_->name();
   state_.where = where_of(unit_link_->client());

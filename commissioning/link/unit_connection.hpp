@@ -46,6 +46,7 @@ struct WatchedUnit {
 /// With what was sampled.
 struct SampledUnit : WatchedUnit {
   std::deque<protocol::MonitorSample> samples;  ///< oldest first, at most kKept
+  std::optional<protocol::LiveInputs> inputs;   ///< read every few seconds while somebody watches
 };
 
 class UnitConnection {
@@ -146,6 +147,7 @@ class UnitConnection {
   [[nodiscard]] static Problem link_was_busy();
   void run(const std::stop_token& stop);
   void look();
+  void look_at_inputs();
   [[nodiscard]] Result<void> opened();
   [[nodiscard]] Result<void> same_unit(const std::optional<protocol::Identity>& shown);
   void close();
@@ -165,6 +167,7 @@ class UnitConnection {
   std::shared_ptr<EmulatorProcess> emulator_;  ///< kept while the link is closed
   int failures_ = 0;                           ///< looks in a row that brought nothing
   std::chrono::steady_clock::time_point next_try_{};
+  std::chrono::steady_clock::time_point next_inputs_{};
 
   std::atomic<int> waiting_{0};  ///< pieces of work that want the link
   std::atomic<int> watchers_{0};

@@ -75,6 +75,26 @@ void draw_axis(Canvas& canvas, const Area& area, int row, Axis axis, const AxisS
               a.relay_closed ? Tone::good : Tone::faint);
 }
 
+/// What the unit adds for heat and load, and its inputs; empty: none is wired, set or followed.
+std::string inputs_text(const protocol::LiveInputs& live) {
+  std::string text;
+  for (std::size_t i = 0; i < kLiveInputs; ++i) {
+    const protocol::InputStatus& input = live.inputs[i];
+    if (input.state == InputState::unused && !input.wired && input.value == 0.0) continue;
+    const std::string name = i == kLoadInput ? "load" : std::to_string(i + 1);
+    const std::string value = fmt::format("{:.2f} {}", input.value, i == kLoadInput ? "kg" : "degC");
+    text += is_doubtful(input.state) ? fmt::format("   {}: {}, {} kept", name, name_of(input.state), value)
+                                     : fmt::format("   {}: {}", name, value);
+  }
+  if (live.rows == 0) return text.empty() ? text : "inputs" + text;
+  return fmt::format("thermal X {:+.2f}  Y {:+.2f}  Z {:+.2f} um{}", live.thermal_um[0], live.thermal_um[1],
+                     live.thermal_um[2], text);
+}
+
+bool any_doubtful(const protocol::LiveInputs& live) {
+  return std::ranges::any_of(live.inputs, [](const auto& input) { return is_doubtful(input.state); });
+}
+
 /// @param age_s  of the newest sample
 void draw_monitor(Canvas& canvas, const Area& area, const SampledUnit& unit, double age_s) {
   if (unit.samples.empty()) {
@@ -98,9 +118,11 @@ void draw_monitor(Canvas& canvas, const Area& area, const SampledUnit& unit, dou
   for (const Axis axis : kAllAxes)
     if (sample.axes[index_of(axis)].present)
       draw_axis(canvas, area, row++, axis, sample.axes[index_of(axis)], most_um, sample.fault == Fault::none);
+  const Area below{area.row + row, area.column + 1, std::min(2, area.rows - row), area.columns - 2};
   if (!unit.problem.empty())
-    canvas.paragraph({area.row + row, area.column + 1, std::min(2, area.rows - row), area.columns - 2}, 0, unit.problem,
-                     Tone::bad);
+    canvas.paragraph(below, 0, unit.problem, Tone::bad);
+  else if (unit.inputs)
+    canvas.paragraph(below, 0, inputs_text(*unit.inputs), any_doubtful(*unit.inputs) ? Tone::warning : Tone::plain);
 }
 
 class MonitorScreen final : public KeyedScreen {
@@ -162,7 +184,8 @@ class MonitorScreen final : public KeyedScreen {
   [[nodiscard]] std::string help() const override {
     return "Live data of the axes: position, speed, reference state, switch and marker, sensed approach, present "
            "compensation and relay. At the right are the sample rate and the age of the data. A lost link reopens "
-           "automatically. Press r to record every sample to a CSV file, and again to stop; until then the file is "
+           "automatically. Below the axes are the compensation of heat and load and the inputs that the unit follows. "
+           "Press r to record every sample to a CSV file, and again to stop; until then the file is "
            "named .part. Press f to freeze the picture; the recording continues. Press t to show air and material "
            "temperature of a USB thermometer (TEMPer); a recording has them in its last columns, empty without a "
            "thermometer. With the bundled emulator, press j to drive its machine to coordinates, by a block or by a "

@@ -192,5 +192,12 @@ TEST_CASE("j on the monitor drives the emulated machine, and what is no place is
   REQUIRE(shows(screen, "is at X -"));
 }
 
+TEST_CASE("the monitor shows the temperatures and the load that the unit was given") {
+  const BenchOf bench(monitor_screen);
+  REQUIRE(bench.with_link([](UnitLink& link) { return link.client().set_input(2, 24.5); }));
+  REQUIRE(bench.with_link([](UnitLink& link) { return link.client().set_input(kLoadInput, 800.0); }));
+  CHECK(shows(*bench.screen, "inputs   3: 24.50 degC   load: 800.00 kg"));
+}
+
 }  // namespace
 }  // namespace ecs::app
