@@ -30,7 +30,7 @@ constexpr std::array<FaultText, kFaultCount> kFaults{{
      "switch the unit off and on; if the fault returns, replace the microprocessor module"},
     {"position_jump", "an axis position changed more in one period than any axis can move",
      "check the transducer wiring and the position feedback scaling factor"},
-    {"user_software", "the user software exceeded its memory or its time", "check the program and its start address"},
+    {"user_software", "the user software ended with an error or exceeded its time", "check the program and its start address"},
     {"commit_record", "a commit record in the axis memory is damaged: a map may be lost",
      "send parameters and map again, or compare the unit with its map"},
     {"live_input", "a live input is missing or implausible: its terms are held, then fade out",
