@@ -471,6 +471,14 @@ cli::Fields<LengthsCompared> LengthsCompared::fields() {
       {"--at-least", &A::at_least_percent, "required agreement [%]; below it the exit code is 1", Range{0.0, 100.0}}};
 }
 
+std::string repeats_text(const model::LengthComparison& found) {
+  if (!found.repeat_um) return "  no pose is measured in two runs: the scatter is not known\n";
+  constexpr double kMuchMore = 1.3;  // as in the notes of `lengths fit`: scatter from a few repeats is known to a fifth
+  return fmt::format("  repeated poses scatter by {:.2f} um: {}\n", *found.repeat_um,
+                     found.left_um > kMuchMore * *found.repeat_um ? "more than scatter is left, the map lacks something"
+                                                                  : "what is left is scatter");
+}
+
 /// @param at_least_percent  0: nothing is required
 Cell compared_cell(const std::string& map, const model::LengthTest& test, const model::LengthComparison& found,
                    double at_least_percent, bool holds) {
@@ -490,10 +498,7 @@ Cell compared_cell(const std::string& map, const model::LengthTest& test, const 
       "{repeat_text}{set_ups}the lengths that fit worst:\n{worst}{verdict}",
       "map"_is(map), "file"_is(test.source), "readings"_is(found.readings), "unknowns"_is(found.unknowns),
       "agreement_percent"_is(100.0 * found.agreement(), 1), "error_um"_is(found.error_um, 2),
-      "left_um"_is(found.left_um, 2), "repeat_um"_is(found.repeat_um, 2),
-      "repeat_text"_shown(found.repeat_um
-                              ? fmt::format("  repeated poses scatter by {:.2f} um\n", *found.repeat_um)
-                              : std::string("  no pose is measured in two runs: the scatter is not known\n")),
+      "left_um"_is(found.left_um, 2), "repeat_um"_is(found.repeat_um, 2), "repeat_text"_shown(repeats_text(found)),
       "set_ups"_is(list_cell(found.set_ups, set_up)), "worst"_is(list_cell(found.worst, length)),
       "at_least_percent"_is(at_least_percent, 1), "holds"_is(holds),
       "verdict"_shown(at_least_percent > 0.0
