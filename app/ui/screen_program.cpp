@@ -29,7 +29,9 @@ constexpr GlossaryRow kGlossary[] = {
     {"armed|arm code",
      "the unit accepts writes and commands from this host, after the arming code that the unit shows has been entered"},
     {"by chance",
-     "share of simulated noise-only data sets in which an effect explains as much as it does in the measured data"},
+     "share of simulated noise-only data sets in which any effect explains as much as the named one does in the "
+     "measured "
+     "data"},
     {"candidate|candidates", "an effect that was tried on the residual"},
     {"commit", "the step that makes a completely sent map active; until then the old map stays active"},
     {"compensation mode|compensating|compensation",
