@@ -475,8 +475,9 @@ std::string repeats_text(const model::LengthComparison& found) {
   if (!found.repeat_um) return "  no pose is measured in two runs: the scatter is not known\n";
   constexpr double kMuchMore = 1.3;  // as in the notes of `lengths fit`: scatter from a few repeats is known to a fifth
   return fmt::format("  repeated poses scatter by {:.2f} um: {}\n", *found.repeat_um,
-                     found.left_um > kMuchMore * *found.repeat_um ? "more than scatter is left, the map lacks something"
-                                                                  : "what is left is scatter");
+                     found.left_um > kMuchMore * *found.repeat_um
+                         ? "the rest is more than scatter, the map lacks something"
+                         : "the rest is scatter");
 }
 
 /// @param at_least_percent  0: nothing is required
