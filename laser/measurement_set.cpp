@@ -1,6 +1,7 @@
 #include "laser/measurement_set.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <map>
@@ -383,24 +384,45 @@ std::string curve_name(Sense sense, Axis axis, bool rotary) {
   return name;
 }
 
-std::optional<Problem> rotary_refused(const MeasurementSet& set, const std::string& file_name) {
+namespace {
+
+/// The column of readings along a path, and how its texts begin (model/data/path.hpp).
+constexpr std::string_view kPathColumn = "path";
+constexpr std::array<std::string_view, 2> kPaths{"circle ", "diagonal "};
+
+Problem refused_reading(const Reading& reading, const std::string& file_name, std::string message) {
+  return {ProblemKind::bad_input, std::move(message), file_name, std::max(1, reading.line), 1, {}};
+}
+
+}  // namespace
+
+std::optional<Problem> paths_refused(const MeasurementSet& set, const std::string& file_name) {
+  for (const Reading& reading : set.readings) {
+    const auto text = reading.text_extras.find(kPathColumn);
+    if (text == reading.text_extras.end()) continue;
+    if (std::ranges::any_of(kPaths, [&](std::string_view word) { return text->second.starts_with(word); }))
+      return refused_reading(reading, file_name,
+                             fmt::format("expected readings along single axes, found one on the path {}: use `ecs "
+                                         "model`, or `ecs test` with the file of the test",
+                                         in_quotes(text->second)));
+  }
+  return std::nullopt;
+}
+
+std::optional<Problem> all_but_lines_refused(const MeasurementSet& set, const std::string& file_name) {
   const auto found = std::ranges::find_if(set.readings, [](const Reading& reading) { return reading.rotary; });
-  if (found == set.readings.end()) return std::nullopt;
-  return Problem{ProblemKind::bad_input,
-                 fmt::format("expected readings of linear axes, found the rotary axis {}: the unit and its maps cover "
-                             "linear axes; use `ecs laser stats` and `ecs model`",
-                             letter_of(found->axis, true)),
-                 file_name,
-                 std::max(1, found->line),
-                 1,
-                 {}};
+  if (found == set.readings.end()) return paths_refused(set, file_name);
+  return refused_reading(*found, file_name,
+                         fmt::format("expected readings of linear axes, found the rotary axis {}: the unit and its "
+                                     "maps cover linear axes; use `ecs laser stats` and `ecs model`",
+                                     letter_of(found->axis, true)));
 }
 
 Result<MeasurementSet> read_measurement_set(const std::filesystem::path& path) {
   ECS_TRY(text, read_file_of(FileKind::measurements, path));
   auto set = parse_measurement_set(text, path.string());
   if (set)
-    if (auto refused = rotary_refused(*set, path.string())) return tl::unexpected(std::move(*refused));
+    if (auto refused = all_but_lines_refused(*set, path.string())) return tl::unexpected(std::move(*refused));
   return set;
 }
 

@@ -92,8 +92,10 @@ struct MeasurementSet {
 /// another length, decimal commas between commas, empty and binary files, no readings.
 [[nodiscard]] Result<MeasurementSet> parse_measurement_set(std::string_view text, const std::string& file_name);
 
-/// The first reading of a rotary axis as a refusal, for work that takes linear axes only; nothing if there is none.
-[[nodiscard]] std::optional<Problem> rotary_refused(const MeasurementSet& set, const std::string& file_name);
+/// The first reading on a circle or a diagonal as a refusal, for work on lines; nothing if there is none.
+[[nodiscard]] std::optional<Problem> paths_refused(const MeasurementSet& set, const std::string& file_name);
+/// The same, and that of a rotary axis, for work on lines of linear axes.
+[[nodiscard]] std::optional<Problem> all_but_lines_refused(const MeasurementSet& set, const std::string& file_name);
 
 /// The same from a file, of linear axes only.
 [[nodiscard]] Result<MeasurementSet> read_measurement_set(const std::filesystem::path& path);

@@ -59,8 +59,8 @@ constexpr GlossaryRow kGlossary[] = {
      "it"},
     {"pitch", "travel per turn of a screw, or distance between the lines of a scale: errors repeat with it"},
     {"proved",
-     "shown by held-out readings with an e-value of at least 100, or by noise-only data sets where the readings give "
-     "no e-value"},
+     "shown by held-out readings with an e-value of at least 100 or, where these give no e-value, by comparison with "
+     "simulated noise-only data sets"},
     {"referenced", "the axis has found its datum since power-up: its positions are true machine coordinates"},
     {"relay", "connects the unit's output to the drive's velocity command; open: the unit cannot act on the machine"},
     {"residual", "reading minus model: the part that the model does not explain"},

@@ -165,7 +165,7 @@ Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
   auto imported = content_of(*format, text.text, file_name, options);
   if (!is_mapped) imported = turned(rescaled(std::move(imported), options), options);
   if (imported && !options.takes_rotary)
-    if (auto refused = rotary_refused(imported->set, file_name)) return tl::unexpected(std::move(*refused));
+    if (auto refused = all_but_lines_refused(imported->set, file_name)) return tl::unexpected(std::move(*refused));
   if (imported && !options.keep_set_up && gives_measured_positions(options)) take_out_set_up(imported->set);
   if (imported && !imported->set.readings.empty() && (options.at_rest_mm || options.average)) {
     keep_at_rest(imported->set, options.at_rest_mm, options.average);

@@ -51,6 +51,14 @@ TEST_CASE("work on linear axes refuses a rotary one, with its line and what take
       "found the rotary axis A: the unit and its maps cover linear axes; use `ecs laser stats` and `ecs model`"));
 }
 
+TEST_CASE("work on lines refuses readings on a circle, and keeps a column path with other words") {
+  const std::string head = "axis,x_mm,sense,reading,path\nX,0,EX,1,\n";
+  const auto refused = must_fail(parse_any(head + "X,100,EX,1,circle XY radius 100 centre 0 0 0\n", "c.csv", {}));
+  CHECK(refused.line == 3);
+  CHECK(contains(refused.message, "found one on the path \"circle XY radius 100 centre 0 0 0\": use `ecs model`"));
+  CHECK(parse_any(head + "X,100,EX,1,circles of friends\n", "c.csv", {}));
+}
+
 TEST_CASE("targets in degrees or arc seconds, readings in arc seconds") {
   const auto set = turned_set("0,0.5\n90,1.0\n", by_columns("b_deg=1,reading=2[arcsec]"));
   REQUIRE(set.readings.size() == 2);

@@ -92,8 +92,7 @@ struct BuildRequest : FromModelArguments {
             {"--customer", &R::customer, "customer to state in the map header"},
             {"--engineer", &R::engineer, "engineer to state in the map header"},
             {"--date", &R::date, "date in the map header, as in 2026-03-12"},
-            {"--shrink", &R::shrink,
-             "reduce the values of every curve by their noise, estimated from its repeats (docs/volume.md)"},
+            {"--shrink", &R::shrink, "reduce the noise of every curve, estimated from its repeats (docs/volume.md)"},
             &R::import};
   }
 };
@@ -107,7 +106,8 @@ laser::FileReader reader_of_any_axis(const BuildRequest& request) {
 laser::FileReader linear(const laser::FileReader& read) {
   return [read](const auto& file) -> Result<laser::Imported> {
     ECS_TRY(imported, read(file));
-    if (auto refused = laser::rotary_refused(imported.set, file.string())) return tl::unexpected(std::move(*refused));
+    if (auto refused = laser::all_but_lines_refused(imported.set, file.string()))
+      return tl::unexpected(std::move(*refused));
     return imported;
   };
 }
