@@ -26,7 +26,7 @@ struct KindWords {
   std::string_view command;  ///< what takes such a file, or what to do with it
 };
 
-constexpr std::array<KindWords, 22> kWords{{
+constexpr std::array<KindWords, 23> kWords{{
     {"measurements", "a measurement", "use `ecs laser show {}`"},
     {"model", "an error model", "use `ecs model diagnose {} DATA`"},
     {"error map", "an error map", "use `ecs map show {}`"},
@@ -50,6 +50,7 @@ constexpr std::array<KindWords, 22> kWords{{
     {"archive", "a compressed archive", "unpack it and give the files in it"},
     {"PDF", "a PDF document", "copy its numbers into a text file, or export them as CSV, and give that"},
     {"picture", "a picture", "export the numbers as text or CSV and give that"},
+    {"spindle test", "a test of a spindle", ""},
 }};
 
 std::map<std::string, std::string, std::less<>>& advice_of_modules() {
@@ -109,6 +110,8 @@ FileKind kind_of_table(std::string_view text) {
   if (has({"diagonal", "deviation_um"})) return FileKind::diagonal_test;
   if (has({"line", "station_mm", "reading"})) return FileKind::surface;
   if (has({"component", "p_deg", "error"})) return FileKind::rotary_errors;
+  const bool over_turns = has({"angle_deg"}) || has({"index"}) || (has({"time_s"}) && has_line(text, "# speed_rpm:"));
+  if (over_turns && (has({"x_um"}) || has({"y_um"}) || has({"z_um"}))) return FileKind::spindle_test;
   return FileKind::other;
 }
 
@@ -189,7 +192,7 @@ std::optional<Problem> wrong_kind(FileKind wanted, std::string_view content, con
   const bool swapped = wanted == FileKind::model && found == FileKind::measurements;
   const bool is_table = found == FileKind::map || found == FileKind::measurements || found == FileKind::circle_test ||
                         found == FileKind::diagonal_test || found == FileKind::surface ||
-                        found == FileKind::rotary_errors;
+                        found == FileKind::spindle_test || found == FileKind::rotary_errors;
   const int line = is_table ? header_in(content.substr(0, kBeginning)).second : 0;
   const KindWords& words = words_of(found);
   std::string advice = swapped                 ? "give MODEL first, then DATA"

@@ -43,6 +43,7 @@ enum class FileKind : std::uint8_t {
   archive,
   pdf,
   picture,
+  spindle_test,  ///< a trace of a master ball over the turns of a spindle
 };
 
 /// "measurements", "model", "error map", …

@@ -18,6 +18,7 @@ namespace ecs::laser {
 namespace {
 
 constexpr double kRad_per_deg = std::numbers::pi / 180.0;
+constexpr double kFullTurn_deg = 360.0;
 
 std::vector<ZonePoint> zone_points(const CirclePass& pass) {
   std::vector<ZonePoint> points;
@@ -70,6 +71,11 @@ CirclePair pair_of(const CirclePass& ccw, const CirclePass& cw) {
 
 }  // namespace
 
+double folded_deg(double angle_deg) {
+  const double angle = std::fmod(angle_deg, kFullTurn_deg);
+  return angle < 0.0 ? angle + kFullTurn_deg : angle;
+}
+
 double deviation_at(const CirclePass& pass, double angle_deg, const std::array<double, 2>& centre_um) {
   const auto& readings = pass.readings;
   const auto above = std::lower_bound(readings.begin(), readings.end(), angle_deg,
@@ -108,12 +114,6 @@ CircleValues circle_values_of(const CircleTest& test) {
 namespace {
 
 constexpr std::array<std::string_view, 3> kCircleColumns{"angle_deg", "deviation_um", "direction"};
-constexpr double kFullTurn_deg = 360.0;
-
-double folded_deg(double angle_deg) {
-  const double angle = std::fmod(angle_deg, kFullTurn_deg);
-  return angle < 0.0 ? angle + kFullTurn_deg : angle;
-}
 
 constexpr double kLargestRadius_mm = 1e6;         ///< a choice
 constexpr long long kMostCircleRuns = 1'000'000;  ///< a choice

@@ -49,6 +49,9 @@ struct CircleValues {
 /// Deviation of a pass at an angle about a centre, linear between its readings about that centre [um].
 [[nodiscard]] double deviation_at(const CirclePass& pass, double angle_deg, const std::array<double, 2>& centre_um);
 
+/// The same direction within 0 … 360.
+[[nodiscard]] double folded_deg(double angle_deg);
+
 /// A pass with a wider gap is no circle; figure 7.22 of the thesis has a reading every 10 degrees.
 inline constexpr double kWidestGap_deg = 15.0;
 

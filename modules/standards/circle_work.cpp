@@ -82,7 +82,8 @@ double largest_um(const DrawnCircle& drawn) {
   return largest;
 }
 
-/// 1, 2 or 5 times a power of ten, at most `value`.
+}  // namespace
+
 double round_below(double value) {
   const double power = std::pow(10.0, std::floor(std::log10(value)));
   for (const double step : {5.0, 2.0})
@@ -99,8 +100,6 @@ PlotSeries ring(std::string name, Mark mark, double radius) {
   for (int angle = 0; angle <= 360; angle += 2) series.points.push_back(polar_point(radius, angle));
   return series;
 }
-
-}  // namespace
 
 PlotFigure polar_figure(const laser::CircleTest& test, const laser::CircleValues& values) {
   const DrawnCircle drawn = drawn_circle(values);

@@ -25,6 +25,12 @@ struct CircleWork {
 /// Refused: a file that is no circular test, a plane with an axis that the machine does not have, too few readings.
 [[nodiscard]] Result<CircleWork> circle_work(const std::filesystem::path& file, const params::Machine* machine);
 
+/// 1, 2 or 5 times a power of ten, at most `value`, above 0.
+[[nodiscard]] double round_below(double value);
+/// Of a polar plot.
+[[nodiscard]] PlotPoint polar_point(double radius, double angle_deg);
+[[nodiscard]] PlotSeries ring(std::string name, Mark mark, double radius);
+
 /// The first pass of each direction about the least squares circle of both together, deviations from it magnified, with
 /// rings at round deviations.
 [[nodiscard]] PlotFigure polar_figure(const laser::CircleTest& test, const laser::CircleValues& values);

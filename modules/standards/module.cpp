@@ -5,17 +5,19 @@
 
 namespace ecs::app {
 
-extern const std::vector<Action> kTestsOfHeat, kTestsOfPaths, kTestsOfPoses, kTestsOverTime;
+extern const std::vector<Action> kTestsOfHeat, kTestsOfPaths, kTestsOfPoses, kTestsOfSpindle, kTestsOverTime;
 
 const Module& standards_module() {
   static const Module module{.menus = {{"test", "PROCESS LASER DATA: tests of the ISO 230 standards"}},
                              .verbs = {{"laser", &kTestsOfHeat},
                                        {"laser", &kTestsOfPaths},
                                        {"laser", &kTestsOfPoses},
+                                       {"laser", &kTestsOfSpindle},
                                        {"laser", &kTestsOverTime}},
                              .advice = {{name_of(FileKind::circle_test), "use `ecs test circle {}`"},
                                         {kReversalOnCircle, "ecs test circle shows the remaining circle there"},
                                         {name_of(FileKind::diagonal_test), "use `ecs test diagonals {}`"},
+                                        {name_of(FileKind::spindle_test), "use `ecs test spindle {}`"},
                                         {name_of(FileKind::surface), "use `ecs test flatness {}`"}}};
   return module;
 }

@@ -26,6 +26,9 @@ TEST_CASE("a kind is known by content, not by the name of the file") {
   CHECK(kind_of_content("[identity]\nmachine = \"m\"\n[configuration]\n") == FileKind::parameters);
   CHECK(kind_of_content("# plane: XY\nangle_deg,deviation_um,direction,run\n") == FileKind::circle_test);
   CHECK(kind_of_content("line,station_mm,reading\n") == FileKind::surface);
+  CHECK(kind_of_content("angle_deg,x_um\n") == FileKind::spindle_test);
+  CHECK(kind_of_content("# speed_rpm: 3000\ntime_s;z_um\n") == FileKind::spindle_test);
+  CHECK(kind_of_content("time_s,z_um\n") == FileKind::other);
   CHECK(kind_of_content("ECSDUMP 1 0000\n") == FileKind::memory);
   CHECK(kind_of_content("PK\x03\x04....[Content_Types].xml") == FileKind::workbook);
   CHECK(kind_of_content("PK\x03\x04....mimetypeapplication/vnd.oasis.opendocument.spreadsheet") == FileKind::workbook);
