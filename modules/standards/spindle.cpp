@@ -43,13 +43,14 @@ std::vector<double> steps_of(const std::vector<double>& values) {
 }
 
 /// Least squares of values by K columns, each a function of the reading's number.
-template <int K, class Columns>
+template <std::size_t K, class Columns>
 std::array<double, K> fitted(const std::vector<double>& values, std::size_t count, const Columns& columns_at) {
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(K, K);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(K);
+  constexpr auto kCount = static_cast<Eigen::Index>(K);
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(kCount, kCount);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(kCount);
   for (std::size_t i = 0; i < count; ++i) {
     const std::array<double, K> row = columns_at(i);
-    const Eigen::Map<const Eigen::Matrix<double, K, 1>> column(row.data());
+    const Eigen::Map<const Eigen::Matrix<double, static_cast<int>(K), 1>> column(row.data());
     gram += column * column.transpose();
     right += column * values[i];
   }
@@ -390,7 +391,7 @@ class TraceTable {
   /// Readings stay at an extreme longer than the resolution explains on the crest of a wave once per turn, where
   /// cos φ > 1 − resolution / amplitude.
   void check_range(std::size_t sensor, double extreme, std::string_view which, double range) {
-    constexpr std::size_t kByChance = 8;  // equal readings that say nothing
+    constexpr std::size_t kEqualByChance = 8;  // equal readings that say nothing
     constexpr double kMargin = 2.0;
     const auto& values = trace_.value_um[sensor];
     std::size_t longest = 0, end = 0, run = 0;
@@ -404,7 +405,7 @@ class TraceTable {
     }
     const double crest = std::acos(std::max(-1.0, 1.0 - 2.0 * resolution / range)) / std::numbers::pi;  // turns
     const double per_turn = 1.0 / median_of(steps_of(trace_.turn));
-    if (longest <= kByChance || static_cast<double>(longest) < kMargin * crest * per_turn) return;
+    if (longest <= kEqualByChance || static_cast<double>(longest) < kMargin * crest * per_turn) return;
     refuse(first_row_ + end + 1 - longest, kSpindleColumns[sensor],
            fmt::format("{}: {} readings in a row are {:g}, the {} of all: the sensor is beyond its range, or its "
                        "resolution is too coarse. Centre the ball or choose a larger range",

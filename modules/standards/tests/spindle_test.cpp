@@ -23,23 +23,23 @@ constexpr double kRad = kTurn / 360.0;
 /// A value over the angle of the spindle [rad] and the turns since the first reading.
 using Signal = std::function<double(double angle, double turns)>;
 
-struct Made {
+struct Recording {
   int turns = 20, per_turn = 120;
   double start_deg = 20.0;
   bool falling = false;
   std::size_t readings = 0;  ///< 0: whole turns
 };
 
-std::size_t count_in(const Made& made) {
+std::size_t count_in(const Recording& made) {
   return made.readings > 0 ? made.readings : static_cast<std::size_t>(made.turns * made.per_turn);
 }
-double turns_at(const Made& made, std::size_t i) { return static_cast<double>(i) / made.per_turn; }
-double angle_at(const Made& made, std::size_t i) {
+double turns_at(const Recording& made, std::size_t i) { return static_cast<double>(i) / made.per_turn; }
+double angle_at(const Recording& made, std::size_t i) {
   return kRad * made.start_deg + (made.falling ? -kTurn : kTurn) * turns_at(made, i);
 }
 
 /// A trace as a file would give it.
-SpindleTrace trace_of(const Made& made, const std::vector<std::pair<SpindleSensor, Signal>>& signals) {
+SpindleTrace trace_of(const Recording& made, const std::vector<std::pair<SpindleSensor, Signal>>& signals) {
   SpindleTrace trace{.source = "made.csv", .first_deg = made.start_deg, .falling = made.falling, .has_origin = true};
   for (std::size_t i = 0; i < count_in(made); ++i) {
     trace.turn.push_back(turns_at(made, i));
@@ -55,12 +55,12 @@ const SpindleMotion& motion_in(const SpindleTest& test, std::string_view id) {
   return *found;
 }
 
-SpindleMotion radial_of(const Made& made, const Signal& signal) {
+SpindleMotion radial_of(const Recording& made, const Signal& signal) {
   return motion_in(spindle_test_of(trace_of(made, {{SpindleSensor::x, signal}})), "radial_x");
 }
 
 /// An oval and three lobes on an eccentric ball.
-double ball(double angle) {
+double ball_um(double angle) {
   return 31.0 + 12.0 * std::cos(angle - 0.7) + 0.8 * std::cos(2.0 * angle) + 0.3 * std::cos(3.0 * angle - 0.5);
 }
 
@@ -69,12 +69,12 @@ double disorder(std::size_t k) { return (static_cast<double>((k * 7919 + 104729)
 
 /// The parts of everything, for the comparison with NumPy.
 SpindleTrace full_trace() {
-  const Made made;
+  const Recording made;
   const auto number = [](double turns) { return static_cast<std::size_t>(std::lround(turns * 120.0)); };
   const auto growth = [](double turns) { return 1.0 - std::exp(-turns / 8.0); };
   const auto cage = [](double turns) { return kTurn * 0.41 * turns; };
   const Signal x = [=](double a, double u) {
-    return ball(a) + 0.4 * std::cos(cage(u)) + 2.0 * growth(u) + disorder(number(u));
+    return ball_um(a) + 0.4 * std::cos(cage(u)) + 2.0 * growth(u) + disorder(number(u));
   };
   const Signal y = [=](double a, double u) {
     return -4.0 + 12.0 * std::sin(a - 0.7) + 0.5 * std::sin(2.0 * a + 0.3) + 0.4 * std::sin(cage(u)) + growth(u) +
@@ -130,7 +130,7 @@ TEST_CASE("all motions have the values that NumPy gives for the same trace") {
 }
 
 TEST_CASE("a motion that repeats every turn is synchronous alone, and its waves are found") {
-  const SpindleMotion motion = radial_of({}, [](double a, double) { return ball(a); });
+  const SpindleMotion motion = radial_of({}, [](double a, double) { return ball_um(a); });
   CHECK(motion.asynchronous < 1e-9);
   CHECK(motion.total == Approx(motion.synchronous));
   CHECK(motion.once.amplitude == Approx(12.0));
@@ -144,18 +144,18 @@ TEST_CASE("a motion that repeats every turn is synchronous alone, and its waves 
 
 TEST_CASE("a cage that repeats after five turns shows the widest range of five phases") {
   // 0.4 per turn: phases 72 degrees apart; the widest range of five is 2 cos 18 degrees of the amplitude.
-  const SpindleMotion motion = radial_of({.turns = 40, .per_turn = 360},
-                                         [](double a, double u) { return ball(a) + 0.5 * std::cos(0.4 * kTurn * u); });
+  const SpindleMotion motion = radial_of(
+      {.turns = 40, .per_turn = 360}, [](double a, double u) { return ball_um(a) + 0.5 * std::cos(0.4 * kTurn * u); });
   CHECK(motion.asynchronous == Approx(std::cos(18.0 * kRad)).epsilon(0.01));
   CHECK(motion.synchronous ==
-        Approx(radial_of({.turns = 5, .per_turn = 360}, [](double a, double) { return ball(a); }).synchronous)
+        Approx(radial_of({.turns = 5, .per_turn = 360}, [](double a, double) { return ball_um(a); }).synchronous)
             .epsilon(0.01));
 }
 
 TEST_CASE("start, zero, eccentricity and direction of rotation do not change the error motions") {
   const auto signal = [](double eccentricity, double zero) {
     return [=](double a, double u) {
-      return ball(a) + eccentricity * std::cos(a + 1.0) + zero + 0.3 * std::cos(0.4 * kTurn * u);
+      return ball_um(a) + eccentricity * std::cos(a + 1.0) + zero + 0.3 * std::cos(0.4 * kTurn * u);
     };
   };
   const SpindleMotion plain = radial_of({.start_deg = 0.0}, signal(0.0, 0.0));
@@ -188,7 +188,7 @@ TEST_CASE("readings between the angles of other turns cost nothing of an eccentr
 
 TEST_CASE("growth is reported as drift, and is not asynchronous motion") {
   const auto with_growth = [](double um) {
-    return [=](double a, double u) { return ball(a) + um * (u / 20.0 - 0.4 * u * u / 400.0); };
+    return [=](double a, double u) { return ball_um(a) + um * (u / 20.0 - 0.4 * u * u / 400.0); };
   };
   const SpindleMotion still = radial_of({}, with_growth(0.0)), warm = radial_of({}, with_growth(5.0));
   const double first = 0.5 * 119.0 / 120.0 / 20.0, last = first + 19.0 / 20.0;  // the middle of each turn
@@ -260,7 +260,7 @@ TEST_CASE("the uncertainty of a wave is the scatter of its amplitude over record
   double sum = 0.0, squares = 0.0, sigma = 0.0;
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
     const SpindleMotion motion =
-        radial_of({.turns = 12, .per_turn = 48}, [&](double a, double) { return ball(a) + noise(random); });
+        radial_of({.turns = 12, .per_turn = 48}, [&](double a, double) { return ball_um(a) + noise(random); });
     sum += motion.waves[0].amplitude;
     squares += std::pow(motion.waves[0].amplitude, 2);
     sigma += motion.waves[0].sigma / kRepeats;
@@ -328,14 +328,14 @@ std::string file_of(std::string_view head, const Row& row, std::size_t count = 2
 }
 
 /// 120 readings a turn.
-double x_at(std::size_t i) { return ball(kTurn * static_cast<double>(i) / 120.0) + disorder(i); }
+double x_at(std::size_t i) { return ball_um(kTurn * static_cast<double>(i) / 120.0) + disorder(i); }
 std::string by_angle(std::size_t i) {
   return fmt::format("{:.3f},{:.4f}", std::fmod(3.0 * static_cast<double>(i) + 20.0, 360.0), x_at(i));
 }
 
-SpindleTrace read(const std::string& text) { return must(parse_spindle_trace(text, "s.csv")); }
-std::string refusal(const std::string& text) { return to_text(must_fail(parse_spindle_trace(text, "s.csv"))); }
-SpindleMotion first_of(const std::string& text) { return spindle_test_of(read(text)).motions.front(); }
+SpindleTrace spindle_read(const std::string& text) { return must(parse_spindle_trace(text, "s.csv")); }
+std::string spindle_refusal(const std::string& text) { return to_text(must_fail(parse_spindle_trace(text, "s.csv"))); }
+SpindleMotion first_of(const std::string& text) { return spindle_test_of(spindle_read(text)).motions.front(); }
 
 }  // namespace
 
@@ -354,7 +354,7 @@ TEST_CASE("angles that wrap, count on, fall or come with decimal commas give the
     return row;
   }));
   CHECK(commas.asynchronous == wrapped.asynchronous);
-  const SpindleTrace falling = read(file_of("angle_deg,x_um\n", [](std::size_t i) {
+  const SpindleTrace falling = spindle_read(file_of("angle_deg,x_um\n", [](std::size_t i) {
     return fmt::format("{:.3f},{:.4f}", 359.0 - std::fmod(3.0 * static_cast<double>(i), 360.0), x_at(i));
   }));
   CHECK(falling.falling);
@@ -364,20 +364,20 @@ TEST_CASE("angles that wrap, count on, fall or come with decimal commas give the
 TEST_CASE("an index pulse per turn gives the turns, in even rows or by time") {
   // 120.37 readings a turn, the mark 30 readings behind the first.
   const auto turn_at = [](std::size_t i) { return (static_cast<double>(i) - 30.0) / 120.37; };
-  const auto value = [&](std::size_t i) { return ball(kTurn * turn_at(i)); };
+  const auto value = [&](std::size_t i) { return ball_um(kTurn * turn_at(i)); };
   const auto pulse = [&](std::size_t i) {
     return i > 0 && std::floor(turn_at(i)) > std::floor(turn_at(i - 1)) ? 1 : 0;
   };
   const std::string rows = file_of(
       "index,x_um\n", [&](std::size_t i) { return fmt::format("{},{:.5f}", pulse(i), value(i)); }, 2600);
-  const SpindleTest test = spindle_test_of(read(rows));
+  const SpindleTest test = spindle_test_of(spindle_read(rows));
   CHECK(test.turns == 21);
   CHECK(test.has_origin);
   // The mark is uncertain by a part of a reading, which shifts the angle and not the form.
   CHECK(test.motions.front().once.at_deg == Approx(0.7 / kRad).epsilon(0.05));
   CHECK(test.motions.front().asynchronous < 0.02);
   CHECK(test.motions.front().waves[0].amplitude == Approx(0.8).epsilon(0.002));
-  const SpindleTrace timed = read(file_of(
+  const SpindleTrace timed = spindle_read(file_of(
       "time_s,index,x_um\n",
       [&](std::size_t i) {
         return fmt::format("{:.6f},{},{:.5f}", 0.001 * static_cast<double>(i), pulse(i), value(i));
@@ -393,12 +393,12 @@ TEST_CASE("a stated speed is corrected by the once-per-turn motion") {
     });
   };
   for (const double stated_rpm : {3000.0, 3010.0, 2950.0}) {
-    const SpindleTrace trace = read(file(stated_rpm));
+    const SpindleTrace trace = spindle_read(file(stated_rpm));
     CHECK(*trace.speed_rpm == Approx(3000.0).epsilon(1e-5));
     CHECK(contains(trace.notes.front(), "rpm by the once-per-turn motion of x_um, stated"));
     CHECK(spindle_test_of(trace).motions.front().waves[0].amplitude == Approx(0.8).epsilon(0.005));
   }
-  CHECK(contains(refusal(file(3100.0)), "s.csv: speed_rpm: the once-per-turn motion of x_um fits 3"));
+  CHECK(contains(spindle_refusal(file(3100.0)), "s.csv: speed_rpm: the once-per-turn motion of x_um fits 3"));
 }
 
 TEST_CASE("recordings without enough turns, readings or order are refused with their lines") {
@@ -406,33 +406,35 @@ TEST_CASE("recordings without enough turns, readings or order are refused with t
   const auto with = [&](std::size_t at, const std::string& row) {
     return file_of(head, [&](std::size_t i) { return i == at ? row : by_angle(i); });
   };
-  CHECK(contains(refusal(file_of(head, by_angle, 480)),
+  CHECK(contains(spindle_refusal(file_of(head, by_angle, 480)),
                  "s.csv:1: expected 5 turns or more of 32 readings or more, found 4.0 turns of 120"));
-  CHECK(contains(refusal(file_of(head, by_angle, 100)), "found 100 readings"));
-  CHECK(contains(refusal(file_of(head, [](std::size_t i) { return fmt::format("{},{}", 15 * i % 360, x_at(5 * i)); })),
-                 "turns of 24"));
-  CHECK(contains(refusal(with(50, "200,1")),
-                 "s.csv:52:1: angle_deg: expected a step of 11.25 degrees at most, found 33"));
-  CHECK(contains(refusal(with(50, "100,1")),
-                 "s.csv:52:1: angle_deg: the direction of rotation reverses, from 167 to 100"));
-  CHECK(contains(refusal(with(50, "170,")), "s.csv:52:5: x_um: expected a number, found nothing"));
-  CHECK(contains(refusal(with(50, "170,20000")), "s.csv:52:5: x_um: expected a number within 10000"));
-  CHECK(contains(refusal("angle_deg,v_um\n1,1\n"), "expected a column x_um, y_um or z_um"));
-  CHECK(contains(refusal("time_s,x_um\n1,1\n"), "expected a column angle_deg, or index"));
-  CHECK(contains(refusal("angle_deg,x_um,x2_um\n1,1,1\n"), "expected `# planes_mm: `"));
-  CHECK(contains(refusal("# planes_mm: -2\nangle_deg,x_um,y2_um\n1,1,1\n"), "y2_um needs a column y_um"));
-  CHECK(contains(refusal(file_of(head, [](std::size_t i) { return fmt::format("7,{}", x_at(i)); })),
-                 "expected an angle that changes"));
-  CHECK(contains(refusal(file_of("index,x_um\n", [](std::size_t i) { return fmt::format("0,{}", x_at(i)); })),
-                 "found 0 such rows"));
+  CHECK(contains(spindle_refusal(file_of(head, by_angle, 100)), "found 100 readings"));
   CHECK(contains(
-      refusal(file_of("index,x_um\n",
-                      [](std::size_t i) { return fmt::format("{},{}", i % 120 == 1 && i != 601 ? 1 : 0, x_at(i)); })),
-      "s.csv:723:1: index: the turn that ends here takes 240 readings, the usual one 120"));
-  CHECK(contains(refusal(file_of("# speed_rpm: 3000\ntime_s,x_um\n",
-                                 [](std::size_t i) {
-                                   return fmt::format("{},{}", i == 9 ? 0.0 : static_cast<double>(i) / 6000.0, x_at(i));
-                                 })),
+      spindle_refusal(file_of(head, [](std::size_t i) { return fmt::format("{},{}", 15 * i % 360, x_at(5 * i)); })),
+      "turns of 24"));
+  CHECK(contains(spindle_refusal(with(50, "200,1")),
+                 "s.csv:52:1: angle_deg: expected a step of 11.25 degrees at most, found 33"));
+  CHECK(contains(spindle_refusal(with(50, "100,1")),
+                 "s.csv:52:1: angle_deg: the direction of rotation reverses, from 167 to 100"));
+  CHECK(contains(spindle_refusal(with(50, "170,")), "s.csv:52:5: x_um: expected a number, found nothing"));
+  CHECK(contains(spindle_refusal(with(50, "170,20000")), "s.csv:52:5: x_um: expected a number within 10000"));
+  CHECK(contains(spindle_refusal("angle_deg,v_um\n1,1\n"), "expected a column x_um, y_um or z_um"));
+  CHECK(contains(spindle_refusal("time_s,x_um\n1,1\n"), "expected a column angle_deg, or index"));
+  CHECK(contains(spindle_refusal("angle_deg,x_um,x2_um\n1,1,1\n"), "expected `# planes_mm: `"));
+  CHECK(contains(spindle_refusal("# planes_mm: -2\nangle_deg,x_um,y2_um\n1,1,1\n"), "y2_um needs a column y_um"));
+  CHECK(contains(spindle_refusal(file_of(head, [](std::size_t i) { return fmt::format("7,{}", x_at(i)); })),
+                 "expected an angle that changes"));
+  CHECK(contains(spindle_refusal(file_of("index,x_um\n", [](std::size_t i) { return fmt::format("0,{}", x_at(i)); })),
+                 "found 0 such rows"));
+  CHECK(contains(spindle_refusal(file_of(
+                     "index,x_um\n",
+                     [](std::size_t i) { return fmt::format("{},{}", i % 120 == 1 && i != 601 ? 1 : 0, x_at(i)); })),
+                 "s.csv:723:1: index: the turn that ends here takes 240 readings, the usual one 120"));
+  CHECK(contains(spindle_refusal(file_of("# speed_rpm: 3000\ntime_s,x_um\n",
+                                         [](std::size_t i) {
+                                           return fmt::format("{},{}", i == 9 ? 0.0 : static_cast<double>(i) / 6000.0,
+                                                              x_at(i));
+                                         })),
                  "s.csv:12:1: time_s: expected a time after"));
 }
 
@@ -441,17 +443,17 @@ TEST_CASE("a sensor that does not change or is beyond its range is refused; a co
     return file_of("angle_deg,x_um\n",
                    [&](std::size_t i) { return fmt::format("{},{:.5f}", 3 * i % 360, sensor(x_at(i))); });
   };
-  CHECK(contains(refusal(file([](double) { return 5.0; })), "s.csv:2:"));
-  CHECK(contains(refusal(file([](double) { return 5.0; })), "x_um: all readings are 5. Check the sensor"));
-  const std::string clipped = refusal(file([](double x) { return std::min(x, 40.0); }));
+  CHECK(contains(spindle_refusal(file([](double) { return 5.0; })), "s.csv:2:"));
+  CHECK(contains(spindle_refusal(file([](double) { return 5.0; })), "x_um: all readings are 5. Check the sensor"));
+  const std::string clipped = spindle_refusal(file([](double x) { return std::min(x, 40.0); }));
   CHECK(contains(clipped, "readings in a row are 40, the greatest of all: the sensor is beyond its range"));
-  CHECK(contains(refusal(file([](double x) { return std::max(x, 22.0); })), "the least of all"));
-  CHECK(read(file([](double x) { return std::round(x); })).of(SpindleSensor::x).size() == 2400);
+  CHECK(contains(spindle_refusal(file([](double x) { return std::max(x, 22.0); })), "the least of all"));
+  CHECK(spindle_read(file([](double x) { return std::round(x); })).of(SpindleSensor::x).size() == 2400);
 }
 
 TEST_CASE("a missing row is noted, and changes little") {
   const SpindleMotion whole = first_of(file_of("angle_deg,x_um\n", by_angle));
-  const SpindleTrace trace = read(file_of(
+  const SpindleTrace trace = spindle_read(file_of(
       "angle_deg,x_um\n", [](std::size_t i) { return by_angle(i < 300 ? i : i + 1); }, 2399));
   CHECK(contains(trace.notes.front(), "1 of the steps from reading to reading are longer than 1.5 times"));
   CHECK(contains(trace.notes.front(), "6 degrees, ends at line 302"));
