@@ -26,7 +26,7 @@ struct KindWords {
   std::string_view command;  ///< what takes such a file, or what to do with it
 };
 
-constexpr std::array<KindWords, 22> kWords{{
+constexpr std::array<KindWords, 23> kWords{{
     {"measurements", "a measurement", "use `ecs laser show {}`"},
     {"model", "an error model", "use `ecs model diagnose {} DATA`"},
     {"error map", "an error map", "use `ecs map show {}`"},
@@ -50,6 +50,7 @@ constexpr std::array<KindWords, 22> kWords{{
     {"archive", "a compressed archive", "unpack it and give the files in it"},
     {"PDF", "a PDF document", "copy its numbers into a text file, or export them as CSV, and give that"},
     {"picture", "a picture", "export the numbers as text or CSV and give that"},
+    {"ball bar result", "the result of a ball bar", ""},
 }};
 
 std::map<std::string, std::string, std::less<>>& advice_of_modules() {
@@ -110,6 +111,12 @@ FileKind kind_of_table(std::string_view text) {
   if (has({"line", "station_mm", "reading"})) return FileKind::surface;
   if (has({"component", "p_deg", "error"})) return FileKind::rotary_errors;
   return FileKind::other;
+}
+
+/// Of the XML that a ball bar's program writes, the names that only it has.
+bool is_ball_bar(std::string_view text) {
+  return trimmed(text).starts_with('<') &&
+         (text.find("TEST_PLANE=") != std::string_view::npos || text.find("NAME=\"AF_") != std::string_view::npos);
 }
 
 FileKind kind_of_toml(std::string_view text) {
@@ -175,6 +182,7 @@ FileKind kind_of_content(std::string_view beginning) {
   std::string_view text = beginning.substr(0, kBeginning);
   if (const FileKind binary = kind_of_binary(text); binary != FileKind::other) return binary;
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  if (is_ball_bar(text)) return FileKind::ball_bar;
   if (const FileKind table = kind_of_table(text); table != FileKind::other) return table;
   if (text.starts_with("{") && text.find("\"ecs_status\"") != std::string_view::npos) return FileKind::status;
   if (has_line(text, "# sample_period_us:") && has_line(text, "# um_per_count:")) return FileKind::datum_record;

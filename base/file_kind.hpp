@@ -43,6 +43,7 @@ enum class FileKind : std::uint8_t {
   archive,
   pdf,
   picture,
+  ball_bar,  ///< the result of a ball bar by its maker's program (.b5r)
 };
 
 /// "measurements", "model", "error map", …
