@@ -26,7 +26,7 @@ struct KindWords {
   std::string_view command;  ///< what takes such a file, or what to do with it
 };
 
-constexpr std::array<KindWords, 23> kWords{{
+constexpr std::array<KindWords, 24> kWords{{
     {"measurements", "a measurement", "use `ecs laser show {}`"},
     {"model", "an error model", "use `ecs model diagnose {} DATA`"},
     {"error map", "an error map", "use `ecs map show {}`"},
@@ -51,6 +51,7 @@ constexpr std::array<KindWords, 23> kWords{{
     {"PDF", "a PDF document", "copy its numbers into a text file, or export them as CSV, and give that"},
     {"picture", "a picture", "export the numbers as text or CSV and give that"},
     {"spindle test", "a test of a spindle", ""},
+    {"ball bar result", "the result of a ball bar", ""},
 }};
 
 std::map<std::string, std::string, std::less<>>& advice_of_modules() {
@@ -113,6 +114,12 @@ FileKind kind_of_table(std::string_view text) {
   const bool over_turns = has({"angle_deg"}) || has({"index"}) || (has({"time_s"}) && has_line(text, "# speed_rpm:"));
   if (over_turns && (has({"x_um"}) || has({"y_um"}) || has({"z_um"}))) return FileKind::spindle_test;
   return FileKind::other;
+}
+
+/// Of the XML that a ball bar's program writes, the names that only it has.
+bool is_ball_bar(std::string_view text) {
+  return trimmed(text).starts_with('<') &&
+         (text.find("TEST_PLANE=") != std::string_view::npos || text.find("NAME=\"AF_") != std::string_view::npos);
 }
 
 FileKind kind_of_toml(std::string_view text) {
@@ -178,6 +185,7 @@ FileKind kind_of_content(std::string_view beginning) {
   std::string_view text = beginning.substr(0, kBeginning);
   if (const FileKind binary = kind_of_binary(text); binary != FileKind::other) return binary;
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  if (is_ball_bar(text)) return FileKind::ball_bar;
   if (const FileKind table = kind_of_table(text); table != FileKind::other) return table;
   if (text.starts_with("{") && text.find("\"ecs_status\"") != std::string_view::npos) return FileKind::status;
   if (has_line(text, "# sample_period_us:") && has_line(text, "# um_per_count:")) return FileKind::datum_record;

@@ -44,6 +44,7 @@ enum class FileKind : std::uint8_t {
   pdf,
   picture,
   spindle_test,  ///< a trace of a master ball over the turns of a spindle
+  ball_bar,      ///< the result of a ball bar by its maker's program (.b5r)
 };
 
 /// "measurements", "model", "error map", …

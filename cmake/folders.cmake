@@ -5,6 +5,7 @@ ecs_folder(base PkgConfig::nettle ZLIB::ZLIB fmt::fmt nlohmann_json::nlohmann_js
            tomlplusplus::tomlplusplus)
 ecs_folder(base/cli base CLI11::CLI11 fmt::fmt)
 ecs_folder(base/linear PkgConfig::Eigen3)
+ecs_folder(base/xml base PkgConfig::libxml2 fmt::fmt)
 
 ecs_folder(core base ZLIB::ZLIB)
 

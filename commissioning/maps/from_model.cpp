@@ -10,6 +10,7 @@
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "commissioning/maps/map_in_unit.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"
@@ -132,8 +133,8 @@ Result<void> complete_header(MapFromModel& built, const FromModelArguments& argu
   header.customer = arguments.customer;
   header.engineer = arguments.engineer;
   header.date = arguments.date;
-  if (header.machine.empty()) header.machine = built.identity.machine;
-  header.serial_number = built.identity.serial_number;
+  if (header.machine.empty()) header.machine = built.parameters.identity.machine;
+  header.serial_number = built.parameters.identity.serial_number;
   for (const std::string& word : arguments.zero) {
     ECS_TRY(zero, declared_zero_in(word));
     if (built.effects.contains(zero.component))
@@ -153,14 +154,14 @@ void take_squareness(UnitParameters& parameters, const model::CompiledModel& com
 /// Of a squareness the parameters hold a value, or the model does.
 std::vector<Component> missing_in(const MapFromModel& built) {
   const auto& zeros = built.compiled.map.header.declared_zero;
-  const ComponentSet needed = components_needed(built.parameters);
+  const ComponentSet needed = components_needed(built.parameters.parameters);
   std::vector<Component> missing;
   for (std::size_t i = 0; i < kComponents; ++i) {
     const auto c = static_cast<Component>(i);
     const bool declared =
         std::any_of(zeros.begin(), zeros.end(), [c](const auto& zero) { return zero.component == c; });
     if (!needed.contains(c) || declared || built.effects.contains(c)) continue;
-    if (!is_squareness(c) || squareness_um_per_m(built.parameters, c) == 0.0) missing.push_back(c);
+    if (!is_squareness(c) || squareness_um_per_m(built.parameters.parameters, c) == 0.0) missing.push_back(c);
   }
   return missing;
 }
@@ -256,17 +257,14 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
                 {}});
   ECS_TRY(machine, machine_in(messages, arguments.machine));
   MapFromModel built;
-  built.parameters = params::default_parameters_for(*machine);
-  built.identity.machine = machine->name;
-  if (arguments.received) {
-    built.parameters = arguments.received->parameters;
-    built.identity = arguments.received->identity;
-  }
+  built.parameters.parameters = params::default_parameters_for(*machine);
+  built.parameters.identity.machine = machine->name;
+  built.parameters.has_end = true;
+  if (arguments.received) built.parameters = *arguments.received;
   if (!arguments.params.empty()) {
     ECS_TRY(given, arguments.params_out.empty() ? params::read_parameters(arguments.params)
                                                 : params::read_whole_parameters(arguments.params));
-    built.parameters = given.parameters;
-    built.identity = given.identity;
+    built.parameters = std::move(given);
   }
   built.increment_mm = arguments.increment_mm.value_or(table_increment_mm(*model, *machine));
   ECS_TRY(compiled, in_file(model::compiled(*model, *machine, built.increment_mm), arguments.model));
@@ -276,9 +274,9 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
   trace(built, *model, levers, arguments.model);
   note_temperatures(built, *model, *machine);
   ECS_DO(complete_header(built, arguments));
-  take_squareness(built.parameters, built.compiled);
+  take_squareness(built.parameters.parameters, built.compiled);
   declare_missing_zero(built, arguments.zero_missing);
-  built.findings = laser::findings_for(built.compiled.map, built.parameters, travels_of(*machine));
+  built.findings = laser::findings_for(built.compiled.map, built.parameters.parameters, travels_of(*machine));
   find_unmeasured_directions(built, *model, *machine);
   return built;
 }
@@ -326,12 +324,18 @@ Result<MapFromModel> planned_map_from_model(MessageSink& messages, const FromMod
 }
 
 Result<MapFromModel> map_from_model(MessageSink& messages, const FromModelArguments& arguments) {
-  for (const std::string& output : {arguments.output, arguments.params_out})
+  for (const std::string& output : {arguments.output, arguments.params_out, arguments.image})
     ECS_DO(check_output_not_input(output, {arguments.model, arguments.machine}));
   auto built = planned_map_from_model(messages, arguments);
   if (!built) return built;
-  ECS_DO(write_map(arguments.output, built->compiled.map, arguments.params_out, built->parameters, built->identity));
-  for (const std::string& objection : made_for_two_machines(built->compiled.map.header, built->identity))
+  const params::ParametersFile& parameters = built->parameters;
+  ECS_TRY(image, image_to_write(messages, arguments.image, built->compiled.map, parameters,
+                                arguments.params.empty() ? "the parameters" : arguments.params));
+  built->image = std::move(image);
+  ECS_DO(write_map(arguments.output, built->compiled.map, arguments.params_out, parameters.parameters,
+                   parameters.identity));
+  ECS_DO(write_image(arguments.image, built->image));
+  for (const std::string& objection : made_for_two_machines(built->compiled.map.header, parameters.identity))
     messages.warn(objection);
   return built;
 }
@@ -381,17 +385,18 @@ Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments)
   return record_cell(
       "{components}largest: of the compensation; points: per table, every {increment_mm} "
       "mm\n{squareness}{thermal}{not_carried}"
-      "{declared}{notes}{findings}{verdict}{map}{params_out}",
+      "{declared}{notes}{findings}{verdict}{map}{params_out}{image}",
       "map"_is(written_cell("map", arguments.output, "not saved: give -o map.csv to save it\n")),
-      "params_out"_is(written_cell("parameters", arguments.params_out)), "model"_is(arguments.model),
+      "params_out"_is(written_cell("parameters", arguments.params_out)),
+      "image"_is(image_cell(arguments.image, b.image)), "model"_is(arguments.model),
       "increment_mm"_is(b.increment_mm, shortest(b.increment_mm)), "complete"_is(b.complete()),
       "carried"_is(lines_cell(b.compiled.carried, "")),
       "not_carried"_is(paragraphs_cell(b.compiled.not_carried, "NOT COMPENSATED: ")),
       "components"_is(components_cell(b)), "thermal"_shown(thermal_cell(b.compiled.map.header).text),
       "squareness"_is(squareness_of_model(b, arguments)), "declared"_shown(declared_text(b)),
       "missing"_is(lines_cell(objections_in(b.findings), "")), "findings"_is(findings_cell(b.findings)),
-      "verdict"_shown(
-          verdict_text(b.compiled.map, b.findings, !made_for_two_machines(b.compiled.map.header, b.identity).empty())),
+      "verdict"_shown(verdict_text(b.compiled.map, b.findings,
+                                   !made_for_two_machines(b.compiled.map.header, b.parameters.identity).empty())),
       "holds_at"_is(lines_cell(b.holds_at, "")), "notes"_is(paragraphs_cell(b.notes, "note: ")),
       "header"_is(header_cell(b.compiled.map.header)));
 }

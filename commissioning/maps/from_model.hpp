@@ -23,6 +23,7 @@ struct FromModelArguments {
   std::string params;                  ///< empty: `received`, else those that fit the machine
   std::string output;
   std::string params_out;
+  std::string image;  ///< memory image
   std::vector<std::string> zero;
   std::string zero_missing;  ///< why every component that the model lacks is declared zero; empty: it is not
   std::string customer;
@@ -35,8 +36,8 @@ struct FromModelArguments {
 struct MapFromModel {
   model::CompiledModel compiled;
   std::map<Component, std::vector<std::string>> effects;  ///< of each table and squareness
-  UnitParameters parameters;                              ///< with the model's squareness
-  params::Identity identity;
+  params::ParametersFile parameters;                      ///< with the model's squareness
+  std::vector<std::uint8_t> image;                        ///< where it was asked for
   double increment_mm = 0.0;
   std::vector<std::string> holds_at;  ///< temperatures at which the effects that it leaves out are zero
   std::vector<std::string> notes;

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "base/answer_table.hpp"
+#include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/unit/transfer.hpp"
@@ -33,23 +35,64 @@ Result<PreparedMap> prepared_map(const std::string& map_file, const std::string&
                                  const PrepareOptions& options) {
   ECS_TRY(map, laser::read_map_csv(map_file));
   ECS_TRY(parameters, params::read_parameters(params_file));
-  if (auto wrong = objections_to(parameters, params_file, options.incomplete)) return tl::unexpected(std::move(*wrong));
+  return prepared_map(map, map_file, parameters, params_file, options);
+}
+
+Result<PreparedMap> prepared_map(const laser::ErrorMap& map, const std::string& map_name,
+                                 const params::ParametersFile& parameters, const std::string& params_name,
+                                 const PrepareOptions& options) {
+  if (auto wrong = objections_to(parameters, params_name, options.incomplete)) return tl::unexpected(std::move(*wrong));
   std::vector<std::string> objections;
   if (!options.other_machine) objections = other_machine(map.header, parameters.identity);  // it explains the rest
   for (std::string& why : objections_to_map(map, parameters.parameters)) objections.push_back(std::move(why));
-  if (auto refused = refused_map(objections, map_file)) return tl::unexpected(std::move(*refused));
+  if (auto refused = refused_map(objections, map_name)) return tl::unexpected(std::move(*refused));
   ECS_TRY(image, laser::image_of(map, parameters.parameters));
   if (!image.changed.empty() && !options.accept_resampling) {
     std::vector<std::string> why = image.changed;
     why.front() +=
-        ", more than the resolution of the unit's memory; not sent. Space the points evenly, or give "
+        ", more than the resolution of the unit's memory. Space the points evenly, or give `ecs map send` "
         "--accept-resampling";
-    return tl::unexpected(std::move(*refused_map(why, map_file)));
+    return tl::unexpected(std::move(*refused_map(why, map_name)));
   }
   std::vector<std::string> remarks =
-      remarks_in(laser::findings_for(map, parameters.parameters, travels_beside(params_file, parameters)));
+      remarks_in(laser::findings_for(map, parameters.parameters, travels_beside(params_name, parameters)));
   for (std::string& taken : params::defaults_taken(parameters)) remarks.push_back(std::move(taken));
   return PreparedMap{map.header, parameters.identity, std::move(image), std::move(remarks)};
+}
+
+Result<std::vector<std::uint8_t>> image_for_file(const PreparedMap& map) {
+  const ImageView view(map.image.bytes);
+  const auto parameters = view.parameters();
+  const auto first_of = [](const std::string& a, const std::string& b) { return a.empty() ? b : a; };
+  const std::string serial_number = first_of(map.header.serial_number, map.identity.serial_number);
+  const std::string machine = first_of(map.header.machine, map.identity.machine);
+  return laser::with_identity(map.image.bytes,
+                              {serial_number, machine, parameters ? configuration_hash(*parameters) : 0});
+}
+
+Result<std::vector<std::uint8_t>> image_to_write(MessageSink& messages, const std::string& file,
+                                                 const laser::ErrorMap& map, const params::ParametersFile& parameters,
+                                                 const std::string& params_name) {
+  if (file.empty()) return std::vector<std::uint8_t>();
+  ECS_TRY(prepared, prepared_map(map, {}, parameters, params_name));
+  for (const std::string& note : prepared.image.notes) messages.note(note);
+  return image_for_file(prepared);
+}
+
+Result<void> write_image(const std::string& file, std::span<const std::uint8_t> image) {
+  if (file.empty()) return {};
+  return write_file(file, std::string(image.begin(), image.end()));
+}
+
+Cell image_cell(const std::string& file, std::span<const std::uint8_t> image) {
+  if (file.empty()) return null_cell();
+  const laser::StatedIdentity stated = laser::stated_identity(image);
+  return record_cell("memory image written to {file}: {bytes} bytes, block check {check}, {whose}\n", "file"_is(file),
+                     "bytes"_is(image.size()), "check"_is(fmt::format("{:08X}", ImageView(image).check())),
+                     "serial_number"_is(text_cell(stated.serial_number)),
+                     "whose"_shown(stated.serial_number.empty()
+                                       ? "for no unit in particular: neither map nor parameters state a serial number"
+                                       : fmt::format("for unit {}", stated.serial_number)));
 }
 
 std::vector<std::string> other_unit(const PreparedMap& map, const std::string& serial_number) {

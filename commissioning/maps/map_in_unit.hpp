@@ -6,10 +6,13 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "base/result.hpp"
+#include "commissioning/session/message.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "laser/map/error_map.hpp"
 #include "laser/map/image.hpp"
@@ -45,6 +48,27 @@ struct PrepareOptions {
 /// them, one whose header names another machine, or one that resampling changes.
 [[nodiscard]] Result<PreparedMap> prepared_map(const std::string& map_file, const std::string& params_file,
                                                const PrepareOptions& options = {});
+
+/// The same of a map and parameters that are not in files yet. @param map_name, params_name  in problems
+[[nodiscard]] Result<PreparedMap> prepared_map(const laser::ErrorMap& map, const std::string& map_name,
+                                               const params::ParametersFile& parameters, const std::string& params_name,
+                                               const PrepareOptions& options = {});
+
+/// The bytes that a unit holds after send_map(), for a file: addressed to the machine and the serial number that the
+/// map states, else the parameters. What neither states is filled in from the unit when the image is sent.
+[[nodiscard]] Result<std::vector<std::uint8_t>> image_for_file(const PreparedMap& map);
+
+/// The image for that file, judged as for sending; empty where no file is named. What had to be resampled is noted.
+[[nodiscard]] Result<std::vector<std::uint8_t>> image_to_write(MessageSink& messages, const std::string& file,
+                                                               const laser::ErrorMap& map,
+                                                               const params::ParametersFile& parameters,
+                                                               const std::string& params_name);
+/// Nothing where no file is named.
+[[nodiscard]] Result<void> write_image(const std::string& file, std::span<const std::uint8_t> image);
+
+/// "memory image written to mill.image: 1234 bytes, block check 1234ABCD, for unit MCM-0107"; null and no text where no
+/// file is named. @param image  sound where a file is named
+[[nodiscard]] Cell image_cell(const std::string& file, std::span<const std::uint8_t> image);
 
 /// Why the unit with this serial number is not the one of the map, or not the one of its parameters.
 [[nodiscard]] std::vector<std::string> other_unit(const PreparedMap& map, const std::string& serial_number);

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <set>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -209,6 +210,22 @@ void compare_bytes(const DumpRegion& a, const DumpRegion& b, const DecodedImage*
                    fmt::format("{} bytes", b.bytes.size())});
 }
 
+std::span<const std::uint8_t> bytes_of(const MemoryDump& dump, const DecodedImage& image) {
+  const DumpRegion& region = *region_at(dump, image.address);
+  return std::span(region.bytes).first(std::min<std::size_t>(image.bytes, region.bytes.size()));
+}
+
+/// Wherever the images lie.
+void compare_images(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b, List& out) {
+  if (a.size() != b.size())
+    out.push_back({"length of the image", fmt::format("{} bytes", a.size()), fmt::format("{} bytes", b.size())});
+  const auto [in_a, in_b] = std::ranges::mismatch(a, b);
+  if (in_a != a.end() && in_b != b.end())
+    out.push_back(
+        {fmt::format("bytes of the image, the first at {}", hex_address(static_cast<Address>(in_a - a.begin()))),
+         fmt::format("{:02X}", *in_a), fmt::format("{:02X}", *in_b)});
+}
+
 }  // namespace
 
 std::vector<MemoryDifference> differences(const MemoryDump& a, const MemoryDump& b) {
@@ -226,6 +243,11 @@ std::vector<MemoryDifference> differences(const MemoryDump& a, const MemoryDump&
     out.push_back({"memory image", image_a ? "present" : "none", image_b ? "present" : "none"});
   }
   const bool named_found = !out.empty();
+  if (a.image_alone || b.image_alone) {
+    if (!named_found && image_a != nullptr && image_b != nullptr)
+      compare_images(bytes_of(a, *image_a), bytes_of(b, *image_b), out);
+    return out;
+  }
   compare_commits(in_a, in_b, out);
   for (const DumpRegion& region : a.regions) {
     if (const DumpRegion* other = region_at(b, region.address))

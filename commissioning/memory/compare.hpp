@@ -32,7 +32,8 @@ struct MemoryDifference {
   std::string b;
 };
 
-/// Empty exactly if every region that both hold has the same bytes, and both hold the same regions.
+/// Empty exactly if every region that both hold has the same bytes, and both hold the same regions. With an image
+/// alone: if it has the same bytes as the active image of the other.
 [[nodiscard]] std::vector<MemoryDifference> differences(const MemoryDump& a, const MemoryDump& b);
 
 }  // namespace ecs::commissioning

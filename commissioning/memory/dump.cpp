@@ -122,6 +122,7 @@ Result<MemoryDump> bare_image(std::string_view bytes) {
   MemoryDump dump;
   dump.regions.push_back(
       {"memory image", kBankA.first, {bytes.begin(), bytes.end()}, static_cast<std::uint32_t>(bytes.size()), true});
+  dump.image_alone = true;
   return dump;
 }
 

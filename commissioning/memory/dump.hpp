@@ -31,6 +31,7 @@ struct MemoryDump {
   std::optional<StatusSnapshot> status;
   std::vector<DumpRegion> regions;  ///< by address
   std::vector<std::string> damage;  ///< what is wrong with the file, in words; empty: nothing
+  bool image_alone = false;         ///< the bytes of an image, whichever bank of whichever unit it is for
 };
 
 /// What a dump takes along.

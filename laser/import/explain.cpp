@@ -578,7 +578,7 @@ constexpr std::array<Known, 24> kKnown{{
     {"$aa_enc_comp", "a SINUMERIK encoder error table: values added by a control, not measured errors", true},
     {"$an_cec", "a SINUMERIK sag error table: values added by a control, not measured errors", true},
     {".com  datum:", "a HEIDENHAIN compensation table: values added by a control, not measured errors"},
-    {".com mm", "a HEIDENHAIN compensation table: values added by a control, not measured errors"},
+    {".com mm", "a HEIDENHAIN compensation table: values added by a control, not measured errors", true},
     {"kw.ssfk.", "a TwinCAT compensation list: values corrected by a control, not readings", true},
     {"gridpoints", "an Etalon exchange file: an error model, not readings of one axis", true},
     {"option record: altaz", "TPOINT pointing data of a telescope: azimuth and altitude, no linear axis"},
@@ -603,7 +603,7 @@ bool is_json_lines(std::string_view text) { return trimmed(text).starts_with('{'
 
 /// A table without a word: a line with the number of values and another number, then a value a line.
 constexpr Known kCentroid{
-    "", "a Centroid compensation table of a ball screw: values added by a control, not measured errors"};
+    "", "a Centroid compensation table of a ball screw: values added by a control, not measured errors", true};
 
 bool is_centroid_table(std::string_view text) {
   constexpr long kLeast = 3;

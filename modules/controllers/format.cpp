@@ -1,12 +1,18 @@
 #include "modules/controllers/format.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
 
 #include "base/text.hpp"
 
 namespace ecs::controllers {
+namespace {
+
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
+}  // namespace
 
 OptionValues::OptionValues(const std::vector<FormatOption>& options) {
   for (const FormatOption& option : options) set(option.name, std::string(option.fallback));
@@ -42,6 +48,16 @@ Result<std::optional<Axis>> axis_option(const ReadRequest& request) {
   for (const Axis axis : kAllAxes)
     if (lower(given) == lower(std::string(1, letter_of(axis)))) return axis;
   return problem(ProblemKind::usage, fmt::format("expected an axis X, Y or Z, got \"{}\"", given));
+}
+
+std::optional<Axis> axis_in_name(const std::string& file) {
+  const std::string stem = std::filesystem::path(file).stem().string();
+  if (stem.empty()) return std::nullopt;
+  const char last = stem.back();
+  const bool capital = last >= 'A' && last <= 'Z';
+  const bool apart = stem.size() == 1 || !is_letter(stem[stem.size() - 2]) ||
+                     (capital && stem[stem.size() - 2] >= 'a' && stem[stem.size() - 2] <= 'z');
+  return apart ? axis_of(capital ? last : static_cast<char>(last - 'a' + 'A')) : std::nullopt;
 }
 
 std::vector<const ControllerFormat*> formats_there();  // written by registry.cmake

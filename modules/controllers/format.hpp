@@ -62,6 +62,9 @@ struct ReadRequest {
 /// What option "axis" says; nothing if it was not given. A `usage` problem where several files are read.
 [[nodiscard]] Result<std::optional<Axis>> axis_option(const ReadRequest& request);
 
+/// "x.comp", "mill_y.comp", "screwcompZ.dat", "CNC7X.TAB": a letter of its own at the end of the name.
+[[nodiscard]] std::optional<Axis> axis_in_name(const std::string& file);
+
 /// What a format can hold of a map, in the words of the documentation.
 struct Holds {
   std::string_view positioning, reversal, straightness, squareness, rotations, points;
@@ -242,5 +245,25 @@ inline constexpr std::size_t kHeidenhainColumns = 6;
 
 /// Digits behind the point, mm and degrees.
 inline constexpr int kHeidenhainLengthDigits = 4, kHeidenhainAngleDigits = 6;
+
+struct CentroidOptions {
+  double counts_per_mm = 0.0;              ///< encoder counts of the axes; above 0
+  PerAxis<std::optional<double>> home_mm;  ///< first value of a table; absent: reference position, in reading 0
+  bool adds = true;                        ///< the control adds the values to the position; false: subtracts them
+  std::size_t most_points = 0;             ///< of one table; 0: as many as the map has; uneven: at its smallest step
+};
+
+/// Version 1 of the ball screw tables (CNC7 6.00 to 7.17): `CNC7X.TAB` and so on for the positioning tables of the axes
+/// that exist, CRLF: number of values and travel, then a correction a line, all in whole encoder counts. The values are
+/// the mean of both approaches at even steps from home, zero at home. Source: https://www.cncsnw.com/LaserComp.htm (CNC
+/// Services Northwest) for the layout; unit, sign and the travel are assumptions, which the answer names
+/// (modules/controllers/README.md). Refused: no positioning table, a home inside a table.
+[[nodiscard]] Result<ControllerExport> centroid_export(const ExportSource& source, const CentroidOptions& options);
+
+/// A table of one axis, the same values for both approaches. Refused, all at once: a heading that is not two whole
+/// numbers (versions 2 and 3), values that are none, more or fewer than announced, steps below one count, positions and
+/// values no machine has.
+[[nodiscard]] Result<ControllerTables> parse_centroid(std::string_view text, const std::string& file_name, Axis axis,
+                                                      const CentroidOptions& options);
 
 }  // namespace ecs::controllers

@@ -1,7 +1,6 @@
 // LinuxCNC: writing, and reading: what a file means, and where LinuxCNC itself would not follow.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -64,27 +63,15 @@ MachineUnits units_option(const OptionValues& options) {
   return options.text("units") == "inch" ? MachineUnits::inch : MachineUnits::mm;
 }
 
-/// The first line with content begins with a number.
+/// The first line with content begins with a number, and not with two alone, which no row of LinuxCNC has.
 bool begins_with_number(std::string_view text) {
   for (const std::string_view line : lines_of(text)) {
     const std::string_view content = trimmed(line);
     if (content.empty() || content.front() == '#' || content.front() == ';') continue;
-    return number_in(content.substr(0, content.find_first_of(" \t"))).has_value();
+    const auto words = blank_words(content);
+    return words.size() != 2 && number_in(words.front()).has_value();
   }
   return false;
-}
-
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-
-/// "x.comp", "mill_y.comp", "screwcompZ.dat": a letter of its own at the end of the name.
-std::optional<Axis> axis_in_name(const std::string& file) {
-  const std::string stem = std::filesystem::path(file).stem().string();
-  if (stem.empty()) return std::nullopt;
-  const char last = stem.back();
-  const bool capital = last >= 'A' && last <= 'Z';
-  const bool apart = stem.size() == 1 || !is_letter(stem[stem.size() - 2]) ||
-                     (capital && stem[stem.size() - 2] >= 'a' && stem[stem.size() - 2] <= 'z');
-  return apart ? axis_of(capital ? last : static_cast<char>(last - 'a' + 'A')) : std::nullopt;
 }
 
 Result<ControllerExport> write_linuxcnc(const ExportSource& source, const OptionValues& options) {

@@ -81,7 +81,8 @@ Result<void> append(ControllerTables& all, ControllerTables more, bool alone) {
   };
   move_all(all.tables, more.tables);
   move_all(all.sources, more.sources);
-  move_all(all.notes, more.notes);
+  for (std::string& note : more.notes)  // what holds for every file is said once
+    if (std::ranges::find(all.notes, note) == all.notes.end()) all.notes.push_back(std::move(note));
   move_all(all.warnings, more.warnings);
   for (std::size_t c = 0; c < kComponents; ++c) all.squareness[c] += more.squareness[c];
   return {};

@@ -1,6 +1,6 @@
 // A Digital Calibration Certificate (PTB, DCC 3.3.0 and 3.2.1; units in D-SI) of what was measured at a machine:
-// gathered from a logbook (gather.cpp), written (dcc.cpp), checked against the published schema and read (xml.cpp, the
-// only user of libxml2; nothing is fetched: schemas come from a folder on this computer).
+// gathered from a logbook (gather.cpp), written (dcc.cpp), checked against the published schema and read (xml.cpp;
+// nothing is fetched: schemas come from a folder on this computer).
 #pragma once
 
 #include <filesystem>

@@ -1,3 +1,5 @@
+#include "base/xml/xml.hpp"
+
 #include <cstdarg>
 #include <cstdlib>
 #include <memory>
@@ -18,7 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kNoNetwork = XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING;
 constexpr std::size_t kMostFaults = 50;
 
 template <auto free>
@@ -28,7 +29,6 @@ struct FreeWith {
     free(object);
   }
 };
-using Document = std::unique_ptr<xmlDoc, FreeWith<xmlFreeDoc>>;
 
 /// Files that a schema may name, by the last part of their names. libxml2 knows one loader for the whole process.
 std::vector<fs::path>& catalogue() {
@@ -104,53 +104,25 @@ std::string version_of(const fs::path& file) {
   return version.starts_with("3.3.") || version.starts_with("3.2.") ? version : std::string();
 }
 
-std::string text_of(const xmlNode* node) {
-  const std::unique_ptr<xmlChar, void (*)(void*)> content(xmlNodeGetContent(node), xmlFree);
-  return content ? std::string(trimmed(reinterpret_cast<const char*>(content.get()))) : std::string();
-}
-
-bool is_named(const xmlNode* node, std::string_view name) {
-  return node->type == XML_ELEMENT_NODE && node->name != nullptr && name == reinterpret_cast<const char*>(node->name);
-}
-
-/// The first element below, by the names on the way; null: none.
-const xmlNode* below(const xmlNode* node, std::initializer_list<std::string_view> names) {
-  for (const std::string_view name : names) {
-    const xmlNode* child = node == nullptr ? nullptr : node->children;
-    while (child != nullptr && !is_named(child, name)) child = child->next;
-    node = child;
-  }
-  return node;
-}
-
-std::string words_below(const xmlNode* node, std::initializer_list<std::string_view> names) {
-  const xmlNode* found = below(node, names);
+std::string words_below(const XmlElement* element, std::initializer_list<std::string_view> names) {
+  const XmlElement* found = element_below(element, names);
   if (found == nullptr) return {};
-  const xmlNode* content = below(found, {"content"});
-  return text_of(content != nullptr ? content : found);
+  const XmlElement* content = element_below(found, {"content"});
+  return all_text_of(content != nullptr ? *content : *found);
 }
 
 /// The identification that the maker gave; else the first.
-std::string serial_number_in(const xmlNode* item) {
-  const xmlNode* list = below(item, {"identifications"});
+std::string serial_number_in(const XmlElement* item) {
+  const XmlElement* list = element_below(item, {"identifications"});
+  if (list == nullptr) return {};
   std::string first;
-  for (const xmlNode* one = list == nullptr ? nullptr : list->children; one != nullptr; one = one->next) {
-    if (!is_named(one, "identification")) continue;
-    std::string value = words_below(one, {"value"});
-    if (words_below(one, {"issuer"}) == "manufacturer") return value;
+  for (const XmlElement& one : list->children) {
+    if (one.name != "identification") continue;
+    std::string value = words_below(&one, {"value"});
+    if (words_below(&one, {"issuer"}) == "manufacturer") return value;
     if (first.empty()) first = std::move(value);
   }
   return first;
-}
-
-Result<Document> parsed_xml(std::string_view xml, const std::string& file) {
-  xmlInitParser();
-  Document document(xmlReadMemory(xml.data(), static_cast<int>(xml.size()), file.c_str(), nullptr, kNoNetwork));
-  if (document) return document;
-  const xmlError* error = xmlGetLastError();
-  return problem_at(file, error != nullptr ? error->line : 0, 0,
-                    fmt::format("not XML: {}", error != nullptr && error->message != nullptr ? trimmed(error->message)
-                                                                                             : "it cannot be read"));
 }
 
 }  // namespace
@@ -178,7 +150,7 @@ Result<SchemaFolder> schema_in(const fs::path& folder, const std::string& versio
 }
 
 Result<void> valid_by_schema(std::string_view xml, const SchemaFolder& schema, const std::string& file) {
-  ECS_TRY(document, parsed_xml(xml, file));
+  ECS_TRY(document, parsed_document(xml, file));
   const LocalOnly local(schema.folder);
   Faults faults{schema.dcc.string(), {}};
   const std::unique_ptr<xmlSchemaParserCtxt, FreeWith<xmlSchemaFreeParserCtxt>> parser(
@@ -203,12 +175,11 @@ Result<void> valid_by_schema(std::string_view xml, const SchemaFolder& schema, c
 }
 
 Result<Instrument> instrument_in_dcc(std::string_view xml, const std::string& file) {
-  ECS_TRY(document, parsed_xml(xml, file));
-  const xmlNode* root = xmlDocGetRootElement(document.get());
-  if (root == nullptr || !is_named(root, "digitalCalibrationCertificate"))
+  ECS_TRY(root, parsed_xml(xml, file));
+  if (root.name != "digitalCalibrationCertificate")
     return problem_at(file, 0, 0, "expected a Digital Calibration Certificate, found another XML document");
-  const xmlNode* data = below(root, {"administrativeData"});
-  const xmlNode* item = below(data, {"items", "item"});
+  const XmlElement* data = element_below(&root, {"administrativeData"});
+  const XmlElement* item = element_below(data, {"items", "item"});
   Instrument instrument;
   instrument.name = words_below(item, {"name"});
   instrument.manufacturer = words_below(item, {"manufacturer", "name"});

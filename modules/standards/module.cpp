@@ -15,6 +15,7 @@ const Module& standards_module() {
                                        {"laser", &kTestsOfSpindle},
                                        {"laser", &kTestsOverTime}},
                              .advice = {{name_of(FileKind::circle_test), "use `ecs test circle {}`"},
+                                        {name_of(FileKind::ball_bar), "use `ecs test circle TRACE --other {}`"},
                                         {kReversalOnCircle, "ecs test circle shows the remaining circle there"},
                                         {name_of(FileKind::diagonal_test), "use `ecs test diagonals {}`"},
                                         {name_of(FileKind::spindle_test), "use `ecs test spindle {}`"},

@@ -12,18 +12,20 @@
 #include "base/file_kind.hpp"
 #include "laser/standards/circle.hpp"
 #include "laser/standards/diagonals.hpp"
+#include "modules/standards/ball_bar.hpp"
 #include "modules/standards/circle_work.hpp"
 
 namespace ecs::app {
 namespace {
 
 struct CircleRequest {
-  std::string file, machine, plot;
+  std::string file, machine, other, plot;
   bool draw = false;
   static Fields<CircleRequest> fields() {
     using R = CircleRequest;
     return {{"FILE", &R::file, "file of radial deviations: angle_deg,deviation_um,direction,run", Need::required},
             {"--machine", &R::machine, "machine file with the pitches of its axes"},
+            {"--other", &R::other, "result of a ball bar (.b5r) to compare with these causes"},
             {"--draw", &R::draw, "show the polar plot in characters"},
             {"--plot", &R::plot, "polar plot to write: OUT.svg or OUT.png", Is::output}};
   }
@@ -84,6 +86,35 @@ Cell diagnosis_cell(const model::CircleDiagnosis& diagnosis) {
       "notes"_is(lines_cell(diagnosis.notes, "  note: ")));
 }
 
+Cell ball_bar_cause_cell(const BallBarCause& cause) {
+  return record_cell("  {title:<36} {theirs:>10} {ours:>10} {difference:>10}  {unit}\n", "name"_is(cause.name),
+                     "title"_is(cause.title), "theirs"_is(cause.theirs, 2), "ours"_is(cause.ours, 2),
+                     "ours_sigma"_is(cause.ours_sigma, 2), "difference"_is(cause.difference, 2), "unit"_is(cause.unit),
+                     "features"_is(cause.features));
+}
+
+/// What the ball bar's own program says of the same circle, next to our causes.
+Result<Cell> other_cell(const std::string& file, const CircleWork& work) {
+  if (file.empty()) return null_cell();
+  ECS_TRY(xml, read_file_of(FileKind::ball_bar, file));
+  ECS_TRY(theirs, parse_ball_bar(xml, file));
+  ECS_TRY(compared, compared_with(work, theirs));
+  const std::string heading = fmt::format("  {:<36} {:>10} {:>10} {:>10}\n", "cause", "theirs", "ours", "difference");
+  std::string of;
+  for (const auto& [name, value] :
+       {std::pair{"test", &theirs.test}, std::pair{"machine", &theirs.machine}, std::pair{"date", &theirs.date},
+        std::pair{"ball bar", &theirs.serial_number}, std::pair{"calibrated", &theirs.calibrated}})
+    if (!value->empty()) of += fmt::format(", {} {}", name, *value);
+  return record_cell(
+      "compared with the ball bar's own result, {file}: plane {plane}{of}\n{causes}{not_compared}{notes}",
+      "file"_is(file), "plane"_is(laser::plane_name(theirs.plane)), "of"_shown(of), "test"_is(text_cell(theirs.test)),
+      "machine"_is(text_cell(theirs.machine)), "date"_is(text_cell(theirs.date)),
+      "serial_number"_is(text_cell(theirs.serial_number)), "calibrated"_is(text_cell(theirs.calibrated)),
+      "causes"_is(list_cell(compared.causes, ball_bar_cause_cell, heading)),
+      "not_compared"_is(lines_cell(compared.not_compared, "  not compared: ")),
+      "notes"_is(lines_cell(compared.notes, "  note: ")));
+}
+
 Result<Outcome> circle(VerbContext&, const CircleRequest& request) {
   std::optional<params::Machine> machine;
   if (!request.machine.empty()) {
@@ -93,17 +124,18 @@ Result<Outcome> circle(VerbContext&, const CircleRequest& request) {
   ECS_TRY(work, circle_work(request.file, machine ? &*machine : nullptr));
   const laser::CircleTest& test = work.test;
   const laser::CircleValues& values = work.values;
+  ECS_TRY(other, other_cell(request.other, work));
   if (!request.plot.empty()) ECS_DO(write_plot(request.plot, polar_figure(test, values)));
-  return outcome_of(
-      record_cell("{file}: plane {plane}, radius {radius_mm} mm\n"
-                  "  {heading}\n{passes}{pairs}{causes}{drawn}{plot}",
-                  "file"_is(request.file), "plane"_is(laser::plane_name(test.plane)), "radius_mm"_is(test.radius_mm),
-                  "feed_mm_min"_is(test.feed_mm_min),
-                  "heading"_shown(fmt::format("{:<4} {:>4} {:>9} {:>9} {:>9} {:>9}   {}", "", "run", "G [um]",
-                                              "Fmax [um]", "Fmin [um]", "mean [um]", "centre [um]")),
-                  "passes"_is(list_cell(values.passes, pass_cell)), "pairs"_is(list_cell(values.pairs, pair_cell)),
-                  "causes"_is(diagnosis_cell(work.diagnosis)), "drawn"_shown(request.draw ? polar_text(values) : ""),
-                  "plot"_is(written_cell("plot", request.plot))));
+  return outcome_of(record_cell(
+      "{file}: plane {plane}, radius {radius_mm} mm\n"
+      "  {heading}\n{passes}{pairs}{causes}{other}{drawn}{plot}",
+      "file"_is(request.file), "plane"_is(laser::plane_name(test.plane)), "radius_mm"_is(test.radius_mm),
+      "feed_mm_min"_is(test.feed_mm_min),
+      "heading"_shown(fmt::format("{:<4} {:>4} {:>9} {:>9} {:>9} {:>9}   {}", "", "run", "G [um]", "Fmax [um]",
+                                  "Fmin [um]", "mean [um]", "centre [um]")),
+      "passes"_is(list_cell(values.passes, pass_cell)), "pairs"_is(list_cell(values.pairs, pair_cell)),
+      "causes"_is(diagnosis_cell(work.diagnosis)), "other"_is(other),
+      "drawn"_shown(request.draw ? polar_text(values) : ""), "plot"_is(written_cell("plot", request.plot))));
 }
 
 struct DiagonalRequest {

@@ -34,6 +34,9 @@ TEST_CASE("a kind is known by content, not by the name of the file") {
   CHECK(kind_of_content("PK\x03\x04....mimetypeapplication/vnd.oasis.opendocument.spreadsheet") == FileKind::workbook);
   CHECK(kind_of_content("PK\x03\x04....picture.bmp") == FileKind::archive);
   CHECK(kind_of_content("%PDF-1.7") == FileKind::pdf);
+  CHECK(kind_of_content("<?xml version=\"1.0\"?>\n<T><PLANE TEST_PLANE=\"XY\"/></T>") == FileKind::ball_bar);
+  CHECK(kind_of_content("<T><FEATURE NAME=\"AF_SQUARENESS\">1</FEATURE></T>") == FileKind::ball_bar);
+  CHECK(kind_of_content("<html>") == FileKind::other);
   CHECK(kind_of_content("0;1\n2;3\n") == FileKind::other);
   CHECK(kind_of_content("") == FileKind::other);
 }

@@ -14,9 +14,11 @@
 #include "base/answer_table.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/from_model.hpp"
+#include "commissioning/maps/map_in_unit.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "params/parameters_toml.hpp"
@@ -76,7 +78,7 @@ struct BuildRequest : FromModelArguments {
   ImportArguments import;
   static Fields<BuildRequest> fields() {
     using R = BuildRequest;
-    return {{"FILE", &R::files, "recipe (.toml, docs/laser.md) or measurement files"},
+    return {{"FILE", &R::files, "recipe (.toml, docs/laser.md) or measurement files; with --image also a map CSV"},
             {"--params", &R::params, "parameters of the unit; default with --from-model: those of `ecs params new`"},
             {"--from-model", &R::model, "fitted model (.toml) to use instead of measured files"},
             {"--machine", &R::machine,
@@ -86,6 +88,7 @@ struct BuildRequest : FromModelArguments {
              "increment of the tables made by --from-model [mm]; chosen automatically if not given"},
             {"-o,--output", &R::output, "map CSV to write", Is::output},
             {"--params-out", &R::params_out, "parameter file to write, with the measured squareness", Is::output},
+            {"--image", &R::image, "memory image to write: the bytes that `map send` would transmit", Is::output},
             {"--zero", &R::zero, "declare a component zero, with a reason: EBY=\"too small to measure\""},
             {"--zero-missing", &R::zero_missing,
              "declare every component that the model lacks zero, with this reason (needs --from-model)"},
@@ -159,7 +162,8 @@ std::vector<std::string> files_for(const laser::MapRecipe& recipe, Component com
 struct Built {
   laser::SuggestedRecipe by;
   MadeMap made;
-  params::Identity identity;
+  params::ParametersFile parameters;  ///< with the measured squareness
+  std::vector<std::uint8_t> image;    ///< where it was asked for
 };
 
 Result<Built> built(const BuildRequest& request, const laser::FileReader& read) {
@@ -169,7 +173,8 @@ Result<Built> built(const BuildRequest& request, const laser::FileReader& read) 
   ECS_DO(complete(recipe.recipe, request));
   ECS_TRY(travels, travels_given(request.machine, request.params, parameters));
   ECS_TRY(made, made_map(recipe.recipe, parameters, travels, read));
-  return Built{std::move(recipe), std::move(made), parameters.identity};
+  parameters.parameters = made.map.parameters;
+  return Built{std::move(recipe), std::move(made), std::move(parameters), {}};
 }
 
 Cell outcome_cell(const Built& b, const laser::ComponentOutcome& one) {
@@ -204,9 +209,9 @@ Cell built_cell(const Built& b, const BuildRequest& request) {
   return record_cell(
       "{components}{declared}band: range of the readings as measured; largest: largest compensation\nslope: slope "
       "removed, per m; smooth: rms removed by smoothing; n: points per "
-      "table\n{unused}{notes}{squareness}{findings}{verdict}{map}{params_out}",
+      "table\n{unused}{notes}{squareness}{findings}{verdict}{map}{params_out}{image}",
       "map"_is(written_cell("map", request.output, "nothing written: give -o map.csv to keep it\n")),
-      "params_out"_is(written_cell("parameters", request.params_out)),
+      "params_out"_is(written_cell("parameters", request.params_out)), "image"_is(image_cell(request.image, b.image)),
       "recipe"_is(text_cell(by_recipe(request) ? request.files.front() : "")), "complete"_is(b.made.complete()),
       "components"_is(list_cell(
           b.made.map.outcomes, [&](const auto& one) { return outcome_cell(b, one); },
@@ -215,13 +220,13 @@ Cell built_cell(const Built& b, const BuildRequest& request) {
       "declared"_shown(declared_text(b)), "squareness"_is(squareness_of(b, request)),
       "missing"_is(lines_cell(objections_in(b.made.findings), "")), "findings"_is(findings_cell(b.made.findings)),
       "verdict"_shown(verdict_text(b.made.map.map, b.made.findings,
-                                   !made_for_two_machines(b.made.map.map.header, b.identity).empty())),
+                                   !made_for_two_machines(b.made.map.map.header, b.parameters.identity).empty())),
       "unused"_is(lines_cell(b.by.unused, "not used: ")), "notes"_is(lines_cell(b.made.map.notes, "note: ")),
       "header"_is(header_cell(b.made.map.map.header)));
 }
 
 void warn_about_header(VerbContext& context, const Built& b) {
-  for (const std::string& objection : made_for_two_machines(b.made.map.map.header, b.identity))
+  for (const std::string& objection : made_for_two_machines(b.made.map.map.header, b.parameters.identity))
     context.console.warn(objection);
   const laser::MapHeader& header = b.made.map.map.header;
   for (const auto& [name, value] :
@@ -259,21 +264,49 @@ Result<void> enough_given(const BuildRequest& request) {
   return {};
 }
 
+/// One file that is a map already.
+bool is_map(const std::vector<std::string>& files) {
+  if (files.size() != 1) return false;
+  const auto content = read_file(files.front());
+  return content && kind_of_content(*content) == FileKind::map;
+}
+
+/// The image of a map that is in a file, unchanged.
+Result<Outcome> image_of_map(VerbContext& context, const BuildRequest& request) {
+  const std::string& map = request.files.front();
+  ECS_DO(enough_given(request));
+  if (!request.output.empty() || !request.params_out.empty())
+    return problem(ProblemKind::usage, fmt::format("{} is a map already: only --image makes a file from it", map));
+  ECS_DO(check_output_not_input(request.image, {map, request.params}));
+  ECS_TRY(prepared, prepared_map(map, request.params));
+  for (const std::string& note : prepared.image.notes) context.console.note(note);
+  for (const std::string& remark : prepared.remarks) context.console.warn(remark);
+  ECS_TRY(image, image_for_file(prepared));
+  ECS_DO(write_image(request.image, image));
+  return outcome_of(record_cell("{image}", "map"_is(map), "image"_is(image_cell(request.image, image)),
+                                "header"_is(header_cell(prepared.header))));
+}
+
 Result<Outcome> build(VerbContext& context, const BuildRequest& request) {
   if (const auto wrong = wrong_date(request.date)) return problem(ProblemKind::usage, "--date: " + *wrong);
   if (!request.model.empty()) return from_model(context, request);
+  if (!request.image.empty() && is_map(request.files)) return image_of_map(context, request);
   const laser::FileReader read = reader_of_any_axis(request);
   if (measures_rotary_axes(request.files, read)) {
+    if (!request.image.empty()) return problem(ProblemKind::usage, "--image: units accept no table of a rotary axis");
     ECS_DO(check_output_not_input(request.output, request.files));
     return rotary_errors_built(context, request.files, read, request.output);
   }
   ECS_DO(enough_given(request));
-  for (const std::string& output : {request.output, request.params_out})
+  for (const std::string& output : {request.output, request.params_out, request.image})
     ECS_DO(check_output_not_input(output, request.files));
   ECS_TRY(b, built(request, linear(read)));
   if (b.made.map.outcomes.empty() && b.made.map.map.header.declared_zero.empty())
     return tl::unexpected(nothing_built(b));
-  ECS_DO(write_map(request.output, b.made.map.map, request.params_out, b.made.map.parameters, b.identity));
+  ECS_TRY(image, image_to_write(context.console, request.image, b.made.map.map, b.parameters, request.params));
+  b.image = std::move(image);
+  ECS_DO(write_map(request.output, b.made.map.map, request.params_out, b.made.map.parameters, b.parameters.identity));
+  ECS_DO(write_image(request.image, b.image));
   warn_about_header(context, b);
   return outcome_of(built_cell(b, request));
 }
@@ -283,6 +316,7 @@ Result<Outcome> build(VerbContext& context, const BuildRequest& request) {
 extern const std::vector<Action> kMapBuilding{
     action("map build", "build the error map from measured files, with the settings of a recipe or with proposed ones",
            "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n"
+           "  ecs map build map.csv --params mill-measured.toml --image mill.image\n"
            "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv\n"
            "  ecs map build EXC.csv ECC.csv -o rotary.csv",
            build, {.logged = Logged::when_written, .kind = "map"})};

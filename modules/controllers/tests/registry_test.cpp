@@ -13,12 +13,19 @@
 namespace ecs::controllers {
 namespace {
 
-/// The files of an export read back into a map, with the defaults of all options.
+/// The defaults of all options, and the one that a table in counts needs.
+OptionValues usual(const std::vector<FormatOption>& options) {
+  OptionValues values(options);
+  values.set("counts-per-mm", "1000");
+  return values;
+}
+
+/// The files of an export read back into a map, with the usual options.
 laser::ErrorMap read_back(const ControllerFormat& format, const ControllerExport& made, const ExportSource& source) {
   ControllerTables all;
   for (const ExportFile& file : made.files) {
     const bool only_file = made.files.size() == 1;
-    auto tables = format.read({file.name, file.content, file.content, only_file, OptionValues(format.read_options)});
+    auto tables = format.read({file.name, file.content, file.content, only_file, usual(format.read_options)});
     REQUIRE_MESSAGE(tables, file.name);
     REQUIRE(append(all, std::move(*tables), !format.tables_add_up));
   }
@@ -54,7 +61,7 @@ TEST_CASE("what a controller format writes is recognised as that format, by name
   for (const ControllerFormat* format : controller_formats()) {
     if (!format->write) continue;
     CAPTURE(format->id);
-    const auto made = must(format->write(source, OptionValues(format->write_options)));
+    const auto made = must(format->write(source, usual(format->write_options)));
     CHECK_FALSE(made.files.empty());
     for (const ExportFile& file : made.files) {
       CHECK(recognised_format(file.content) == format);
@@ -68,7 +75,7 @@ TEST_CASE("reading gives back what a controller format was given, within its res
   const ExportSource source = whole_machine();
   for (const ControllerFormat* format : controller_formats()) {
     if (!format->write) continue;
-    const auto made = must(format->write(source, OptionValues(format->write_options)));
+    const auto made = must(format->write(source, usual(format->write_options)));
     const laser::ErrorMap again = read_back(*format, made, source);
     for (const Component component : {Component::EXX, Component::EYY, Component::EZZ}) {
       CAPTURE(format->id);
@@ -92,7 +99,7 @@ TEST_CASE("a controller format refuses a file of another kind, with the file nam
   const std::string text = "axis,sense,reading\nX,EX,1\n";
   for (const ControllerFormat* format : controller_formats()) {
     CAPTURE(format->id);
-    const auto read = must_fail(format->read({"x.csv", text, text, true, OptionValues(format->read_options)}));
+    const auto read = must_fail(format->read({"x.csv", text, text, true, usual(format->read_options)}));
     CHECK(read.file == "x.csv");
     CHECK_FALSE(read.message.empty());
   }

@@ -36,6 +36,7 @@ const AddedReader kTables{[](std::string_view id, std::uint8_t choice, std::stri
   if (format == nullptr) return false;
   OptionValues values(format->read_options);
   values.set("axis", "X");
+  values.set("counts-per-mm", "1000");
   const std::size_t word = (choice & 1u) + ((choice & 16u) != 0 ? 2u : 0u);
   for (const FormatOption& option : format->read_options) {
     if (!option.words.empty() && word > 0)

@@ -2,6 +2,7 @@
 #include "base/file.hpp"
 #include "commissioning/maps/map_in_unit.hpp"
 #include "laser/map/csv.hpp"
+#include "laser/map/image.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/test.hpp"
 
@@ -47,6 +48,20 @@ std::string reasons(const Result<PreparedMap>& refused) {
 bool names(const std::string& text, std::string_view part) { return contains(text, part); }
 
 }  // namespace
+
+TEST_CASE("the image for a file is addressed to the machine and serial number of the map, else of the parameters") {
+  MapFiles files;
+  const auto sent = must(files.prepared());
+  CHECK(must(image_for_file(sent)) == sent.image.bytes);  // the header states both
+  CHECK(laser::stated_identity(must(image_for_file(sent))).serial_number == "MCM-0107");
+  files.map.header.serial_number.clear();
+  const auto by_parameters = must(image_for_file(must(files.prepared())));
+  CHECK(laser::stated_identity(by_parameters).serial_number == "MCM-0107");
+  CHECK(laser::stated_identity(by_parameters).machine == "moving column mill");
+  CHECK(check_image(by_parameters).fault == ImageFault::none);
+  files.identity.serial_number.clear();
+  CHECK(laser::stated_identity(must(image_for_file(must(files.prepared())))).serial_number.empty());
+}
 
 TEST_CASE("a map that is complete for its parameters becomes the image of the unit, with both owners") {
   const MapFiles files;

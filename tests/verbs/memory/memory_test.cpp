@@ -111,6 +111,27 @@ TEST_CASE("equal dumps do not differ, a changed parameter and value differ by na
   CHECK(!contains(all, "EXX"));
 }
 
+TEST_CASE("an image alone is compared with the active image of a dump, wherever that lies") {
+  const auto image = must(laser::image_of(small_map(), linear_parameters())).bytes;
+  const auto alone = must(dump_in(std::string(image.begin(), image.end()), "mill.image"));
+  CHECK(alone.image_alone);
+  CHECK(differences(alone, alone).empty());
+  CHECK(differences(alone, good_dump()).empty());
+  CHECK(differences(good_dump(), alone).empty());
+  MemoryDump in_b = good_dump();
+  in_b.regions[1].address = kBankB.first;
+  const Commit commit{1, 1, static_cast<std::uint32_t>(image.size()), ImageView(image).check()};
+  encode_commit(commit, Bytes(in_b.regions[0].bytes).first(kCommitSlotBytes));
+  CHECK(differences(alone, in_b).empty());
+  laser::ErrorMap map = small_map();
+  map.tables[1].compensation[1] = -2.5;
+  const auto changed = differences(alone, dump_with(map, linear_parameters()));
+  CHECK(only(changed).what.starts_with("table EYY forward: 1 value differs"));
+  auto flipped = image;
+  flipped.back() ^= 1;  // in the padding or the header
+  CHECK_FALSE(differences(must(dump_in(std::string(flipped.begin(), flipped.end()), "f")), good_dump()).empty());
+}
+
 TEST_CASE("any corrupted dump decodes to text and valid JSON without a crash") {
   const std::string whole = to_bytes(good_dump());
   CHECK(rc::check([&] {
