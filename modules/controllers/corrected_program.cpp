@@ -590,50 +590,70 @@ class ProgramCorrector {
     return arc;
   }
 
-  /// Where the approach of an axis changes on a stretch on which it goes one way; nothing: it does not.
-  [[nodiscard]] std::optional<double> change_of_approach(const NominalPath& path, std::size_t axis, double from,
-                                                         double to) const {
-    const auto changed = [&](double s) {
+  /// Where the axes go in the corrected program, each with the mean of both approaches: a reversal is sensed on this
+  /// path, so that its own correction does not turn the axis.
+  Result<std::vector<Vector3>> mean_path(const NominalPath& path, const std::vector<double>& at) {
+    std::vector<PathSample> samples;
+    for (const double s : at)
+      samples.push_back({s, {path.at(s), {Approach::unknown, Approach::unknown, Approach::unknown}}});
+    ECS_TRY(found, compensation_along(samples));
+    std::vector<Vector3> places_mm;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      places_mm.push_back(sum_of(samples[i].place.position_mm, found[i].value_or(Vector3{}), 1e-3));
+    return places_mm;
+  }
+
+  /// Where, from 0 to 1 of a straight stretch, the approach of an axis changes; nothing: it does not.
+  [[nodiscard]] std::optional<double> change_of_approach(std::size_t axis, double from_mm, double to_mm) const {
+    const auto changed = [&](double part) {
       AxisSense sense = sense_[axis];
-      sense.arrive(path.at(s)[axis], settings_.deadband_mm[axis]);
+      sense.arrive(std::lerp(from_mm, to_mm, part), settings_.deadband_mm[axis]);
       return sense.approach != sense_[axis].approach;
     };
-    if (!changed(to)) return std::nullopt;
-    double before = from, behind = to;
+    if (!changed(1.0)) return std::nullopt;
+    double before = 0.0, behind = 1.0;
     for (int i = 0; i < 50; ++i) {
       const double middle = 0.5 * (before + behind);
       (changed(middle) ? behind : before) = middle;
     }
-    return std::min(to, std::max(behind, from + kLeastDirectionChange_mm / path.length_mm()));
+    return behind;
   }
 
-  /// Places along a path, its start first; every axis is sensed to the end of it.
-  std::vector<PathSample> sampled(const NominalPath& path) {
-    const double length_mm = path.length_mm();
+  /// Even steps, and the turns of the axes.
+  [[nodiscard]] std::vector<double> steps_along(const NominalPath& path, double length_mm) const {
     double step_mm = settings_.sample_mm;
     if (path.arc)
       step_mm =
           std::min(step_mm, std::sqrt(8.0 / kSamplesOfSagitta * path.arc->radius_from * 1e-3 * settings_.tolerance_um));
     const double steps = std::clamp(std::ceil(length_mm / step_mm), 2.0, static_cast<double>(kMostSamples));
+    std::vector<double> at = path.turns();
+    for (std::size_t i = 1; i < static_cast<std::size_t>(steps); ++i) at.push_back(static_cast<double>(i) / steps);
+    std::sort(at.begin(), at.end());
+    at.erase(std::unique(at.begin(), at.end()), at.end());
+    return at;
+  }
+
+  /// Places along a path, its start first; every axis is sensed to the end of it.
+  Result<std::vector<PathSample>> sampled(const NominalPath& path) {
+    const double length_mm = path.length_mm();
+    const std::vector<double> steps = steps_along(path, length_mm);
+    ECS_TRY(mean_mm, mean_path(path, steps));
     std::vector<PathSample> all{{0.0, {path.from_mm, approaches()}}};
-    const std::vector<double> turns = path.turns();
-    for (std::size_t k = 1; k < turns.size(); ++k) {
-      const double from = turns[k - 1], to = turns[k];
-      std::vector<double> at{to};
-      for (auto i = static_cast<std::size_t>(from * steps) + 1; static_cast<double>(i) < to * steps; ++i)
-        at.push_back(static_cast<double>(i) / steps);
+    for (std::size_t k = 1; k < steps.size(); ++k) {
+      const double from = steps[k - 1], length = steps[k] - from;
+      std::vector<double> at{steps[k]};
       for (std::size_t a = 0; a < kAxes; ++a)
-        if (const auto change = change_of_approach(path, a, from, to)) {
+        if (const auto part = change_of_approach(a, mean_mm[k - 1][a], mean_mm[k][a])) {
           const double ramp_mm = std::max(2.0 * settings_.deadband_mm[a], kLeastDirectionChange_mm);
-          at.push_back(*change);
-          at.push_back(std::max(from, *change - ramp_mm / length_mm));
+          const double change = std::max(from + *part * length, from + kLeastDirectionChange_mm / length_mm);
+          at.push_back(std::min(change, steps[k]));
+          at.push_back(std::max(from, change - ramp_mm / length_mm));
         }
       std::sort(at.begin(), at.end());
       for (const double s : at) {
         if (s <= all.back().s) continue;
-        const Vector3 place_mm = path.at(s);
-        arrive(place_mm);
-        all.push_back({s, {place_mm, approaches()}});
+        arrive(sum_of(mean_mm[k - 1], sum_of(mean_mm[k], mean_mm[k - 1], -1.0), (s - from) / length));
+        all.push_back({s, {path.at(s), approaches()}});
       }
     }
     return all;
@@ -715,7 +735,8 @@ class ProgramCorrector {
 
   /// A rapid, or a first feed move: its end alone.
   Result<void> go_to_end(const ProgramLine& line, const BlockOfWords& block, const NominalPath& path) {
-    arrive(path.to_mm);
+    ECS_TRY(mean_mm, mean_path(path, {1.0}));
+    arrive(mean_mm.front());
     const PathSample end{1.0, {path.to_mm, approaches()}};
     ECS_TRY(found, compensation_along({end}));
     if (!found.front()) tell_uncorrected(line, kNotKnownThere);
@@ -729,7 +750,8 @@ class ProgramCorrector {
   Result<void> feed_along(const ProgramLine& line, const BlockOfWords& block, const NominalPath& path) {
     AimedMove move;
     const Vector3 shift_mm = sum_of(actual_mm(), path.from_mm, -1.0);
-    move.samples = sampled(path);
+    ECS_TRY(samples, sampled(path));
+    move.samples = std::move(samples);
     ECS_TRY(found, compensation_along(move.samples));
     const bool known = std::all_of(found.begin() + 1, found.end(), [](const auto& one) { return one.has_value(); });
     if (!known) tell_uncorrected(line, kNotKnownThere);

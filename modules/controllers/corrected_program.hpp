@@ -66,14 +66,14 @@ struct CorrectedProgram {
 };
 
 /// Corrects every move: end' = end + compensation(end), the approach of each axis sensed as the unit does it, along the
-/// programmed path. Straight feed moves are divided where the compensation leaves a straight line by more than the
-/// tolerance; arcs are kept, moved as a whole, where it is constant within the tolerance, else they become lines; of
-/// rapids and holes of cycles (G73, G74, G81 … G86, G89) the ends are corrected. Words are added to blocks for axes
-/// that do not move but whose compensation changes. Incremental words are differences of the rounded ends: nothing adds
-/// up. The compensation of a point is that of its nominal position.
-/// Known: G0–G4, G8, G9, G15, G17–G21, G28, G30, G40, G43, G44, G49, G50, G53–G59, G61, G62, G64, G69–G71, G80, G90,
-/// G91, G93–G99 and the cycles. Every other G code, tool radius compensation, calls, rotary words, arcs that do not
-/// close and the like are refused, every line with its column (`bad_input`): a part would be wrong.
+/// corrected path with the mean of both approaches: it is there that the axes go. Straight feed moves are divided where
+/// the compensation leaves a straight line by more than the tolerance; arcs are kept, moved as a whole, where it is
+/// constant within the tolerance, else they become lines; of rapids and holes of cycles (G73, G74, G81 … G86, G89) the
+/// ends are corrected. Words are added to blocks for axes that do not move but whose compensation changes. Incremental
+/// words are differences of the rounded ends: nothing adds up. The compensation of a point is that of its nominal
+/// position. Known: G0–G4, G8, G9, G15, G17–G21, G28, G30, G40, G43, G44, G49, G50, G53–G59, G61, G62, G64, G69–G71,
+/// G80, G90, G91, G93–G99 and the cycles. Every other G code, tool radius compensation, calls, rotary words, arcs that
+/// do not close and the like are refused, every line with its column (`bad_input`): a part would be wrong.
 /// @param comment  for the first line, without parentheses; empty: none is written
 /// @param seen     each sample in the order of the path
 [[nodiscard]] Result<CorrectedProgram> corrected_program(const PartProgram& program, const ProgramSettings& settings,

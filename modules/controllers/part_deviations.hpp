@@ -23,8 +23,8 @@ struct PartDeviations {
   std::vector<std::string> notes;
 
   /// Weighted mean of the points nearer than `reach_mm`, by ((R − d) / (R·d))²: exact at the points, and no value
-  /// beyond the reach of every point (modified Shepard method; R. Franke, G. Nielson, Int. J. Numer. Meth. Engng 15
-  /// (1980) 1691, with constant nodal functions).
+  /// beyond the reach of every point (modified Shepard method; R. Franke, G. Nielson, Int. J. Numerical Methods in
+  /// Engineering 15 (1980) 1691, with constant nodal functions).
   [[nodiscard]] std::optional<Vector3> at(const Vector3& program_mm, double reach_mm) const;
 };
 

@@ -21,8 +21,8 @@ constexpr const char* kCommands =
     ": variables, formulas, loops, jumps and calls cannot be corrected; write the moves one by one (CAM systems have "
     "such an option)";
 
-bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
-bool is_blank(char c) { return c == ' ' || c == '\t'; }
+bool is_word_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+bool is_word_blank(char c) { return c == ' ' || c == '\t'; }
 
 /// Cuts the code of one line into words.
 class LineCutter {
@@ -44,7 +44,7 @@ class LineCutter {
  private:
   [[nodiscard]] char here() const { return at_ < line_.text.size() ? line_.text[at_] : '\0'; }
   void skip_blanks() {
-    while (is_blank(here())) ++at_;
+    while (is_word_blank(here())) ++at_;
   }
   bool refuse(std::size_t at, const std::string& message) {
     findings_.add(line_.number, static_cast<int>(at) + 1, message);
@@ -66,7 +66,7 @@ class LineCutter {
       ++at_;
       return true;
     }
-    return is_letter(here()) ? take_word() : refuse_sign(start);
+    return is_word_letter(here()) ? take_word() : refuse_sign(start);
   }
 
   bool refuse_sign(std::size_t at) {
@@ -78,7 +78,7 @@ class LineCutter {
   bool take_word() {
     const std::size_t start = at_;
     std::size_t letters = start;
-    while (letters < line_.text.size() && is_letter(line_.text[letters])) ++letters;
+    while (letters < line_.text.size() && is_word_letter(line_.text[letters])) ++letters;
     if (letters - start > 1) {
       const std::string_view name = std::string_view(line_.text).substr(start, letters - start);
       return refuse(start, "expected a letter and its number, found the command " + laser::in_quotes(name) + kCommands);
@@ -169,7 +169,7 @@ Result<PartProgram> parse_part_program(std::string_view text, const std::string&
     LineCutter(line, semicolons, parentheses, findings).cut();
     any = any || !line.words.empty();
     for (std::size_t i = 1; i < line.words.size(); ++i)
-      program.spaced = program.spaced || is_blank(line.text[line.words[i].at - 1]);
+      program.spaced = program.spaced || is_word_blank(line.text[line.words[i].at - 1]);
   }
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
   if (!any) return problem_at(file, 0, 0, "expected a part program, found no block");

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -100,16 +101,17 @@ Result<std::map<int, Vector3>> work_offsets(const std::vector<std::string>& give
 }
 
 Result<std::map<int, double>> tool_lengths(const std::string& given) {
+  constexpr double kNoLength = 1e5;  ///< no tool is so long
   std::map<int, double> lengths;
   if (given.empty()) return lengths;
   for (const std::string_view pair : split(given, ',')) {
-    const std::size_t equals = pair.find('=');
-    const auto number = integer_in(pair.substr(0, equals));
-    const auto length = equals == std::string_view::npos ? std::nullopt : number_in(pair.substr(equals + 1));
-    if (!number || *number < 1 || *number > 9999 || !length || std::abs(*length) > 1e5)
+    const auto words = split(pair, '=');
+    const auto number = integer_in(words.front());
+    const double length_mm = words.size() == 2 ? number_in(words.back()).value_or(kNoLength) : kNoLength;
+    if (!number || *number < 1 || *number > 9999 || std::abs(length_mm) >= kNoLength)
       return problem(ProblemKind::usage,
                      fmt::format("--tool-length: expected NUMBER=LENGTH pairs such as 1=120.5, got \"{}\"", pair));
-    lengths[static_cast<int>(*number)] = *length;
+    lengths[static_cast<int>(*number)] = length_mm;
   }
   return lengths;
 }
