@@ -401,7 +401,7 @@ class ProgramCorrector {
     const bool round = motion_ == 20 || motion_ == 30;
     if (block.has(280) || block.has(300)) {
       go_to_reference(line, block);
-    } else if (block.has(530)) {
+    } else if (block.has(530) && block.names_axis()) {
       go_in_machine_coordinates(line, block);
     } else if (is_cycle(motion_) && (block.names_axis() || block.motion)) {
       ECS_DO(drill(line, block));
@@ -481,8 +481,7 @@ class ProgramCorrector {
   }
 
   void go_in_machine_coordinates(const ProgramLine& line, const BlockOfWords& block) {
-    if (incremental_ && block.names_axis())
-      return complain(line, line.words.front(), "G53 is not known with G91; expected G90 with it");
+    if (incremental_) return complain(line, line.words.front(), "G53 is not known with G91; expected G90 with it");
     for (std::size_t a = 0; a < kAxes; ++a)
       if (block.axis[a]) nominal_[a] = actual_[a] = block.axis[a]->value * unit_mm_;
     arrive(nominal_mm());

@@ -266,6 +266,7 @@ TEST_CASE("machine coordinates are kept and known") {
   auto settings = at_start();
   settings.work_offset_mm = {{54, {10.0, 0.0, 0.0}}};
   CHECK(text_of("G53 G0 X110\nX90\n", kSlope, settings) == "G53 G0 X110\nX90.0200\n");
+  CHECK(text_of("G53 M3\nG0 X90\n", kSlope, settings) == "G53 M3\nG0 X90.0200\n");
 }
 
 TEST_CASE("what would spoil a part is refused, every line with its column") {
