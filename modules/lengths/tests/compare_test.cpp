@@ -25,7 +25,9 @@ MadeMap map_of(const MadeComponents& made, const params::Machine& machine) {
     const auto& travel = machine.axes[index_of(moving_axis(component))]->travel_mm;
     for (const Approach approach : {Approach::forward, Approach::reverse}) {
       laser::MapTable table{component, approach, {}, {}};
-      for (double p = travel[0]; p <= travel[1]; p += 5.0) {
+      const int points = static_cast<int>((travel[1] - travel[0]) / 5.0) + 1;
+      for (int i = 0; i < points; ++i) {
+        const double p = travel[0] + 5.0 * i;
         table.position_mm.push_back(p);
         table.compensation.push_back(
             -made.value(component, (p - travel[0]) / (travel[1] - travel[0]), approach == Approach::forward ? 1 : -1));
