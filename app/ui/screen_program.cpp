@@ -47,9 +47,7 @@ constexpr GlossaryRow kGlossary[] = {
      "evidence from held-out readings: noise alone reaches 100 at most once in 100 cases; not valid where the zero "
      "wanders slowly"},
     {"held out|held-out", "readings that were not used for the fit and therefore test it"},
-    {"integration mode|integration|integrating",
-     "the unit accepts parameters, maps and commands; compensation is off, and relays are open unless OUTPUT "
-     "COMPENSATION VALUE closes one"},
+    {"integration mode|integration|integrating", "the unit accepts parameters, maps and commands; compensation is off"},
     {"lack of fit", "the means deviate from the model by more than the scatter of repeated readings allows (F test)"},
     {"likely", "noise alone fits as well in at most 1 of 100 cases, but another cause is not excluded"},
     {"marker",
