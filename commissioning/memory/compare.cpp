@@ -219,7 +219,7 @@ std::span<const std::uint8_t> bytes_of(const MemoryDump& dump, const DecodedImag
 void compare_images(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b, List& out) {
   if (a.size() != b.size())
     out.push_back({"length of the image", fmt::format("{} bytes", a.size()), fmt::format("{} bytes", b.size())});
-  const auto [in_a, in_b] = std::ranges::mismatch(a, b);
+  const auto [in_a, in_b] = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
   if (in_a != a.end() && in_b != b.end())
     out.push_back(
         {fmt::format("bytes of the image, the first at {}", hex_address(static_cast<Address>(in_a - a.begin()))),
