@@ -377,7 +377,8 @@ class TraceTable {
   void check_sensors() {
     for (std::size_t s = 0; s < kSpindleColumns.size(); ++s) {
       if (trace_.value_um[s].empty()) continue;
-      const auto [least, greatest] = std::ranges::minmax(trace_.value_um[s]);
+      const auto [lowest, highest] = std::ranges::minmax_element(trace_.value_um[s]);
+      const double least = *lowest, greatest = *highest;
       if (least == greatest) {
         refuse(first_row_, kSpindleColumns[s],
                fmt::format("{}: all readings are {:g}. Check the sensor", kSpindleColumns[s], least));
