@@ -65,8 +65,9 @@ Paths paths_of(const MeasurementSet& set) {
   return paths;
 }
 
-/// Everything a reading is, in an order of its own: two readings that compare equal are interchangeable. Readings at one
-/// place of a pass stay as they follow each other in the file: in order of size, neighbours would differ too little.
+/// Everything a reading is, in an order of its own: two readings that compare equal are interchangeable. Readings at
+/// one place of a pass stay as they follow each other in the file: in order of size, neighbours would differ too
+/// little.
 auto key_of(const MeasurementSet& set, const Paths& paths, std::size_t k, bool by_time) {
   const Reading& r = set.readings[k];
   const double along = paths.of[k] > 0 ? paths.along[k] : laser::target_of(r);
