@@ -2,6 +2,7 @@
 import base64
 import json
 import os
+import pathlib
 import select
 import shutil
 import signal
@@ -130,6 +131,18 @@ class Browser:
                 raise SystemExit(f"not within {seconds} s: {script}; the page says: {self.value('document.body.innerText')[:600]}")
             time.sleep(0.02)
         return value
+
+    def processor_times(self):
+        """{thread: seconds of processor time so far} of all threads of the browser"""
+        times = {}
+        for thread in pathlib.Path("/proc").glob("[0-9]*/task/[0-9]*/stat"):
+            try:
+                words = thread.read_text().rpartition(")")[2].split()
+            except OSError:  # it has ended
+                continue
+            if int(words[3]) == self.process.pid:  # the session that begins with the browser
+                times[thread.parent.name] = (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
+        return times
 
     def open(self, url):
         self.call("Page.navigate", url=url)
