@@ -191,6 +191,7 @@ void CaptureRun::take(double shown, double now_s) {
   const devices::Verdict verdict = record_.offer(shown, now_s - zero_s_, around(now_s));
   if (verdict.taken) {
     tell(CaptureNews::Kind::note, taken_text(record_));
+    if (setup_.source) record_.read_lines(setup_.source->name(), setup_.source->lines_read());
     keep();
   }
   if (!verdict.warning.empty()) tell(CaptureNews::Kind::warning, verdict.warning);
@@ -411,6 +412,17 @@ void note_devices(const CaptureSetup& setup, devices::CaptureRecord& record) {
     record.note("environment described by", setup.environment->port().device().source);
 }
 
+/// A file of readings goes on behind the lines that were read before the interruption.
+Result<void> go_on_in(MessageSink& messages, ReadingSource& source, const devices::CaptureRecord& record) {
+  const std::size_t lines = record.lines_read(source.name());
+  if (!source.leave_out(lines))
+    return problem(ProblemKind::bad_input,
+                   fmt::format("{}: expected more than the {} lines that were read before the interruption",
+                               source.name(), lines));
+  if (lines > 0) messages.note(fmt::format("{}: continued after line {}", source.name(), lines));
+  return {};
+}
+
 void show_news(MessageSink& messages, CaptureRun& run) {
   for (const CaptureNews& news : run.take_news())
     if (news.kind == CaptureNews::Kind::warning)
@@ -512,6 +524,7 @@ Result<CaptureEnd> capture(MessageSink& messages, Keyboard* keyboard, const Capt
   ECS_TRY(begun, choice.resume.empty() ? begun_anew(choice, each) : resumed(choice));
   ECS_TRY(setup, setup_of(keyboard, choice));
   note_devices(setup, begun.record);
+  if (setup.source) ECS_DO(go_on_in(messages, *setup.source, begun.record));
   const bool needs_keyboard = setup.trigger_kind == TriggerKind::typed || setup.trigger_kind == TriggerKind::enter;
   const bool has_environment = setup.environment.has_value();
   setup.part = begun.part;

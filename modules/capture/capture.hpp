@@ -73,6 +73,10 @@ class ReadingSource {
   [[nodiscard]] virtual Shown shown(double now_s) = 0;
   /// Keeps up with what comes on its own; returns at once.
   virtual void attend(double) {}
+  /// Lines so far of a file that is read from its beginning; 0 for all other sources.
+  [[nodiscard]] virtual std::size_t lines_read() const { return 0; }
+  /// Reads over so many lines. False: the file has fewer.
+  [[nodiscard]] virtual bool leave_out(std::size_t lines) { return lines == 0; }
   [[nodiscard]] virtual devices::PortChange look(double) { return devices::PortChange::none; }
   /// Why a lost device cannot be had back yet; empty: it is simply not there.
   [[nodiscard]] virtual std::string hindrance() const { return {}; }

@@ -277,6 +277,7 @@ constexpr std::string_view kNext = "capture next";
 constexpr std::string_view kRules = "capture rules";
 constexpr std::string_view kShown = "capture shown";
 constexpr std::string_view kDoubt = "capture doubt";
+constexpr std::string_view kLines = "capture lines";
 
 bool of_capture(std::string_view key) { return key == kBegin || key.starts_with("capture "); }
 
@@ -322,6 +323,7 @@ laser::MeasurementSet CaptureRecord::part() const {
       {std::string(kRules), fmt::format("{} {} {} {}", rules_.shows == Shows::position ? 1 : 0, shortest(rules_.scale),
                                         shortest(rules_.min_interval_s), shortest(rules_.missed_factor))});
   set.metadata.push_back({std::string(kNext), std::to_string(next_)});
+  if (lines_ > 0) set.metadata.push_back({std::string(kLines), fmt::format("{} {}", lines_, source_)});
   std::string read, shown;
   for (std::size_t k = 0; k < taken_.size(); ++k) {
     read += fmt::format("{}{}", k == 0 ? "" : " ", stop_of_[k]);
@@ -366,6 +368,9 @@ Result<CaptureRecord> CaptureRecord::from_part(const laser::MeasurementSet& part
   if (!next || static_cast<double>(*next) <= last || *next > static_cast<long long>(record.plan_.stops.size()))
     return tl::unexpected(broken(part, "capture next: expected a stop after the last one read"));
   record.next_ = static_cast<std::size_t>(*next);
+  const std::string lines = metadata_text(part, kLines);
+  if (const auto count = integer_in(std::string_view(lines).substr(0, lines.find(' '))); count && *count > 0)
+    record.read_lines(lines.substr(std::min(lines.size(), lines.find(' ') + 1)), static_cast<std::size_t>(*count));
   record.shown_ = shown;
   record.doubts_.resize(read.size());
   record.taken_ = part.readings;

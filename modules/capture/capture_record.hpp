@@ -103,6 +103,10 @@ class CaptureRecord {
   [[nodiscard]] laser::MeasurementSet part() const;
   /// What part() made. Refuses another file, or one that was changed so that it does not hold together.
   [[nodiscard]] static Result<CaptureRecord> from_part(const laser::MeasurementSet& part);
+  /// How far a source that is read from its beginning has been read, for part().
+  void read_lines(const std::string& source, std::size_t lines) { source_ = source, lines_ = lines; }
+  /// Of that source; 0 where another one was read.
+  [[nodiscard]] std::size_t lines_read(const std::string& source) const { return source == source_ ? lines_ : 0; }
   /// Metadata of the plan may be added to.
   void note(const std::string& key, const std::string& value);
   [[nodiscard]] std::optional<std::string> noted(std::string_view key) const;
@@ -122,6 +126,8 @@ class CaptureRecord {
   std::vector<std::string> doubts_;   ///< of each reading taken; empty: none
   std::vector<double> shown_;         ///< of each reading taken
   bool judged_ = false;               ///< the time since the last reading means something
+  std::string source_;                ///< that `lines_` were read of
+  std::size_t lines_ = 0;
 };
 
 }  // namespace ecs::devices

@@ -256,6 +256,12 @@ class FileSource final : public ReadingSource {
       last_ = std::move(line);
     }
   }
+  std::size_t lines_read() const override { return fifo_ || following_ ? 0 : lines_; }
+  bool leave_out(std::size_t lines) override {
+    while (lines_ < lines)
+      if (!next_line()) return false;
+    return true;
+  }
   std::string name() const override { return (following_ ? "display followed in " : "readings of ") + path_; }
 
  private:
@@ -271,7 +277,9 @@ class FileSource final : public ReadingSource {
       const std::string line = buffer_.substr(0, end);
       buffer_.erase(0, end + 1);
       const std::string text(trimmed(std::string_view(line).substr(0, line.find('#'))));
-      if (!text.empty()) return text;
+      if (text.empty()) continue;
+      ++lines_;
+      return text;
     }
   }
   bool take_what_is_there() {
@@ -286,6 +294,7 @@ class FileSource final : public ReadingSource {
   bool fifo_;
   bool following_;
   std::string buffer_;
+  std::size_t lines_ = 0;
   std::optional<std::string> last_;
   double give_up_s_ = 0.0;
 };
