@@ -31,6 +31,7 @@ class Findings {
   }
 
   [[nodiscard]] bool empty() const { return count_ == 0; }
+  [[nodiscard]] std::size_t count() const { return count_; }
 
   /// One problem that holds them all; a last entry says how many more there are.
   /// @pre !empty()

@@ -164,13 +164,24 @@ Result<PartProgram> parse_part_program(std::string_view text, const std::string&
   program.lines = lines_with_ends(text);
   laser::Findings findings(file);
   bool semicolons = false, parentheses = false, any = false;
+  std::size_t filled = 0, faulty = 0;
   for (ProgramLine& line : program.lines) {
     if (auto why = refused_by(line, file)) return tl::unexpected(std::move(*why));
+    const std::size_t before = findings.count();
     LineCutter(line, semicolons, parentheses, findings).cut();
+    if (!trimmed(line.text).empty()) ++filled;
+    if (findings.count() > before) ++faulty;
     any = any || !line.words.empty();
     for (std::size_t i = 1; i < line.words.size(); ++i)
       program.spaced = program.spaced || is_word_blank(line.text[line.words[i].at - 1]);
   }
+  constexpr std::size_t kFew = 10;  // faults in so few lines are shown one by one
+  if (faulty > kFew && 2 * faulty > filled)
+    return problem_at(
+        file, 0, 0,
+        fmt::format("expected a part program of ISO 6983 or DIN 66025, but {} of {} lines are no blocks of "
+                    "such a program",
+                    faulty, filled));
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
   if (!any) return problem_at(file, 0, 0, "expected a part program, found no block");
   program.semicolon_comments = semicolons && !parentheses;

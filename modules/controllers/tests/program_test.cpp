@@ -237,6 +237,12 @@ TEST_CASE("helices and the other planes are divided in their own axes") {
   CHECK(yz.back()[2] == Approx(10.02));
 }
 
+TEST_CASE("an arc of several turns is refused") {
+  for (const char* turns : {"P3", "L3"})
+    CHECK(contains(refused(fmt::format("G0 X10 Y0 Z0\nG2 X10 Y0 Z-10 I-10 {} F100\n", turns)),
+                   "p.nc:2:1: G2: arcs of several turns are not supported"));
+}
+
 TEST_CASE("holes of a cycle are corrected in place and depth") {
   const CompensationAt tilt = by([](const ProgramPlace& place) {
     const Vector3& p = place.machine.position_mm;
@@ -245,6 +251,10 @@ TEST_CASE("holes of a cycle are corrected in place and depth") {
   CHECK(text_of("G0 X0 Y0 Z50\nG98 G81 X100 Y10 Z-20 R2 F80\nY20\nX50\nG80\nG0 Z50\n", tilt) ==
         "G0 X0.0050 Y0 Z50\nG98 G81 X99.9980 Y10 Z-19.9800 R2 F80\nY20\nX49.9980 Z-19.9900\nG80\nG0 Z50.0100 "
         "X50.0050\n");
+  // Cycles that follow each other return to one level: Z of the last line is that of the first, 50.
+  CHECK(text_of("G0 X0 Y0 Z50\nG99 G81 X100 Y10 Z-20 R2 F80\nG98 G81 X100 Y20 Z-20 R2\nX50\nG80\nG0 X0\n", tilt) ==
+        "G0 X0.0050 Y0 Z50\nG99 G81 X99.9980 Y10 Z-19.9800 R2 F80\nG98 G81 X99.9980 Y20 Z-19.9800 R2\n"
+        "X49.9980 Z-19.9900\nG80\nG0 X0.0050\n");
   CHECK(contains(refused("G0 X0 Y0 Z5\nG91 G81 Z-5 R-2 F80\n"), "p.nc:2:5: G81: cycles with G91"));
   CHECK(contains(refused("G0 X0 Y0 Z5\nG81 Z-5 R2 L3\n"), "p.nc:2:1: G81: repeated holes"));
 }
@@ -308,6 +318,10 @@ TEST_CASE("lines that are no words of a part program are refused with their plac
         "p.nc:6:4: comment: expected a \")\" before the end of the line, found none\n"
         "p.nc:8:4: X: expected a number such as -50.0 behind it, found nothing");
   CHECK(contains(unread("0 BEGIN PGM 12 MM\n1 L X+5 R0 FMAX\n"), "p.nc:1:3: expected a part program of ISO 6983"));
+  std::string letter;
+  for (int k = 0; k < 12; ++k) letter += "Dear colleague, this is no program.\n\n";
+  CHECK(unread(letter) ==
+        "p.nc: expected a part program of ISO 6983 or DIN 66025, but 12 of 12 lines are no blocks of such a program");
   CHECK(contains(unread("%\n(only words)\n"), "p.nc: expected a part program, found no block"));
   const auto twice = must_fail(parse_part_program("%\n(Corrected by ecs export program for m.csv)\nG0 X1\n", "p.nc"));
   CHECK(twice.kind == ProblemKind::refused);
