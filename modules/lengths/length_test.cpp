@@ -157,8 +157,8 @@ class LengthReader {
     const auto place = find(list, field.text);
     if (!place && !list.empty())
       findings_.add(row.line, field.column,
-                    fmt::format("{}: expected a name of a line `# {}: ` in the head, found {}", column, column,
-                                laser::in_quotes(field.text)));
+                    fmt::format("{}: expected a name from a line `# {}: ` at the top of the file, found {}", column,
+                                column, laser::in_quotes(field.text)));
     return place;
   }
 

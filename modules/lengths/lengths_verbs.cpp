@@ -480,9 +480,10 @@ std::string repeats_text(const model::LengthComparison& found) {
                          : "the rest is scatter");
 }
 
+/// @param objections        to the map with these parameters: what it lacks counts as 0
 /// @param at_least_percent  0: nothing is required
 Cell compared_cell(const std::string& map, const model::LengthTest& test, const model::LengthComparison& found,
-                   double at_least_percent, bool holds) {
+                   const std::vector<std::string>& objections, double at_least_percent, bool holds) {
   const auto set_up = [](const model::ComparedSetUp& one) {
     return record_cell("  set-up {set_up}, tool {tool}: {readings} lengths, {error_um} um, {left_um} um left\n",
                        "set_up"_is(one.name), "tool"_is(one.tool), "readings"_is(one.readings),
@@ -496,12 +497,13 @@ Cell compared_cell(const std::string& map, const model::LengthTest& test, const 
   return record_cell(
       "{map} explains {agreement_percent} % of {file}: {error_um} um before, {left_um} um left (standard deviations of "
       "{readings} lengths, {unknowns} zeros and stations fitted)\n"
-      "{repeat_text}{set_ups}the lengths that fit worst:\n{worst}{verdict}",
+      "{repeat_text}{set_ups}the lengths that fit worst:\n{worst}{objections}{verdict}",
       "map"_is(map), "file"_is(test.source), "readings"_is(found.readings), "unknowns"_is(found.unknowns),
       "agreement_percent"_is(100.0 * found.agreement(), 1), "error_um"_is(found.error_um, 2),
       "left_um"_is(found.left_um, 2), "repeat_um"_is(found.repeat_um, 2), "repeat_text"_shown(repeats_text(found)),
       "set_ups"_is(list_cell(found.set_ups, set_up)), "worst"_is(list_cell(found.worst, length)),
-      "at_least_percent"_is(at_least_percent, 1), "holds"_is(holds),
+      "objections"_is(lines_cell(objections, "the map: ")), "at_least_percent"_is(at_least_percent, 1),
+      "holds"_is(holds),
       "verdict"_shown(at_least_percent > 0.0
                           ? fmt::format("required: {:g} %: {}\n", at_least_percent, holds ? "reached" : "NOT REACHED")
                           : std::string()));
@@ -521,8 +523,10 @@ Result<Outcome> compare_the_lengths(VerbContext&, const LengthsCompared& a) {
                                   map.header.configuration, chain));
   constexpr std::size_t kWorst = 5;
   ECS_TRY(found, model::compared_lengths(test, map, unit.parameters, kWorst));
+  const std::vector<std::string> objections = objections_in(laser::findings_for(map, unit.parameters));
   const bool holds = a.at_least_percent == 0.0 || 100.0 * found.agreement() >= a.at_least_percent;
-  return outcome_of(compared_cell(a.map, test, found, a.at_least_percent, holds), holds ? kDone : kDoesNotHold);
+  return outcome_of(compared_cell(a.map, test, found, objections, a.at_least_percent, holds),
+                    holds ? kDone : kDoesNotHold);
 }
 
 Result<Outcome> fit_lengths(VerbContext&, const LengthsArguments& a) {

@@ -27,7 +27,7 @@ TEST_CASE("every fault at once, with line and column") {
   const std::string said =
       refusal(kHead + kColumns + "S1,1,B,0,0,0,1,1,1,0\nS1,1,A,0,zero,0,1,0,1,0\nS9,1,A,0,0,0,1,1,1,9e9\n");
   check_holds(said,
-              {"lengths.csv:7:6: tool: expected a name of a line `# tool: ` in the head, found \"B\"",
+              {"lengths.csv:7:6: tool: expected a name from a line `# tool: ` at the top of the file, found \"B\"",
                "lengths.csv:8:10: y_mm: expected a number, found \"zero\"",
                "approach_y: expected 1 or -1, the direction of the last motion, found 0",
                "lengths.csv:9:1: set_up: expected a name", "deviation_um: expected measured minus nominal length"});
