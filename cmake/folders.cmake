@@ -118,7 +118,7 @@ ecs_folder(app/verbs/laser app/cli app/plot base commissioning/laser_session com
            commissioning/plot commissioning/session laser/analysis laser/import laser/map laser/standards
            laser/writers Threads::Threads fmt::fmt)
 ecs_folder(app/verbs/map app/cli app/plot base commissioning/maps commissioning/measurements commissioning/plot
-           commissioning/unit laser/map params volume fmt::fmt)
+           commissioning/unit laser/map laser/writers params volume fmt::fmt)
 ecs_folder(app/verbs/memory app/cli base commissioning/memory commissioning/session commissioning/unit fmt::fmt)
 ecs_folder(app/verbs/model app/cli app/plot base commissioning/measurements commissioning/models commissioning/plot
            commissioning/session commissioning/volume laser/writers model/diagnosis model/effects model/planning

@@ -1,6 +1,6 @@
-// `ecs map show` and `header`: a map from a file or from the unit, as text, JSON or plot. `send`: a complete map of
-// this machine, with its parameters, into the unit; checked there. `receive` and `verify`: the map in the unit as a
-// file, and against a file.
+// `ecs map show` and `header`: a map from a file or from the unit, as text, JSON or plot. `compare`: two maps. `send`:
+// a complete map of this machine, with its parameters, into the unit; checked there. `receive` and `verify`: the map in
+// the unit as a file, and against a file.
 #include "app/verbs/map/unit.hpp"
 
 #include <utility>
@@ -12,12 +12,15 @@
 #include "app/plot/gnuplot.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
+#include "commissioning/maps/compare.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/map_in_unit.hpp"
+#include "commissioning/measurements/files.hpp"
 #include "commissioning/plot/curves.hpp"
 #include "commissioning/unit/status.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "laser/map/csv.hpp"
+#include "laser/writers/writers.hpp"
 #include "params/parameters_toml.hpp"
 
 namespace ecs::app {
@@ -119,6 +122,36 @@ Result<Outcome> header(VerbContext& context, const HeaderRequest& request) {
   ECS_TRY(found, found_map(context, request.file, request.unit));
   const Cell header = header_cell(found.map.header);
   return outcome_of({object_of("map"_is(found.name), inlined(header)), header.text});
+}
+
+struct CompareRequest {
+  std::string first, second, output;
+  static Fields<CompareRequest> fields() {
+    using R = CompareRequest;
+    return {{"FIRST", &R::first, "map CSV", Need::required},
+            {"SECOND", &R::second, "map CSV to compare with it", Need::required},
+            {"-o,--output", &R::output, "measurement CSV of the difference, for `ecs model diagnose`", Is::output}};
+  }
+};
+
+Result<Outcome> compare(VerbContext&, const CompareRequest& request) {
+  ECS_DO(check_output_not_input(request.output, {request.first, request.second}));
+  ECS_TRY(first, laser::read_map_csv(request.first));
+  ECS_TRY(second, laser::read_map_csv(request.second));
+  const MapChange change = change_between(first, second);
+  if (change.curves.empty())
+    return problem(ProblemKind::refused, fmt::format("{} and {} cannot be compared: {}", request.first, request.second,
+                                                     fmt::join(change.notes, "; ")));
+  if (!request.output.empty())
+    ECS_DO(
+        laser::write_measurement_set(request.output, measurement_of(change, second, {request.first, request.second})));
+  return outcome_of(record_cell(
+      "errors by {second} less errors by {first}; left: rms without mean, slope and reversal\n{curves}{notes}{output}",
+      "first"_is(request.first), "second"_is(request.second), "curves"_is(change_cell(change)),
+      "notes"_is(lines_cell(change.notes, "note: ")),
+      "output"_is(written_cell("difference", request.output,
+                               "-o difference.csv writes it as a measurement: `ecs model new`, then `ecs model "
+                               "diagnose` search its cause\n"))));
 }
 
 constexpr std::string_view kBeforeFirstCompensation =
@@ -257,6 +290,10 @@ extern const std::vector<Action> kMapOfUnit{
            "ecs map show map.csv --params mill.toml --component EXX --plot exx.svg", show, {.link = Link::reads}),
     action("map header", "show who made a map, when, for which machine, from which files and how",
            "ecs map header --unit", header, {.link = Link::reads}),
+    action("map compare",
+           "compare two error maps curve by curve: of two dates, two machines, before and after a repair",
+           "ecs map compare map-2025.csv map-2026.csv -o difference.csv", compare,
+           {.logged = Logged::when_written, .kind = "measurement"}),
     action("map send",
            "send a complete map with its parameters to the unit, all or nothing, and verify the unit's memory",
            "ecs map send map.csv --params mill.toml --link rtu:/dev/ttyUSB0:115200", send, {.link = Link::writes}),

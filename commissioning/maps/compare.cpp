@@ -1,0 +1,176 @@
+#include "commissioning/maps/compare.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/answer_table.hpp"
+#include "commissioning/maps/findings.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+using laser::ErrorMap;
+using laser::MapTable;
+
+constexpr double kSamePlace_mm = 1e-6;
+
+bool is_declared_zero(const ErrorMap& map, Component component) {
+  return std::ranges::any_of(map.header.declared_zero, [&](const auto& zero) { return zero.component == component; });
+}
+
+/// Forward and reverse; none where a curve has no table for one of them.
+using Tables = std::vector<const MapTable*>;
+Tables tables_of(const ErrorMap& map, Component component) {
+  Tables tables;
+  for (const Approach approach : {Approach::forward, Approach::reverse})
+    if (const MapTable* table = laser::table_of(map, component, approach); table && !table->position_mm.empty())
+      tables.push_back(table);
+  return tables.size() == 2 ? tables : Tables{};
+}
+
+double error_by(const Tables& tables, std::size_t approach, double position_mm) {
+  return tables.empty() ? 0.0 : -laser::compensation_at(*tables[approach], position_mm);
+}
+
+std::vector<double> shared_places(const Tables& first, const Tables& second) {
+  double low = -HUGE_VAL, high = HUGE_VAL;
+  std::vector<double> places;
+  for (const Tables* tables : {&first, &second})
+    for (const MapTable* table : *tables) {
+      low = std::max(low, table->position_mm.front());
+      high = std::min(high, table->position_mm.back());
+      places.insert(places.end(), table->position_mm.begin(), table->position_mm.end());
+    }
+  std::ranges::sort(places);
+  std::erase_if(places, [&](double p) { return p < low || p > high; });
+  const auto [end, last] = std::ranges::unique(places, [](double a, double b) { return b - a < kSamePlace_mm; });
+  places.erase(end, last);
+  return places;
+}
+
+/// Nothing: a note says why.
+std::optional<CurveChange> curve_change(const ErrorMap& first, const ErrorMap& second, Component component,
+                                        std::vector<std::string>& notes) {
+  const Tables in_first = tables_of(first, component), in_second = tables_of(second, component);
+  if (in_first.empty() && in_second.empty()) return std::nullopt;
+  for (const auto& [tables, map, name] : {std::tuple(&in_first, &first, "first"), {&in_second, &second, "second"}})
+    if (tables->empty() && !is_declared_zero(*map, component)) {
+      notes.push_back(
+          fmt::format("{} is not in the {} map, or for one approach only: not compared", name_of(component), name));
+      return std::nullopt;
+    }
+  CurveChange change{component, false, shared_places(in_first, in_second), {}, {}};
+  if (change.position_mm.size() < 2) {
+    notes.push_back(fmt::format("{}: the maps have no travel in common: not compared", name_of(component)));
+    return std::nullopt;
+  }
+  for (const Tables& tables : {in_first, in_second})
+    change.by_approach = change.by_approach || (!tables.empty() && tables[0] != tables[1]);
+  for (const double p : change.position_mm) {
+    change.forward.push_back(error_by(in_second, 0, p) - error_by(in_first, 0, p));
+    change.reverse.push_back(error_by(in_second, 1, p) - error_by(in_first, 1, p));
+  }
+  return change;
+}
+
+void note_other(std::vector<std::string>& notes, std::string_view what, const std::string& first,
+                const std::string& second) {
+  if (!first.empty() && !second.empty() && first != second)
+    notes.push_back(fmt::format("the maps are of different {}: {} and {}", what, first, second));
+}
+
+}  // namespace
+
+ChangeFigures figures_of(const CurveChange& change) {
+  ChangeFigures f;
+  const auto n = static_cast<double>(change.position_mm.size());
+  double centre_mm = 0.0, mean_forward = 0.0, mean_reverse = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < change.position_mm.size(); ++i) {
+    centre_mm += change.position_mm[i] / n;
+    mean_forward += change.forward[i] / n;
+    mean_reverse += change.reverse[i] / n;
+    squares += (change.forward[i] * change.forward[i] + change.reverse[i] * change.reverse[i]) / (2.0 * n);
+    for (const auto& [value, approach] :
+         {std::pair(change.forward[i], Approach::forward), {change.reverse[i], Approach::reverse}})
+      if (std::abs(value) > std::abs(f.largest)) {
+        f.largest = value;
+        f.at_mm = change.position_mm[i];
+        f.approach = change.by_approach ? approach : Approach::unknown;
+      }
+  }
+  f.rms = std::sqrt(squares);
+  f.mean = (mean_forward + mean_reverse) / 2.0;
+  f.reversal = mean_forward - mean_reverse;
+  double moment = 0.0, weight = 0.0, left = 0.0;
+  for (std::size_t i = 0; i < change.position_mm.size(); ++i) {
+    const double arm_m = (change.position_mm[i] - centre_mm) / 1e3;
+    moment += arm_m * (change.forward[i] + change.reverse[i]) / 2.0;
+    weight += arm_m * arm_m;
+  }
+  f.slope_per_m = moment / weight;
+  for (std::size_t i = 0; i < change.position_mm.size(); ++i) {
+    const double line = f.slope_per_m * (change.position_mm[i] - centre_mm) / 1e3;
+    left += std::pow(change.forward[i] - mean_forward - line, 2) + std::pow(change.reverse[i] - mean_reverse - line, 2);
+  }
+  f.left_rms = std::sqrt(left / (2.0 * n));
+  return f;
+}
+
+MapChange change_between(const ErrorMap& first, const ErrorMap& second) {
+  MapChange change;
+  note_other(change.notes, "machines", first.header.machine, second.header.machine);
+  note_other(change.notes, "serial numbers", first.header.serial_number, second.header.serial_number);
+  note_other(change.notes, "configurations", first.header.configuration, second.header.configuration);
+  for (std::size_t c = 0; c < kCurves; ++c)
+    if (auto curve = curve_change(first, second, static_cast<Component>(c), change.notes))
+      change.curves.push_back(std::move(*curve));
+  if (change.curves.empty()) change.notes.emplace_back("the maps have no curve in common");
+  if (first.header.thermal != second.header.thermal)
+    change.notes.emplace_back("the thermal rows of the maps differ; they are not compared");
+  return change;
+}
+
+laser::MeasurementSet measurement_of(const MapChange& change, const ErrorMap& second,
+                                     const std::vector<std::string>& names) {
+  laser::MeasurementSet set;
+  set.metadata = {{"difference", fmt::format("errors by {} less errors by {}", names[1], names[0])}};
+  if (!second.header.machine.empty()) set.metadata.push_back({"machine", second.header.machine});
+  for (const CurveChange& curve : change.curves)
+    for (const Approach approach : {Approach::forward, Approach::reverse}) {
+      if (approach == Approach::reverse && !curve.by_approach) continue;
+      for (std::size_t k = 0; k < curve.position_mm.size(); ++k) {
+        const std::size_t i = approach == Approach::reverse ? curve.position_mm.size() - 1 - k : k;
+        laser::Reading reading;
+        reading.axis = moving_axis(curve.component);
+        reading.sense = sense_of(curve.component);
+        reading.position_mm[index_of(reading.axis)] = curve.position_mm[i];
+        reading.error = (approach == Approach::reverse ? curve.reverse : curve.forward)[i];
+        reading.approach = curve.by_approach ? approach : Approach::unknown;
+        set.readings.push_back(std::move(reading));
+      }
+    }
+  return set;
+}
+
+Cell change_cell(const MapChange& change) {
+  const auto row = [](const CurveChange& curve) {
+    const ChangeFigures f = figures_of(curve);
+    return record_cell(
+        "{component:<4} {unit:<4} {largest:>8} {at_mm:>9} {approach:<7} {rms:>8} {mean:>8} {slope_per_m:>8} "
+        "{reversal:>8} {left_rms:>7}\n",
+        "component"_is(name_of(curve.component)), "unit"_is(unit_of(curve.component)), "largest"_is(f.largest, 2),
+        "at_mm"_is(f.at_mm, fmt::format("{:.6g}", f.at_mm)), "approach"_is(word_for(f.approach)), "rms"_is(f.rms, 2),
+        "mean"_is(f.mean, 2), "slope_per_m"_is(f.slope_per_m, 2), "reversal"_is(f.reversal, 2),
+        "left_rms"_is(f.left_rms, 2), "points"_is(curve.position_mm.size()), "from_mm"_is(curve.position_mm.front()),
+        "to_mm"_is(curve.position_mm.back()));
+  };
+  return list_cell(change.curves, row,
+                   fmt::format("{:<4} {:<4} {:>8} {:>9} {:<7} {:>8} {:>8} {:>8} {:>8} {:>7}\n", "", "", "largest",
+                               "at [mm]", "", "rms", "mean", "slope/m", "reversal", "left"));
+}
+
+}  // namespace ecs::commissioning

@@ -1,0 +1,54 @@
+// Two error maps beside each other: last year's and today's, those of two machines, before and after a repair. How far
+// their curves differ, how much of the difference is a slope and a reversal, and the difference as a measurement that
+// `ecs model diagnose` can name the cause of.
+// Does not live here: a map beside the unit's memory (map_in_unit.hpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/json_fwd.hpp"
+#include "core/axis.hpp"
+#include "laser/map/error_map.hpp"
+#include "laser/measurement_set.hpp"
+
+namespace ecs::commissioning {
+
+/// One curve: error by the second map less error by the first [um, um/m].
+struct CurveChange {
+  Component component = Component::EXX;
+  bool by_approach = false;         ///< one of the maps has a table for each approach
+  std::vector<double> position_mm;  ///< points of either map where both reach, ascending, at least two
+  std::vector<double> forward;      ///< as many
+  std::vector<double> reverse;      ///< the same as `forward` unless by_approach
+};
+
+struct ChangeFigures {
+  double largest = 0.0;  ///< with its sign
+  double at_mm = 0.0;
+  Approach approach = Approach::unknown;  ///< of the largest; unknown: both
+  double rms = 0.0;
+  double mean = 0.0;
+  double slope_per_m = 0.0;  ///< of the least squares line through both approaches
+  double reversal = 0.0;     ///< mean forward less mean reverse
+  double left_rms = 0.0;     ///< without mean, slope and reversal
+};
+[[nodiscard]] ChangeFigures figures_of(const CurveChange& change);
+
+struct MapChange {
+  std::vector<CurveChange> curves;
+  std::vector<std::string> notes;  ///< other machine or chain, curves that one map lacks or that share no travel
+};
+
+/// A curve declared zero counts as zero. No curves: the notes say why.
+[[nodiscard]] MapChange change_between(const laser::ErrorMap& first, const laser::ErrorMap& second);
+
+/// Readings at every point, one for each approach; without approaches where neither map knows them.
+/// @param names  of the two files
+[[nodiscard]] laser::MeasurementSet measurement_of(const MapChange& change, const laser::ErrorMap& second,
+                                                   const std::vector<std::string>& names);
+
+/// A row for each curve.
+[[nodiscard]] Cell change_cell(const MapChange& change);
+
+}  // namespace ecs::commissioning

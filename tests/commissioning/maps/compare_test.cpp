@@ -1,0 +1,107 @@
+#include "commissioning/maps/compare.hpp"
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tests/support/test.hpp"
+
+namespace ecs::test {
+namespace {
+
+using commissioning::change_between;
+using commissioning::figures_of;
+using commissioning::MapChange;
+
+using Curve = std::function<double(double position_mm, int sign)>;
+
+/// Compensation against this error, with a table for each approach.
+void put(laser::ErrorMap& map, Component component, double from_mm, double step_mm, int points, const Curve& error) {
+  for (const Approach approach : {Approach::forward, Approach::reverse}) {
+    laser::MapTable table{component, approach, {}, {}};
+    for (int i = 0; i < points; ++i) {
+      table.position_mm.push_back(from_mm + step_mm * i);
+      table.compensation.push_back(-error(table.position_mm.back(), approach == Approach::forward ? 1 : -1));
+    }
+    map.tables.push_back(std::move(table));
+  }
+}
+
+TEST_CASE("a scale and a lost motion that came since the first map are told apart, on different points") {
+  laser::ErrorMap first, second;
+  const Curve before = [](double p, int sign) { return 0.01 * p + 1.5 * sign; };
+  put(first, Component::EXX, 0.0, 50.0, 11, before);
+  put(second, Component::EXX, -20.0, 30.0, 20,
+      [&](double p, int sign) { return before(p, sign) + 0.03 * p + 2.0 * sign - 1.0; });
+  const MapChange change = change_between(first, second);
+  REQUIRE(change.curves.size() == 1);
+  CHECK(change.notes.empty());
+  CHECK(change.curves[0].position_mm.front() == 0.0);
+  CHECK(change.curves[0].position_mm.back() == 500.0);
+  const auto f = figures_of(change.curves[0]);
+  CHECK(f.slope_per_m == Approx(30.0));
+  CHECK(f.reversal == Approx(4.0));
+  CHECK(f.left_rms == Approx(0.0).epsilon(1e-9));
+  CHECK(f.largest == Approx(16.0));
+  CHECK(f.at_mm == 500.0);
+  CHECK(f.approach == Approach::forward);
+}
+
+TEST_CASE("exchanged maps give the difference with the other sign, and what is neither slope nor reversal is left") {
+  laser::ErrorMap first, second;
+  put(first, Component::EYY, 0.0, 10.0, 41, [](double, int) { return 0.0; });
+  put(second, Component::EYY, 0.0, 10.0, 41,
+      [](double p, int) { return 3.0 * std::sin(p / 40.0 * 6.283185307179586); });
+  const auto there = figures_of(change_between(first, second).curves.at(0));
+  const auto back = figures_of(change_between(second, first).curves.at(0));
+  CHECK(there.largest == Approx(-back.largest));
+  CHECK(there.slope_per_m == Approx(-back.slope_per_m));
+  CHECK(there.left_rms == Approx(back.left_rms));
+  CHECK(there.left_rms == Approx(3.0 / std::sqrt(2.0)).epsilon(0.05));
+  CHECK(there.reversal == 0.0);
+}
+
+TEST_CASE("a curve that is declared zero counts as zero; one that a map lacks is named and not compared") {
+  laser::ErrorMap first, second;
+  put(second, Component::EXX, 0.0, 50.0, 5, [](double, int) { return 2.0; });
+  put(second, Component::EYX, 0.0, 50.0, 5, [](double, int) { return 1.0; });
+  first.header.declared_zero = {{Component::EXX, "new scale"}};
+  first.header.machine = "mill 1";
+  second.header.machine = "mill 2";
+  const MapChange change = change_between(first, second);
+  REQUIRE(change.curves.size() == 1);
+  CHECK(figures_of(change.curves[0]).mean == Approx(2.0));
+  CHECK(change.notes ==
+        std::vector<std::string>{"the maps are of different machines: mill 1 and mill 2",
+                                 "EYX is not in the first map, or for one approach only: not compared"});
+}
+
+TEST_CASE("maps that share no travel are not compared") {
+  laser::ErrorMap first, second;
+  put(first, Component::EXX, 0.0, 50.0, 5, [](double, int) { return 2.0; });
+  put(second, Component::EXX, 300.0, 50.0, 5, [](double, int) { return 1.0; });
+  const MapChange change = change_between(first, second);
+  CHECK(change.curves.empty());
+  CHECK(change.notes == std::vector<std::string>{"EXX: the maps have no travel in common: not compared",
+                                                 "the maps have no curve in common"});
+}
+
+TEST_CASE("the measurement of a difference has each point with its approach, in the order of motion") {
+  laser::ErrorMap first, second;
+  put(first, Component::EZZ, 0.0, 50.0, 3, [](double, int) { return 0.0; });
+  put(second, Component::EZZ, 0.0, 50.0, 3, [](double p, int sign) { return p + sign; });
+  second.header.machine = "mill";
+  const auto set = commissioning::measurement_of(change_between(first, second), second, {"a.csv", "b.csv"});
+  REQUIRE(set.readings.size() == 6);
+  CHECK(set.readings[2].position_mm[2] == 100.0);
+  CHECK(set.readings[2].error == Approx(101.0));
+  CHECK(set.readings[3].position_mm[2] == 100.0);
+  CHECK(set.readings[3].approach == Approach::reverse);
+  CHECK(set.readings[3].error == Approx(99.0));
+  CHECK(laser::metadata_value(set, "machine") == "mill");
+  CHECK(laser::metadata_value(set, "difference") == "errors by b.csv less errors by a.csv");
+}
+
+}  // namespace
+}  // namespace ecs::test
