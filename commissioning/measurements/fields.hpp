@@ -80,6 +80,8 @@ inline constexpr LaserQuantity kLaserQuantities[] = {
      nullptr},
     {"non_repeatability", "6s", "non-repeatability, largest 6s (BS 4656 Pt 16)", &laser::Iso230::non_repeatability,
      nullptr},
+    {"vdi_P", "P VDI", "positional uncertainty (VDI/DGQ 3441)", &laser::Iso230::vdi_P, nullptr},
+    {"vdi_Ps", "Ps VDI", "largest positional scatter (VDI/DGQ 3441)", &laser::Iso230::vdi_Ps, nullptr},
 };
 
 /// "axis", "sense", "component", "unit", "parked_mm" (coordinates of the axes that do not move), "compensated".

@@ -200,7 +200,7 @@ void set_systematic(Iso230& axis) {
 
 /// Axis values that need standard deviations.
 void set_random(Iso230& axis) {
-  Extent forward, reverse, both, band;
+  Extent forward, reverse, both, band, vdi;
   for (const Iso230Target& target : axis.targets) {
     axis.R_forward = larger(axis.R_forward, target.R_forward);
     axis.R_reverse = larger(axis.R_reverse, target.R_reverse);
@@ -212,6 +212,11 @@ void set_random(Iso230& axis) {
     band.take(target.mean_forward, times(3.0, target.s_forward));
     band.take(target.mean_reverse, times(3.0, target.s_reverse));
     band.take(target.mean, times(3.0, target.s_undirected));
+    if (target.B && target.s_forward && target.s_reverse) {
+      const double scatter = 6.0 * (*target.s_forward + *target.s_reverse) / 2.0;
+      axis.vdi_Ps = larger(axis.vdi_Ps, scatter);
+      vdi.take(target.mean, (std::abs(*target.B) + scatter) / 2.0);
+    }
     for (const Value s : {target.s_forward, target.s_reverse, target.s_undirected})
       axis.non_repeatability = larger(axis.non_repeatability, times(6.0, s));
   }
@@ -219,6 +224,7 @@ void set_random(Iso230& axis) {
   axis.A_reverse = reverse.range();
   if (axis.A_forward && axis.A_reverse) axis.A = both.range();
   axis.three_sigma_band = band.range();
+  axis.vdi_P = vdi.range();
 }
 
 }  // namespace

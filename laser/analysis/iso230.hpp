@@ -1,5 +1,5 @@
-// Accuracy and repeatability of positioning by ISO 230-2:2014, and the thesis's ±3 sigma band (BS 4656 Part 16).
-// Does not live here: finding the groups (laser/groups.hpp), maps and their processing (process.hpp).
+// Accuracy and repeatability of positioning by ISO 230-2:2014, the thesis's ±3 sigma band (BS 4656 Part 16), and
+// VDI/DGQ 3441. Does not live here: finding the groups (laser/groups.hpp), maps and their processing (process.hpp).
 #pragma once
 
 #include <optional>
@@ -55,8 +55,12 @@ struct Iso230 {
   std::optional<double>
       three_sigma_band;  ///< max(mean + 3s) − min(mean − 3s), both approaches (BS 4656 Pt 16, thesis 3.5.2)
   std::optional<double> non_repeatability;  ///< largest 6s at any target and approach (BS 4656 Pt 16, thesis 3.5.2)
-  double range = 0.0;                       ///< largest minus smallest reading
-  std::vector<std::string> notes;           ///< conditions of the standard that are not met, and what was left out
+  /// VDI/DGQ 3441, both approaches: positional scatter Ps_i = 6 (s_i↑ + s_i↓)/2, the largest; positional uncertainty
+  /// P = max(x̄_i + (|B_i| + Ps_i)/2) − min(x̄_i − (|B_i| + Ps_i)/2). Its Pa is M, its U_max is B.
+  std::optional<double> vdi_Ps;
+  std::optional<double> vdi_P;
+  double range = 0.0;              ///< largest minus smallest reading
+  std::vector<std::string> notes;  ///< conditions of the standard that are not met, and what was left out
 };
 
 /// Evaluates one group. Readings of unknown approach are left out where others have one; where none has, the means,

@@ -103,6 +103,8 @@ TEST_CASE("two runs at two targets give the values of ISO 230-2 worked by hand")
   CHECK(*axis.A == Approx(5.0 + 4.0 * root2));
   CHECK(*axis.three_sigma_band == Approx(5.0 + 6.0 * root2));
   CHECK(*axis.non_repeatability == Approx(6.0 * root2));
+  CHECK(*axis.vdi_Ps == Approx(6.0 * root2));
+  CHECK(*axis.vdi_P == Approx((5.0 + 1.5 * root2) - (1.0 - (2.0 + 6.0 * root2) / 2.0)));  // second and first target
   CHECK(axis.range == Approx(7.0));
 }
 
@@ -125,7 +127,8 @@ TEST_CASE("one approach gives unidirectional values only") {
   const Iso230 axis = evaluated(set_of({{0.0, {1.0, 2.0}, {}}, {10.0, {4.0, 4.0}, {}}}));
   CHECK(*axis.E_forward == Approx(2.5));
   CHECK(axis.R_forward.has_value());
-  for (const auto& value : {axis.B, axis.B_mean, axis.M, axis.R, axis.E, axis.A, axis.E_reverse, axis.A_reverse})
+  for (const auto& value :
+       {axis.B, axis.B_mean, axis.M, axis.R, axis.E, axis.A, axis.E_reverse, axis.A_reverse, axis.vdi_P, axis.vdi_Ps})
     CHECK_FALSE(value.has_value());
   CHECK(says(axis.notes, "forward approach only"));
 }
@@ -205,9 +208,10 @@ TEST_CASE("values do not depend on the order of readings, and a shift moves the 
     const auto same = [](const std::optional<double>& a, const std::optional<double>& b) {
       return a.has_value() && b.has_value() && std::abs(*a - *b) < 1e-9;
     };
-    for (const auto member : {&Iso230::B, &Iso230::B_mean, &Iso230::M, &Iso230::R_forward, &Iso230::R_reverse,
-                              &Iso230::R, &Iso230::E_forward, &Iso230::E_reverse, &Iso230::E, &Iso230::A_forward,
-                              &Iso230::A_reverse, &Iso230::A, &Iso230::three_sigma_band, &Iso230::non_repeatability})
+    for (const auto member :
+         {&Iso230::B, &Iso230::B_mean, &Iso230::M, &Iso230::R_forward, &Iso230::R_reverse, &Iso230::R,
+          &Iso230::E_forward, &Iso230::E_reverse, &Iso230::E, &Iso230::A_forward, &Iso230::A_reverse, &Iso230::A,
+          &Iso230::three_sigma_band, &Iso230::non_repeatability, &Iso230::vdi_Ps, &Iso230::vdi_P})
       RC_ASSERT(same((*before).*member, (*after).*member));
     RC_ASSERT(same(*before->targets[2].mean + shift, after->targets[2].mean));
     RC_ASSERT(*before->A >= *before->E);
