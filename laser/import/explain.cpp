@@ -1,5 +1,6 @@
 // Why a file is not read, in words that help: what it seems to be, the table found in it, which of its columns could be
-// positions and readings, the command that imports it.
+// positions and readings, the command that imports it. Does not live here: how columns are told apart
+// (guessed_columns.hpp).
 
 #include <algorithm>
 #include <array>
@@ -22,6 +23,7 @@
 #include "laser/import/columns.hpp"
 #include "laser/import/fields.hpp"
 #include "laser/import/format.hpp"
+#include "laser/import/guessed_columns.hpp"
 #include "laser/import/import.hpp"
 #include "laser/import/time.hpp"
 #include "laser/units.hpp"
@@ -29,198 +31,9 @@
 namespace ecs::laser {
 namespace {
 
-constexpr std::size_t kLeastTargets = 3;
-constexpr std::size_t kRowsATurn = 4;  ///< positions turn back less often than every this many rows
-/// Errors [um] vary by less than this part of the travel [mm]: 300 um/m. Coordinates beside a position vary by more.
-constexpr double kGreatestSlope_um_per_mm = 0.3;
-/// Errors lie round the 0 of a readout; coordinates that hardly change lie far from it.
-constexpr double kGreatestOffset = 3.0;
-/// Actual positions are as close to their targets as this part of the travel; of a poor encoder, whose positions begin
-/// and end with the targets, as this.
-constexpr double kClose = 0.001, kLooselyClose = 0.05;
-/// An axis at one place for so many rows one after the other rests.
-constexpr std::size_t kRowsAtRest = 10;
 /// Visits of one point are as close together as this part of the distances between points.
 constexpr double kOfOnePoint = 0.05;
 constexpr std::size_t kMostNamed = 12;
-/// Farther than any axis goes, and what the readers refuse: stamps of time in ticks.
-constexpr double kFarthest_mm = 1e6;
-
-/// What a heading says that its column holds.
-enum class Meaning { none, reading, position, counter, run, approach, temperature, pressure, humidity, time, other };
-
-struct TableColumn {
-  std::size_t number = 0;  ///< from 1
-  std::string heading;
-  Meaning meaning = Meaning::none;
-  std::optional<Unit> unit;  ///< of the heading
-  std::vector<std::string_view> cells;
-  std::vector<double> values;  ///< as many as cells where each is a number, else none
-  [[nodiscard]] bool is_number() const { return !values.empty(); }
-  [[nodiscard]] double least() const { return *std::ranges::min_element(values); }
-  [[nodiscard]] double most() const { return *std::ranges::max_element(values); }
-  [[nodiscard]] double span() const { return most() - least(); }
-  [[nodiscard]] bool turns() const { return unit && unit->kind == UnitKind::angle; }
-  /// One of the cells in mm, or deg.
-  [[nodiscard]] double as_target() const {
-    if (!unit) return 1.0;
-    return unit->kind == UnitKind::angle ? unit->factor / kUmPerMPerDegree : unit->factor;
-  }
-  /// … in um, or um/m.
-  [[nodiscard]] double as_error() const {
-    if (!unit) return 1.0;
-    return unit->kind == UnitKind::length ? unit->factor * 1000.0 : unit->factor;
-  }
-};
-using Columns = std::vector<TableColumn>;
-
-/// The rows that the suggested options would read.
-struct Rows {
-  int skip = 0;
-  std::size_t count = 0;  ///< 0: all
-};
-
-Rows rows_of(const TableShape& shape) {
-  return {(shape.is_mixed ? shape.stretch_line : shape.first_row_line) - 1, shape.is_mixed ? shape.stretch_rows : 0};
-}
-
-bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
-  return std::ranges::find(words, word) != words.end();
-}
-
-/// By words of English, German and French headings.
-Meaning meaning_of(const std::string& heading, const std::optional<Unit>& unit) {
-  const std::string text = lower(heading);
-  const auto has = [&](std::initializer_list<std::string_view> parts) {
-    return std::ranges::any_of(parts, [&](std::string_view part) { return text.find(part) != std::string::npos; });
-  };
-  const auto words = heading_words(heading);
-  const auto is_word = [&](std::initializer_list<std::string_view> any) {
-    return std::ranges::any_of(words, [&](const std::string& word) { return is_one_of(word, any); });
-  };
-  if (has({"std", "standard", "sigma", "uncertainty", "unsicherheit", "incertitude", "streuung"}))
-    return Meaning::other;
-  if (unit && unit->kind == UnitKind::temperature) return Meaning::temperature;
-  if (unit && unit->kind == UnitKind::pressure) return Meaning::pressure;
-  if (has({"feucht", "humid"})) return Meaning::humidity;
-  if (has({"approach", "direction", "richtung", "anfahr", "approche"}) || is_word({"dir", "sens"}))
-    return Meaning::approach;
-  if (has({"error", "deviation", "d\xC3\xA9viation", "reading", "abweichung", "fehler", "erreur", "\u00E9cart",
-           "\u00C9cart", "ecart", "displacement"}) ||
-      is_word({"err", "dev", "abw", "diff", "delta", "disp", "exx", "eyy", "ezz"}))
-    return Meaning::reading;
-  if (unit && unit->kind == UnitKind::time) return Meaning::time;
-  if (!unit &&
-      (has({"cycle", "zyklus"}) || is_word({"run", "lauf", "messlauf", "durchgang", "nr", "no", "num", "nummer",
-                                            "passage", "essai", "serie", "series", "repeat", "wdh", "wiederholung"})))
-    return Meaning::run;
-  if (!unit && is_word({"index", "count", "sample", "row", "zeile", "point", "punkt", "messpunkt", "n", "i"}))
-    return Meaning::counter;
-  if (has({"position", "target", "nominal", "soll", "cible", "consigne", "angle", "winkel"}) ||
-      is_word({"pos", "x", "y", "z", "a", "b", "c", "weg"}))
-    return Meaning::position;
-  return Meaning::none;
-}
-
-/// Every column; numbers where each of its cells is one.
-Columns columns_of(std::string_view text, const TableShape& shape) {
-  Columns columns;
-  for (std::size_t i = 0; i < shape.columns; ++i) {
-    TableColumn column;
-    column.number = i + 1;
-    if (i < shape.headings.size()) column.heading = shape.headings[i];
-    column.unit = unit_in_heading(column.heading);
-    column.meaning = meaning_of(column.heading, column.unit);
-    columns.push_back(std::move(column));
-  }
-  const Rows rows = rows_of(shape);
-  const auto lines = lines_of(text);
-  const auto last = std::min(lines.size(), static_cast<std::size_t>(shape.last_row_line));
-  std::size_t taken = 0;
-  for (auto i = static_cast<std::size_t>(rows.skip); i < last && (rows.count == 0 || taken < rows.count); ++i) {
-    if (is_comment(lines[i])) continue;
-    const auto cells = cells_of(lines[i], shape.delimiter);
-    if (cells.size() != shape.columns) continue;
-    ++taken;
-    for (std::size_t c = 0; c < columns.size(); ++c) columns[c].cells.push_back(cells[c]);
-  }
-  for (TableColumn& column : columns) {
-    for (const std::string_view cell : column.cells)
-      if (const auto number = number_or_comma(cell)) column.values.push_back(*number);
-    if (column.values.size() != column.cells.size()) column.values.clear();
-  }
-  return columns;
-}
-
-/// 0, 1, 2, ... or 1, 2, 3, ...
-bool counts_rows(const TableColumn& column) {
-  if (column.values.front() != 0.0 && column.values.front() != 1.0) return false;
-  for (std::size_t i = 1; i < column.values.size(); ++i)
-    if (column.values[i] != column.values[i - 1] + 1.0) return false;
-  return true;
-}
-
-/// Whole numbers, fewer than rows: a number of each row is no run.
-bool are_runs(const TableColumn& column) {
-  return column.is_number() && !counts_rows(column) && std::ranges::all_of(column.values, [](double value) {
-           return value == std::floor(value) && std::abs(value) < 1e6;
-         });
-}
-
-bool are_positions(const TableColumn& column) {
-  std::size_t moves = 0, turns = 0;
-  double before = 0.0;
-  for (std::size_t i = 1; i < column.values.size(); ++i) {
-    const double step = column.values[i] - column.values[i - 1];
-    if (step == 0.0) continue;
-    if (step * before < 0.0) ++turns;
-    ++moves;
-    before = step;
-  }
-  return moves + 1 >= kLeastTargets && turns * kRowsATurn <= moves;
-}
-
-/// Whether the values are positions that were reached where `targets` were asked for.
-bool are_actual(const TableColumn& column, const TableColumn& targets) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < column.values.size(); ++i)
-    largest =
-        std::max(largest, std::abs(column.values[i] * column.as_target() - targets.values[i] * targets.as_target()));
-  return largest > 0.0 && largest <= kClose * targets.span() * targets.as_target();
-}
-
-/// Positions of a poor encoder: the same travel, of each row not far from the target, and not its axis by the headings.
-bool are_loosely_actual(const TableColumn& column, const TableColumn& targets) {
-  const double allowed = kLooselyClose * targets.span();
-  if (column.unit || targets.unit || column.span() == 0.0) return false;
-  if (std::abs(column.least() - targets.least()) > allowed || std::abs(column.most() - targets.most()) > allowed)
-    return false;
-  for (std::size_t i = 0; i < column.values.size(); ++i)
-    if (std::abs(column.values[i] - targets.values[i]) > allowed) return false;
-  return column.values != targets.values;
-}
-
-/// Positions without a unit that cover just one turn.
-bool is_one_turn(const TableColumn& targets) {
-  constexpr double kTurn = 360.0;
-  return !targets.unit && std::abs(targets.span() - kTurn) < kLooselyClose * kTurn;
-}
-
-bool rests(const TableColumn& targets) {
-  std::size_t same = 1, longest = 1;
-  for (std::size_t i = 1; i < targets.values.size(); ++i) {
-    same = targets.values[i] == targets.values[i - 1] ? same + 1 : 1;
-    longest = std::max(longest, same);
-  }
-  return longest >= kRowsAtRest;
-}
-
-bool are_errors(const TableColumn& column, const TableColumn& targets) {
-  const double largest = std::max(std::abs(column.least()), std::abs(column.most()));
-  return column.span() > 0.0 &&
-         column.span() * column.as_error() <= kGreatestSlope_um_per_mm * targets.span() * targets.as_target() &&
-         largest <= kGreatestOffset * column.span();
-}
 
 /// ",date_time=1", or ",date_time=1..2" of a date and the time beside it; empty: none is there.
 std::string date_rule(const Columns& columns) {
@@ -240,27 +53,6 @@ std::string row_options(const TableShape& shape) {
          (rows.count > 0 ? fmt::format(" --rows {}", rows.count) : "");
 }
 
-bool could_be_targets(const TableColumn& column, const Columns& columns) {
-  if (!column.is_number() || (column.meaning != Meaning::position && column.meaning != Meaning::none)) return false;
-  if (column.unit && column.unit->kind != UnitKind::length && column.unit->kind != UnitKind::angle) return false;
-  const auto numbers = std::ranges::count_if(columns, [](const auto& one) { return one.is_number(); });
-  const bool is_first =
-      std::ranges::none_of(columns, [&](const auto& one) { return one.is_number() && one.number < column.number; });
-  if (std::max(std::abs(column.least()), std::abs(column.most())) * column.as_target() > kFarthest_mm) return false;
-  return are_positions(column) &&
-         (column.meaning == Meaning::position || numbers < 3 || !is_first || !counts_rows(column));
-}
-
-/// Whether the headings allow it: a column named so where there is one, no count of runs.
-bool could_be_readings(const TableColumn& column, const Columns& columns) {
-  const bool named = std::ranges::any_of(
-      columns, [](const TableColumn& one) { return one.is_number() && one.meaning == Meaning::reading; });
-  if (!column.is_number()) return false;
-  if (column.unit && column.unit->kind != UnitKind::length && column.unit->kind != UnitKind::angle) return false;
-  return named ? column.meaning == Meaning::reading
-               : (column.meaning == Meaning::none || column.meaning == Meaning::position) && !counts_rows(column);
-}
-
 /// ",approach=2,run=3" as headings name them, else the approach from the motion.
 std::string pass_rules(const Columns& columns, bool moves) {
   std::string approach = moves ? ",approach=motion" : "", run;
@@ -271,13 +63,6 @@ std::string pass_rules(const Columns& columns, bool moves) {
       approach = fmt::format(",approach={}", column.number);
   }
   return approach + run;
-}
-
-bool go_both_ways(const TableColumn& targets) {
-  const auto falls = [](double a, double b) { return b < a; };
-  const auto rises = [](double a, double b) { return b > a; };
-  return std::ranges::adjacent_find(targets.values, falls) != targets.values.end() &&
-         std::ranges::adjacent_find(targets.values, rises) != targets.values.end();
 }
 
 /// The name of a temperature: "t_air_degC" of "T Luft [°C]".
@@ -294,18 +79,6 @@ std::string sensor_of(const TableColumn& column) {
     if (!plain.empty()) name += (name.empty() ? "" : "_") + plain;
   }
   return fmt::format("t_{}_degC", name.empty() ? std::to_string(column.number) : name);
-}
-
-/// 0, 1, 2, ... or 1, 2, 3, ... again in each run: in place of a time, one a second.
-bool counts_rows_of_runs(const TableColumn& column) {
-  std::size_t begins = 0;
-  for (std::size_t i = 0; i < column.values.size(); ++i) {
-    const bool goes_on = i > 0 && column.values[i] == column.values[i - 1] + 1.0;
-    if (goes_on) continue;
-    if (column.values[i] != column.values.front()) return false;
-    ++begins;
-  }
-  return begins > 1 && (column.values.front() == 0.0 || column.values.front() == 1.0);
 }
 
 /// Temperatures, air and time as their headings name them.
@@ -422,8 +195,7 @@ std::optional<std::string> loose_advice(const Columns& columns, const TableShape
       const std::string unit = turns ? "deg" : "mm";
       return fmt::format(
           "--columns \"{0}={1}[{2}],reading={3}[{2}]{4}{5}\" --values actual{6} reads column {1} as targets and column "
-          "{3} "
-          "as the positions reached, if that is their meaning",
+          "{3} as the positions reached, if that is their meaning",
           turns ? fmt::format("{}_deg", axis_letter(targets, "abc", 'c'))
                 : fmt::format("{}_mm", axis_letter(targets, "xyz", 'x')),
           targets.number, unit, actual.number, go_both_ways(targets) ? ",approach=motion,run=motion" : "",

@@ -1,8 +1,6 @@
-// Pure error from repeats (Draper and Smith 1998, 2.1): white noise plus one correlated over seconds (first
-// order Gauss-Markov process: Uhlenbeck and Ornstein 1930), and replicates of it by the parametric bootstrap (Efron and
-// Tibshirani 1993, 6.5), their size drawn from a scaled inverse χ². Whitening by the innovations of a Kalman filter
-// (Kalman 1960; Kailath 1968): one pass over the readings of a group in order of time.
-// Does not live here: the mixture (noise_shapes.cpp).
+// Pure error from repeats (Draper and Smith 1998, 2.1), else from what smooth columns or both directions leave: white
+// noise plus one correlated over seconds (first order Gauss-Markov process: Uhlenbeck and Ornstein 1930). Does not live
+// here: the mixture (noise_shapes.cpp), replicates of it and whitening (noise_process.cpp).
 #include "model/fit/noise.hpp"
 
 #include <algorithm>
@@ -11,9 +9,9 @@
 #include <map>
 #include <numbers>
 #include <optional>
-#include <random>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include "base/linear/decompositions.hpp"
 #include "model/fit/core.hpp"
@@ -46,9 +44,6 @@ constexpr double kFloorOfResidual = 2e-3, kFloor_um = 1e-9;
 constexpr double kLeastWhite = 0.02;
 /// Independent deviations per reading: a choice; fewer would take the likelihood for nothing.
 constexpr double kLeastInformation = 0.05;
-/// Part of the freedom of repeats that the size of replicates is drawn with: correlated repeats tell less than their
-/// number. A choice: a smaller part names less and later.
-constexpr double kFreedomOfReplicates = 0.7;
 /// Turbulence is correlated over up to a minute [s], the longest time tried: there it may be any longer one; noise is
 /// at most three times what neighbours scatter (docs/statistics.md, "Noise"); variance of a second difference of
 /// independent readings: 1 + 4 + 1.
@@ -56,8 +51,6 @@ constexpr double kTurbulence_s = 60.0, kMostOfScatter = 3.0, kSquaresOfSecond = 
 /// Level at which the least of three estimates counts: two tests at it keep the choice below the usual 0.05 by far, for
 /// few readings scatter less by chance.
 constexpr double kRareByChance = 0.01;
-/// Any number: the same data always give the same replicates.
-constexpr std::uint64_t kSeed = 7;
 
 double rounded(double value, double step) { return std::isnan(value) ? -kBeyondAll : std::round(value / step) * step; }
 std::array<double, kAxes> rounded(const Vector3& p) {
@@ -482,178 +475,6 @@ bool wanders(const Observations& data, const NoiseModel& noise, const Eigen::Vec
     if (std::min(group.sigma(), std::sqrt(sum / count)) > kMostOfScatter * scatter) return true;
   }
   return false;
-}
-
-SimulatedNoise::SimulatedNoise(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out)
-    : data_(data),
-      noise_(noise),
-      left_out_(left_out),
-      pass_(passes_of(data)),
-      random_(kSeed),
-      spread_(std::max(kFewestNoiseFreedom, kFreedomOfReplicates * noise.pure.dof)) {
-  std::vector<double> weights;
-  for (const NoiseShape& shape : noise.shapes) weights.push_back(shape.weight);
-  any_ = WeightedDraws(weights);
-}
-
-Eigen::MatrixXd SimulatedNoise::next(std::size_t count) {
-  const auto n = static_cast<Eigen::Index>(data_.size());
-  Eigen::MatrixXd sets = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(count));
-  struct Memory {
-    double kept = 0.0, fresh = 1.0;  ///< of the reading before; new beside it
-  };
-  std::vector<std::vector<Memory>> memories(noise_.shapes.size());  // of each shape drawn, at each reading
-  for (Eigen::Index b = 0; b < sets.cols(); ++b) {
-    const std::size_t number = any_(random_);
-    const NoiseShape& shape = noise_.shapes[number];
-    std::vector<Memory>& memory_at = memories[number];
-    const double widen = std::sqrt(spread_.freedom() / spread_(random_));
-    const auto memory_since = [&](std::size_t before, std::size_t k) {
-      if (!noise_.has_time) return pass_[k] == pass_[before] ? std::exp(-1.0 / shape.time) : 0.0;
-      if (std::isnan(data_.time_s[k]) || std::isnan(data_.time_s[before])) return 0.0;
-      return std::exp(-std::max(0.0, data_.time_s[k] - data_.time_s[before]) / shape.time);
-    };
-    if (memory_at.empty() && shape.share > 0.0) {
-      memory_at.resize(data_.size());
-      for (const NoiseGroup& group : noise_.groups)
-        for (std::size_t i = 0; i < group.rows.size(); ++i) {
-          const double kept = memory_since(group.rows[i == 0 ? 0 : i - 1], group.rows[i]);
-          memory_at[group.rows[i]] = {kept, std::sqrt(std::max(0.0, 1.0 - kept * kept))};
-        }
-    }
-    for (std::size_t g = 0; g < noise_.groups.size(); ++g) {
-      const double white = widen * std::sqrt((1.0 - shape.share) * shape.variance[g]);
-      const double correlated = widen * std::sqrt(shape.share * shape.variance[g]);
-      double state = correlated > 0.0 ? normal_(random_) : 0.0;
-      for (const std::size_t k : noise_.groups[g].rows) {
-        if (correlated > 0.0) state = memory_at[k].kept * state + memory_at[k].fresh * normal_(random_);
-        if (!left_out_[k]) sets(static_cast<Eigen::Index>(k), b) = white * normal_(random_) + correlated * state;
-      }
-    }
-  }
-  return sets;
-}
-
-Whitener::Whitener(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out) {
-  steps_.reserve(data.size());
-  const std::vector<std::size_t> pass = noise.has_time ? std::vector<std::size_t>() : passes_of(data);
-  for (const NoiseGroup& group : noise.groups) {
-    const double stationary = group.correlated * group.correlated;
-    const double white = group.white * group.white;
-    double variance = stationary;  // of the correlated part, predicted
-    bool first = true;
-    double before_s = 0.0;
-    std::size_t before = 0;
-    double carry = 1.0;  // memory over rows left out
-    for (const std::size_t k : group.rows) {
-      Step step{k, 0.0, 0.0, 0.0};
-      double memory = 0.0;
-      if (!first && stationary > 0.0) {
-        if (noise.has_time && !std::isnan(data.time_s[k]) && !std::isnan(before_s))
-          memory = std::exp(-std::max(0.0, data.time_s[k] - before_s) / group.time);
-        else if (!noise.has_time && pass[k] == pass[before])
-          memory = std::exp(-1.0 / group.time);
-      }
-      carry *= memory;
-      variance = memory * memory * (variance - stationary) + stationary;
-      if (!left_out[k]) {
-        const double innovation = variance + white;
-        step.memory = carry;
-        step.gain = variance / innovation;
-        step.scale = 1.0 / std::sqrt(innovation);
-        variance *= 1.0 - step.gain;
-        carry = 1.0;
-      }
-      if (noise.has_time) before_s = data.time_s[k];
-      before = k;
-      first = false;
-      steps_.push_back(step);
-    }
-    if (!group.rows.empty()) {
-      // the first step of a group forgets the group before
-      for (std::size_t i = steps_.size() - group.rows.size(); i < steps_.size(); ++i)
-        if (steps_[i].scale > 0.0) {
-          steps_[i].memory = 0.0;
-          break;
-        }
-    }
-  }
-}
-
-template <int kColumns>
-void Whitener::apply(const double* from, double* to, Eigen::Index rows) const {
-  Eigen::Vector<double, kColumns> state = Eigen::Vector<double, kColumns>::Zero();
-  for (const Step& step : steps_)
-    for (Eigen::Index j = 0; j < kColumns; ++j) {
-      const auto at = static_cast<Eigen::Index>(step.row) + j * rows;
-      if (step.scale == 0.0) {
-        to[at] = 0.0;
-        continue;
-      }
-      const double expected = step.memory * state(j);
-      const double innovation = from[at] - expected;
-      state(j) = expected + step.gain * innovation;
-      to[at] = innovation * step.scale;
-    }
-}
-
-template <int kColumns>
-void Whitener::apply_transposed(const double* from, double* to, Eigen::Index rows) const {
-  Eigen::Vector<double, kColumns> later =
-      Eigen::Vector<double, kColumns>::Zero();  // what the steps after this one owe to its state
-  for (std::size_t i = steps_.size(); i-- > 0;) {
-    const Step& step = steps_[i];
-    for (Eigen::Index j = 0; j < kColumns; ++j) {
-      const auto at = static_cast<Eigen::Index>(step.row) + j * rows;
-      if (step.scale == 0.0) {
-        to[at] = 0.0;
-        continue;
-      }
-      const double scaled = step.scale * from[at];
-      to[at] = scaled + step.gain * later(j);
-      later(j) = step.memory * ((1.0 - step.gain) * later(j) - scaled);
-    }
-  }
-}
-
-double Whitener::ln_determinant() const {
-  double sum = 0.0;
-  for (const Step& step : steps_)
-    if (step.scale > 0.0) sum -= 2.0 * std::log(step.scale);
-  return sum;
-}
-
-namespace {
-
-/// Each step waits for the one before: several columns at once take little longer than one.
-constexpr int kAtOnce = 4;
-
-template <class Several, class One>
-Eigen::MatrixXd by_columns(const Eigen::MatrixXd& columns, const Several& several, const One& one) {
-  Eigen::MatrixXd out(columns.rows(), columns.cols());
-  Eigen::Index j = 0;
-  for (; j + kAtOnce <= columns.cols(); j += kAtOnce) several(columns.col(j).data(), out.col(j).data(), columns.rows());
-  for (; j < columns.cols(); ++j) one(columns.col(j).data(), out.col(j).data(), columns.rows());
-  return out;
-}
-
-}  // namespace
-
-Eigen::MatrixXd Whitener::transposed(const Eigen::MatrixXd& white) const {
-  return by_columns(
-      white, [&](auto... columns) { apply_transposed<kAtOnce>(columns...); },
-      [&](auto... column) { apply_transposed<1>(column...); });
-}
-
-Eigen::MatrixXd Whitener::operator()(const Eigen::MatrixXd& columns) const {
-  return by_columns(
-      columns, [&](auto... several) { apply<kAtOnce>(several...); }, [&](auto... one) { apply<1>(one...); });
-}
-
-Eigen::VectorXd Whitener::operator()(const Eigen::VectorXd& column) const {
-  Eigen::VectorXd white(column.size());
-  apply<1>(column.data(), white.data(), column.size());
-  return white;
 }
 
 }  // namespace ecs::model

@@ -51,7 +51,7 @@ inline constexpr double kLackOfFit = 0.001;
 enum class PitchSource { nowhere, machine_file };
 
 /// @param pitches_mm  known pitches of the first and the second axis, for waves
-/// Problem (bad_input): fewer readings than four times the columns of the largest model.
+/// Problem (bad_input): fewer than 48 readings.
 [[nodiscard]] Result<CircleDiagnosis> diagnose_circle(const laser::CircleTest& test,
                                                       const std::array<std::vector<double>, 2>& pitches_mm,
                                                       PitchSource source = PitchSource::nowhere);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -139,17 +140,17 @@ std::string curves_csv(const laser::SpindleTest& test, const std::vector<laser::
   return text;
 }
 
-/// Strokes with a point at every few of the angles. @param closed  from the last one to the first
+/// Strokes with a point at every few of the angles. @param follows  at the first angle a turn later; absent: not known
 void add_strokes(PlotSeries& series, const std::vector<double>& angle_deg, const std::vector<double>& values,
-                 double base, bool closed) {
+                 double base, std::optional<double> follows) {
   constexpr std::size_t kMostPoints = 180;
   const std::size_t step = 1 + (values.size() - 1) / kMostPoints;
   for (std::size_t m = 0; m < values.size(); m += step) {
     const bool is_last = m + step >= values.size();
-    if (is_last && !closed) return;
-    const std::size_t next = is_last ? 0 : m + step;
+    if (is_last && !follows) return;
     series.points.push_back(polar_point(base + values[m], angle_deg[m]));
-    series.points.push_back(polar_point(base + values[next], angle_deg[next]));
+    series.points.push_back(is_last ? polar_point(base + *follows, angle_deg.front())
+                                    : polar_point(base + values[m + step], angle_deg[m + step]));
   }
 }
 
@@ -159,6 +160,7 @@ PlotPanel polar_panel(const laser::SpindleMotion& motion) {
   double largest = 1e-6;
   for (const auto& turn : motion.turns)
     for (const double value : turn) largest = std::max(largest, std::abs(value));
+  constexpr double kLabelsAt_deg = 60.0;  // of the rings, between those of the angles
   const double ring_step = round_below(largest), base = 2.0 * largest;
   PlotPanel panel{fmt::format("{}: synchronous {:.3g} {}, asynchronous {:.3g} {}", motion.title, motion.synchronous,
                               unit, motion.asynchronous, unit),
@@ -169,19 +171,21 @@ PlotPanel polar_panel(const laser::SpindleMotion& motion) {
   PlotSeries labels{"", Mark::label, {}};
   for (const int k : {-1, 0, 1}) {
     if (k != 0) panel.series.push_back(ring("", Mark::wire, base + k * ring_step));
-    labels.points.push_back({0.0, base + k * ring_step});
+    labels.points.push_back(polar_point(base + k * ring_step, kLabelsAt_deg));
     labels.labels.push_back(k == 0 ? "0" : fmt::format("{:+g} {}", k * ring_step, unit));
   }
-  for (const int angle_deg : {0, 180, 270}) {
+  for (const int angle_deg : {0, 90, 180, 270}) {
     labels.points.push_back(polar_point(base + 1.25 * largest, angle_deg));
     labels.labels.push_back(fmt::format("{}°", angle_deg));
   }
   PlotSeries turns{fmt::format("{} turns", motion.turns.size()), Mark::wire, {}};
-  for (const auto& turn : motion.turns) add_strokes(turns, motion.angle_deg, turn, base, false);
+  for (std::size_t t = 0; t < motion.turns.size(); ++t)
+    add_strokes(turns, motion.angle_deg, motion.turns[t], base,
+                t + 1 < motion.turns.size() ? std::optional(motion.turns[t + 1].front()) : std::nullopt);
   panel.series.push_back(std::move(turns));
   panel.series.push_back(ring(motion.is_radial ? "least squares circle" : "mean", Mark::level, base));
   PlotSeries mean{"synchronous", Mark::bent_wire, {}};
-  add_strokes(mean, motion.angle_deg, motion.mean, base, true);
+  add_strokes(mean, motion.angle_deg, motion.mean, base, motion.mean.front());
   panel.series.push_back(std::move(mean));
   panel.series.push_back(std::move(labels));
   return panel;
@@ -212,8 +216,7 @@ Result<Outcome> spindle(VerbContext&, const SpindleRequest& request) {
   } else if (std::ranges::any_of(test.motions, &laser::SpindleMotion::is_radial)) {
     notes.emplace_back(
         "The form of the ball is part of the radial synchronous motions. Record it again with ball and sensor turned "
-        "by "
-        "180 degrees, and give that file as --reversed.");
+        "by 180 degrees, and give that file as --reversed.");
   }
   for (std::string& cause : causes_of(test)) notes.push_back(std::move(cause));
   if (!request.plot.empty()) ECS_DO(write_plot(request.plot, spindle_figure(test)));

@@ -2,192 +2,23 @@
 #include "protocol/registers/unit_registers.hpp"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "base/file.hpp"
 #include "core/axis.hpp"
-#include "core/bytes.hpp"
+#include "protocol/registers/fields.hpp"
 #include "protocol/registers/register_map.hpp"
 
 namespace ecs::protocol {
 
 namespace {
-
-/// Appends each field to the registers.
-class FieldWriter {
- public:
-  template <class T>
-  requires std::is_integral_v<T>
-  void number(const T& value, std::string_view) {
-    const auto bits = static_cast<std::make_unsigned_t<T>>(value);
-    for (int shift = 8 * static_cast<int>(sizeof(T)) - 16; shift >= 0; shift -= 16)
-      out_.push_back(static_cast<std::uint16_t>(bits >> shift));
-  }
-  template <class E>
-  void one_of(const E& value, std::uint16_t, std::string_view) {
-    out_.push_back(static_cast<std::uint16_t>(value));
-  }
-  void real(const double& value, std::string_view name) { number(std::bit_cast<std::uint64_t>(value), name); }
-  void flag(const bool& value, std::string_view) { out_.push_back(value ? 1 : 0); }
-  void approach(const Approach& value) { out_.push_back(static_cast<std::uint16_t>(static_cast<std::int16_t>(value))); }
-  void axes(const PerAxis<bool>& set);
-  void letter(const bool& present, Axis axis) {
-    out_.push_back(present ? static_cast<unsigned char>(letter_of(axis)) : 0);
-  }
-  /// Cut to `bytes`, never inside a UTF-8 character; zero-padded.
-  void text(const std::string& value, std::size_t bytes, std::string_view);
-  /// Registers from here to the end of a block of `count` stay 0.
-  void rest(std::size_t count) { out_.resize(count, 0); }
-  template <std::size_t N>
-  void octets(const std::array<std::uint8_t, N>& value) {
-    for (std::size_t i = 0; i < N; i += 2) out_.push_back(load_big<std::uint16_t>(value, i));
-  }
-  /// CRC-32 over what was written after the echo, high byte first.
-  void check();
-  /// Room for the keyed check, see sealed().
-  void keyed() { out_.resize(out_.size() + kKeyedCheckRegisters, 0); }
-
-  Registers out_;
-};
-
-/// Takes each field from the registers; the first that cannot be is kept as a sentence.
-class FieldReader {
- public:
-  explicit FieldReader(std::span<const std::uint16_t> registers) : in_(registers) {}
-
-  template <class T>
-  requires std::is_integral_v<T>
-  void number(T& value, std::string_view) {
-    std::make_unsigned_t<T> bits = 0;
-    for (std::size_t i = 0; i < sizeof(T) / 2; ++i)
-      bits = static_cast<std::make_unsigned_t<T>>((static_cast<std::uint64_t>(bits) << 16) | next());
-    value = static_cast<T>(bits);
-  }
-  template <class E>
-  void one_of(E& value, std::uint16_t count, std::string_view name) {
-    const std::uint16_t word = next();
-    if (word >= count) return fail(fmt::format("{}: expected a number below {}, got {}", name, count, word));
-    value = static_cast<E>(word);
-  }
-  void real(double& value, std::string_view name);
-  void flag(bool& value, std::string_view name);
-  void approach(Approach& value);
-  void axes(PerAxis<bool>& set);
-  void letter(bool& present, Axis axis);
-  void text(std::string& value, std::size_t bytes, std::string_view name);
-  template <std::size_t N>
-  void octets(std::array<std::uint8_t, N>& value) {
-    for (std::size_t i = 0; i < N; i += 2) store_big(value, i, next());
-  }
-  void rest(std::size_t) {}
-  void check() {}  ///< see check_agrees()
-  void keyed() {}  ///< see seal_agrees()
-
-  std::string problem_;  ///< empty: every field was good
-
- private:
-  std::uint16_t next();
-  void fail(std::string sentence) {
-    if (problem_.empty()) problem_ = std::move(sentence);
-  }
-  std::span<const std::uint16_t> in_;
-};
-
-std::size_t cut_length(std::string_view text, std::size_t bytes) {
-  std::size_t length = std::min(text.size(), bytes);
-  if (length == text.size()) return length;
-  while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xC0u) == 0x80u) --length;
-  return length;
-}
-
-bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
-
-void FieldWriter::axes(const PerAxis<bool>& set) {
-  unsigned mask = 0;
-  for (const Axis a : kAllAxes)
-    if (set[index_of(a)]) mask |= 1u << index_of(a);
-  out_.push_back(static_cast<std::uint16_t>(mask));
-}
-
-void FieldWriter::check() {
-  std::vector<std::uint8_t> bytes(2 * (out_.size() - 1));
-  for (std::size_t i = 1; i < out_.size(); ++i) store_big(bytes, 2 * (i - 1), out_[i]);
-  number(crc32_of(bytes), "check");
-}
-
-void FieldWriter::text(const std::string& value, std::size_t bytes, std::string_view) {
-  std::string field_text = value.substr(0, cut_length(value, bytes));
-  field_text.resize(bytes, '\0');
-  for (std::size_t i = 0; i + 1 < bytes; i += 2)
-    out_.push_back(static_cast<std::uint16_t>((static_cast<unsigned char>(field_text[i]) << 8) |
-                                              static_cast<unsigned char>(field_text[i + 1])));
-}
-
-std::uint16_t FieldReader::next() {
-  if (in_.empty()) {
-    fail("the block is too short");
-    return 0;
-  }
-  const std::uint16_t word = in_.front();
-  in_ = in_.subspan(1);
-  return word;
-}
-
-void FieldReader::real(double& value, std::string_view name) {
-  std::uint64_t bits = 0;
-  number(bits, name);
-  const auto number_read = std::bit_cast<double>(bits);
-  if (!std::isfinite(number_read)) return fail(fmt::format("{}: expected a finite number", name));
-  value = number_read;
-}
-
-void FieldReader::flag(bool& value, std::string_view name) {
-  int word = 0;
-  one_of(word, 2, name);
-  value = word == 1;
-}
-
-void FieldReader::approach(Approach& value) {
-  std::int16_t word = 0;
-  number(word, "approach");
-  if (word < -1 || word > 1) return fail(fmt::format("approach: expected -1, 0 or 1, got {}", word));
-  value = static_cast<Approach>(word);
-}
-
-void FieldReader::axes(PerAxis<bool>& set) {
-  std::uint16_t mask = 0;
-  one_of(mask, 1u << kAxes, "axes");
-  for (const Axis a : kAllAxes) set[index_of(a)] = (mask >> index_of(a) & 1) != 0;
-}
-
-void FieldReader::letter(bool& present, Axis axis) {
-  const std::uint16_t word = next();
-  if (word != 0 && word != static_cast<unsigned char>(letter_of(axis)))
-    return fail(fmt::format("axis letter: expected {} or 0, got {}", letter_of(axis), word));
-  present = word != 0;
-}
-
-void FieldReader::text(std::string& value, std::size_t bytes, std::string_view name) {
-  std::string field_text;
-  for (std::size_t i = 0; i + 1 < bytes; i += 2) {
-    const std::uint16_t word = next();
-    field_text.push_back(static_cast<char>(word >> 8));
-    field_text.push_back(static_cast<char>(word & 0xFF));
-  }
-  field_text.erase(std::find(field_text.begin(), field_text.end(), '\0'), field_text.end());
-  if (std::any_of(field_text.begin(), field_text.end(), is_control))
-    return fail(fmt::format("{}: expected printable characters", name));
-  value = field_text;
-}
 
 /// Read or written: a list of fields runs through either pass.
 template <class T, class Of>

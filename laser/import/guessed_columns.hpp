@@ -1,0 +1,80 @@
+// The columns of a table that nobody has described: what its headings and values say that they hold. Internal to the
+// explanation of a file that is not read. Does not live here: what is said of them (explain.cpp), how the table looks
+// (columns.hpp).
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "laser/import/columns.hpp"
+#include "laser/units.hpp"
+
+namespace ecs::laser {
+
+/// What a heading says that its column holds.
+enum class Meaning { none, reading, position, counter, run, approach, temperature, pressure, humidity, time, other };
+
+struct TableColumn {
+  std::size_t number = 0;  ///< from 1
+  std::string heading;
+  Meaning meaning = Meaning::none;
+  std::optional<Unit> unit;  ///< of the heading
+  std::vector<std::string_view> cells;
+  std::vector<double> values;  ///< as many as cells where each is a number, else none
+  [[nodiscard]] bool is_number() const { return !values.empty(); }
+  [[nodiscard]] double least() const { return *std::ranges::min_element(values); }
+  [[nodiscard]] double most() const { return *std::ranges::max_element(values); }
+  [[nodiscard]] double span() const { return most() - least(); }
+  [[nodiscard]] bool turns() const { return unit && unit->kind == UnitKind::angle; }
+  /// One of the cells in mm, or deg.
+  [[nodiscard]] double as_target() const {
+    if (!unit) return 1.0;
+    return unit->kind == UnitKind::angle ? unit->factor / kUmPerMPerDegree : unit->factor;
+  }
+  /// … in um, or um/m.
+  [[nodiscard]] double as_error() const {
+    if (!unit) return 1.0;
+    return unit->kind == UnitKind::length ? unit->factor * 1000.0 : unit->factor;
+  }
+};
+using Columns = std::vector<TableColumn>;
+
+/// The rows that the suggested options would read.
+struct Rows {
+  int skip = 0;
+  std::size_t count = 0;  ///< 0: all
+};
+[[nodiscard]] Rows rows_of(const TableShape& shape);
+
+[[nodiscard]] bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words);
+
+/// Every column; numbers where each of its cells is one.
+[[nodiscard]] Columns columns_of(std::string_view text, const TableShape& shape);
+
+/// 0, 1, 2, ... or 1, 2, 3, ...
+[[nodiscard]] bool counts_rows(const TableColumn& column);
+/// Whole numbers, fewer than rows: a number of each row is no run.
+[[nodiscard]] bool are_runs(const TableColumn& column);
+/// Whether the values are positions that were reached where `targets` were asked for.
+[[nodiscard]] bool are_actual(const TableColumn& column, const TableColumn& targets);
+/// Positions of a poor encoder: the same travel, of each row not far from the target, and not its axis by the headings.
+[[nodiscard]] bool are_loosely_actual(const TableColumn& column, const TableColumn& targets);
+/// Positions without a unit that cover just one turn.
+[[nodiscard]] bool is_one_turn(const TableColumn& targets);
+/// An axis that stays at one place for many rows, one after the other.
+[[nodiscard]] bool rests(const TableColumn& targets);
+/// Small against the travel and round 0.
+[[nodiscard]] bool are_errors(const TableColumn& column, const TableColumn& targets);
+[[nodiscard]] bool could_be_targets(const TableColumn& column, const Columns& columns);
+/// Whether the headings allow it: a column named so where there is one, no count of runs.
+[[nodiscard]] bool could_be_readings(const TableColumn& column, const Columns& columns);
+[[nodiscard]] bool go_both_ways(const TableColumn& targets);
+/// 0, 1, 2, ... or 1, 2, 3, ... again in each run: in place of a time, one a second.
+[[nodiscard]] bool counts_rows_of_runs(const TableColumn& column);
+
+}  // namespace ecs::laser
