@@ -3,7 +3,7 @@
 //   [--lines|--follow|--together]]
 // Each seed draws a machine, a plane, a circle and a fault. The machine is contoured without noise by `contour_circle`;
 // its deviations then get noise so that the rms of the fault's part is --snr times that of the noise. --second adds
-// another fault of a third of the size. Faults come from the effects and drives of the emulator, which share no code
+// another fault of a quarter of the size. Faults come from the effects and drives of the emulator, which share no code
 // with modules/standards. --model diagnoses by the library of the error model (`ecs model diagnose`) instead, with the
 // same names; --lines gives it a line along each axis of the plane as well, of a machine that has lost motion on the
 // first; seeds whose fault such a line would show as well are passed over. --follow runs the first circle that `ecs

@@ -27,7 +27,8 @@ constexpr GlossaryRow kGlossary[] = {
     {"alias", "another period that the same targets cannot distinguish from the one found"},
     {"approach", "the direction in which the axis last moved: forward (to larger coordinates) or reverse"},
     {"armed|arm code",
-     "the unit accepts writes and commands from this host, after the arming code that the unit shows has been entered"},
+     "the unit accepts writes and commands from this host, because somebody has entered the arming code shown on the "
+     "unit"},
     {"by chance",
      "share of simulated noise-only data sets in which any effect explains as much as the named one does in the "
      "measured "
@@ -35,7 +36,8 @@ constexpr GlossaryRow kGlossary[] = {
     {"candidate|candidates", "an effect that was tried on the residual"},
     {"commit", "the step that makes a completely sent map active; until then the old map stays active"},
     {"compensation mode|compensating|compensation",
-     "the unit adds the compensation to the velocity command in every period of its loop; it refuses writes"},
+     "the unit adds the compensation to the velocity command in every period of its loop; it refuses parameters, maps "
+     "and writes to its memory"},
     {"credible set", "the smallest set of effects that contains the cause with a probability of 99 %"},
     {"datum|datuming", "reference point of an axis: found by switch and marker while the control references it"},
     {"deadband", "travel in the new direction after which the approach counts as changed"},
@@ -44,12 +46,14 @@ constexpr GlossaryRow kGlossary[] = {
      "corrected"},
     {"diagnosis|diagnose", "the search for effects that the model lacks, with evidence"},
     {"e-value",
-     "evidence from held-out readings: noise alone reaches 100 at most once in 100 cases; not valid where the zero "
-     "wanders slowly"},
+     "evidence from held-out readings: noise alone reaches 100 at most once in 100 cases; not valid where the zero of "
+     "the readings drifts slowly"},
     {"held out|held-out", "readings that were not used for the fit and therefore test it"},
     {"integration mode|integration|integrating", "the unit accepts parameters, maps and commands; compensation is off"},
     {"lack of fit", "the means deviate from the model by more than the scatter of repeated readings allows (F test)"},
-    {"likely", "noise alone fits as well in at most 1 of 100 cases, but another cause is not excluded"},
+    {"likely",
+     "in at most 1 of 100 sets of simulated noise, an effect explains as much as this one does here; another cause is "
+     "not excluded"},
     {"marker",
      "the index pulse of the transducer, once a revolution or at one place; together with the switch it defines the "
      "datum"},

@@ -1,5 +1,5 @@
 // The true errors of an emulated machine, for a volume: what its errors file says, as the program `ecs-emulator`
-// evaluates it. The machine that hides errors and the code that finds them share no code, so the file is not read here.
+// evaluates it. The machine that hides errors computes them with code of its own, so the file is not read here.
 #pragma once
 
 #include <filesystem>

@@ -175,10 +175,11 @@ struct FleetMergeRequest {
   std::string previous, output;
   static Fields<FleetMergeRequest> fields() {
     using R = FleetMergeRequest;
-    return {{"RESULTS", &R::results, "results of `ecs fleet diagnose`, from one host or many", Need::required},
-            {"--fdr", &R::rate, "accepted share of wrong causes among all named causes, on average", Range{1e-6, 1.0}},
-            {"--previous", &R::previous, "earlier results, or the answer of `fleet merge --json`, for comparison"},
-            {"-o,--output", &R::output, "file for the results of all hosts", Is::output}};
+    return {
+        {"RESULTS", &R::results, "results of `ecs fleet diagnose`, from one host or many", Need::required},
+        {"--fdr", &R::rate, "accepted share of unchanged machines among the named ones, on average", Range{1e-6, 1.0}},
+        {"--previous", &R::previous, "earlier results, or the answer of `fleet merge --json`, for comparison"},
+        {"-o,--output", &R::output, "file for the results of all hosts", Is::output}};
   }
 };
 
@@ -254,8 +255,8 @@ Result<Outcome> fleet_merge(VerbContext& context, const FleetMergeRequest& reque
                                                    names.unexplained.size())),
                 "groups"_is(groups_cell(names.groups)));
   std::string layout =
-      "{machines} machines, {errors} without an answer; {count} causes named, on average at most {fdr} % of them "
-      "wrongly\n"
+      "{machines} machines, {errors} without an answer; {count} causes named; on average at most {fdr} % of the named "
+      "machines are unchanged\n"
       "{named}{unconfirmed}{unexplained}{groups}";
   if (!request.previous.empty()) {
     ECS_TRY(before, previously_named(request.previous, request.rate));

@@ -313,7 +313,7 @@ double rms_of(const std::vector<double>& values, const Rows& rows) {
 
 /// Runs of lines that are taken as independent; with fewer a t-test could hardly tell anything.
 constexpr std::size_t kEnoughRuns = 4;
-/// Into how many stretches fewer runs are cut together, and how many readings each has at least.
+/// Into how many stretches fewer runs are cut together (three runs into nine), and how many readings each has at least.
 constexpr double kStretches = 8.0;
 constexpr std::size_t kFewestInStretch = 4;
 /// Shorter ones are not independent: twice the minute over which turbulence correlates readings (docs/statistics.md).
