@@ -47,8 +47,8 @@ std::vector<double> shared_places(const Tables& first, const Tables& second) {
     }
   std::ranges::sort(places);
   std::erase_if(places, [&](double p) { return p < low || p > high; });
-  const auto [end, last] = std::ranges::unique(places, [](double a, double b) { return b - a < kSamePlace_mm; });
-  places.erase(end, last);
+  const auto same = [](double a, double b) { return b - a < kSamePlace_mm; };
+  places.erase(std::unique(places.begin(), places.end(), same), places.end());
   return places;
 }
 

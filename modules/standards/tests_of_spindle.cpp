@@ -224,8 +224,9 @@ Result<Outcome> spindle(VerbContext&, const SpindleRequest& request) {
   const std::string heading = fmt::format("  {:<32} {:>8} {:>8} {:>8} {:>8} {:>7} {:>8}\n", "error motion", "total",
                                           "synchr.", "(MRS)", "asynchr.", "at deg", "drift");
   return outcome_of(record_cell(
-      "{file}: {turns} turns at {readings_per_turn} angles, {way} angle{speed}; values about the least squares centre\n"
-      "(LSC) and, of synchronous motion, of minimum radial separation (MRS); axial: about the mean. Drift is removed.\n"
+      "{file}: {turns} turns at {readings_per_turn} angles, {way} angle{speed}. Drift is removed.\n"
+      "Values about the least squares centre (LSC) and, of synchronous motion, of minimum\n"
+      "radial separation (MRS); axial: about the mean\n"
       "{motions}{further}{separated}{notes}{output}{plot}",
       "file"_is(request.file), "turns"_is(test.turns), "readings_per_turn"_is(test.angles), "falling"_is(test.falling),
       "way"_shown(test.falling ? "falling" : "rising"), "speed_rpm"_is(test.speed_rpm),
