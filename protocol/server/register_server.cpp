@@ -382,7 +382,7 @@ void RegisterServer::take_command(const Command& command, std::span<const std::u
 UnitError RegisterServer::refusal_of(const Command& command, const HostSession& session) {
   if (command.code == CommandCode::none) return UnitError::bad_argument;
   if (static_cast<std::uint16_t>(command.code) >= kCommandCount) return UnitError::unknown_command;
-  if (port_busy_ && command.code != CommandCode::stop) return UnitError::busy;
+  if (port_busy_ && !switches_off(command.code)) return UnitError::busy;
   const std::uint64_t now_ms = unit_->clock().ms;
   if (needs_arming(command.code) && arming_.left_s(session, now_ms) == 0) return UnitError::not_armed;
   if (!acts_at_once(command.code)) return UnitError::none;
@@ -434,12 +434,16 @@ CommandResult RegisterServer::outcome_of(const Command& command, const HostSessi
   }
   if (command.code == CommandCode::check_memory) return check_memory(command);
   if (const UnitError error = refusal_of(command, session); error != UnitError::none) return refused(error);
+  // What switches off does not wait for a command under way: it ends it first.
+  if (port_busy_ && switches_off(command.code)) {
+    static_cast<void>(unit_->begin({.code = CommandCode::stop}));
+    look_at_busy_command();
+    if (command.code == CommandCode::stop) return {0, CommandState::done, UnitError::none, 0, 0, {}};
+  }
   CommandResult result = begun(command);
   if (result.state == CommandState::busy) {
     port_busy_ = true;
     busy_ = {command.asker, command.sequence};
-  } else if (command.code == CommandCode::stop) {
-    look_at_busy_command();
   }
   return result;
 }

@@ -361,6 +361,20 @@ TEST_CASE("the unit keeps what hosts did and tried, with host, time and result")
   CHECK(events_of(server, 4).front().code == CommandCode::output_off);
 }
 
+TEST_CASE("outputs are switched off and the mode is left while a command takes time, which ends as stopped") {
+  for (const CommandCode code : {CommandCode::output_off, CommandCode::enter_integration, CommandCode::stop}) {
+    UnitModel model;
+    model.busy_polls_left = 100;
+    RegisterServer server(model);
+    RegisterHost armed(server, 7), stranger(server, 8);
+    (void)armed.give({.code = CommandCode::test_datum});
+    CHECK(armed.give({.code = CommandCode::set_axis_position}).error == UnitError::busy);
+    CHECK(stranger.give({.code = code}).state == CommandState::done);
+    CHECK(armed.give({.code = CommandCode::set_axis_position}).state == CommandState::done);
+    CHECK(events_of(server)[1].error == UnitError::stopped);
+  }
+}
+
 TEST_CASE("a command that takes time ends in the list of events as it ended, and the oldest of 64 give way") {
   UnitModel model;
   model.busy_polls_left = 100;
