@@ -252,17 +252,47 @@ LineReadings readings_of(const Drawn& drawn, Axis axis, int approach) {
   return line;
 }
 
+Mark value_mark(int approach) {
+  return approach == 0 ? Mark::value : approach > 0 ? Mark::forward_value : Mark::reverse_value;
+}
+
 /// Means of the targets, not joined: a line would show waves that are none.
 PlotSeries at_targets(const Drawn& drawn, const Values& y, int approach, const std::string& name) {
   PlotSeries series = curve(drawn, y, approach, name + " at the targets");
-  series.mark = approach == 0 ? Mark::value : approach > 0 ? Mark::forward_value : Mark::reverse_value;
+  series.mark = value_mark(approach);
   return series;
 }
 
-/// The model of a fit along a line, also between its targets; at the targets alone where its waves are too many to see.
+/// At one place the model differs between readings (by their run, time, load or temperature) by more than twice the
+/// rms of the residual: one curve would lie beside the readings.
+bool differs_at_a_place(const Drawn& drawn, const Fit& fit, int approach) {
+  std::map<double, std::pair<double, double>> extents;
+  double squares = 0.0, most = 0.0, count = 0.0;
+  for (const std::size_t k : drawn.rows) {
+    if (drawn.data.approach[k] != approach || !std::isfinite(drawn.x[k])) continue;
+    squares += fit.residual[k] * fit.residual[k];
+    count += 1.0;
+    const auto [at, is_new] = extents.try_emplace(drawn.x[k], fit.predicted[k], fit.predicted[k]);
+    auto& [least, greatest] = at->second;
+    least = std::min(least, fit.predicted[k]);
+    greatest = std::max(greatest, fit.predicted[k]);
+    most = std::max(most, greatest - least);
+  }
+  return most > 2.0 * std::sqrt(squares / std::max(count, 1.0));
+}
+
+PlotSeries at_readings(const Drawn& drawn, const Values& y, int approach, const std::string& name) {
+  PlotSeries series = readings(drawn, y, approach, name + " at each reading");
+  series.mark = value_mark(approach);
+  return series;
+}
+
+/// The model of a fit along a line, also between its targets; at the targets alone where its waves are too many to see,
+/// at each reading where it differs between readings of one place.
 PlotSeries model_curve(const Drawn& drawn, const Fit& fit, Axis axis, int approach, const std::string& name) {
   const LineReadings line = readings_of(drawn, axis, approach);
   if (!line.rows.empty() && drawn.data.on_path(line.rows.front())) return curve(drawn, fit.predicted, approach, name);
+  if (differs_at_a_place(drawn, fit, approach)) return at_readings(drawn, fit.predicted, approach, name);
   if (!can_be_seen(line, fit.effects)) return at_targets(drawn, fit.predicted, approach, name);
   PlotSeries series{name, line_mark(approach), dense_curve(line, fit.effects, dense_places(line, fit.effects))};
   return series.points.empty() ? curve(drawn, fit.predicted, approach, name) : series;
@@ -466,7 +496,7 @@ std::vector<PlotPanel> residual_panels_of_variables(const Observations& data, co
     panels.back().x_label = data.position_unit();
     panels.back().y_label = is_rotation(line.sense) ? "µm/m" : "µm";
   }
-  std::vector<std::string> variables{"run", "time_s", "travel_since_reversal_mm"};
+  std::vector<std::string> variables{"run", "time_s", "load_kg", "feed_mm_min", "travel_since_reversal_mm"};
   for (const auto& sensor : data.sensors_degC) variables.push_back(sensor.first);
   for (const std::string& variable : variables) {
     const Values x = column_named(data, variable);

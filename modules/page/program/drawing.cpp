@@ -193,16 +193,20 @@ std::string bars_svg(const PlotFigure& figure) {
   const double scale = ranges.y.to > 0.0 ? (kWidth - kNumbers) / ranges.y.to : 0.0;
   const double foot = kRow * static_cast<double>(panel.x_names.size());
   std::string inside, words = figure.title + ".";
-  double level = 0.0;
+  double level = 0.0, least = ranges.y.to;
   for (const PlotSeries& series : panel.series)
-    if (series.mark == Mark::level && !series.points.empty()) level = scale * series.points.front().y;
+    for (const PlotPoint& point : series.points) {
+      if (series.mark == Mark::level) level = scale * point.y;
+      if (point.y > 0.0) least = std::min(least, point.y);
+    }
+  const auto number_of = [&](double value) { return number_text(value, decimals_for(least)); };
   for (std::size_t row = 0; row < panel.x_names.size(); ++row)
     inside += label(0.0, kRow * static_cast<double>(row) + 12.0, "tick", panel.x_names[row]);
   for (const PlotSeries& series : panel.series) {
     if (series.points.empty()) continue;
     for (const PlotPoint& point : series.points) {
       if (series.mark != Mark::bar) break;
-      const std::string number = number_text(point.y, decimals_for(point.y));
+      const std::string number = number_of(point.y);
       const double top = kRow * point.x + 16.0, end = scale * point.y;
       inside += fmt::format("<rect class=\"bar\" x=\"0\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>", top,
                             std::max(0.5, end), kBar);
@@ -211,10 +215,13 @@ std::string bars_svg(const PlotFigure& figure) {
     }
     if (series.mark != Mark::level) continue;
     const bool is_right = level > kWidth / 2.0;
-    inside += fmt::format("<path class=\"level\" d=\"M{:.1f} 0V{:.1f}\"/>", level, foot + 4.0);
-    inside += label(level + (is_right ? -4.0 : 4.0), foot + 12.0, is_right ? "tick end" : "tick", series.name);
-    const double value = series.points.front().y;
-    words += fmt::format(" {}: {}.", series.name, number_text(value, decimals_for(value)));
+    for (std::size_t row = 0; row < panel.x_names.size(); ++row)  // across the bars, not across their names
+      inside += fmt::format("<path class=\"level\" d=\"M{:.1f} {:.1f}v{:.1f}\"/>", level,
+                            kRow * static_cast<double>(row) + 14.0, kBar + 4.0);
+    const std::string number = number_of(series.points.front().y);
+    inside += label(level + (is_right ? -4.0 : 4.0), foot + 12.0, is_right ? "tick end" : "tick",
+                    fmt::format("{} {}", series.name, number));
+    words += fmt::format(" {}: {}.", series.name, number);
   }
   return fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\">{}</svg>\n", kWidth,
                      foot + 16.0, text(words).html(), inside);

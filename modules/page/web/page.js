@@ -60,7 +60,7 @@ const wholeAnswer = (verb, text) =>
 
 /** The words of the screens (docs/glossary.md), longest first, so that "reversal error" goes before a shorter one. */
 const words = JSON.parse(byId("words").textContent).sort((a, b) => b.word.length - a.word.length);
-const wordPattern = new RegExp(`(?<![\\w-])(?:${words.map(({ word }) => `(${word.replace(/[ -]/g, "[ -]")}s?)`).join("|")})(?![\\w-])`, "i");
+const wordPattern = new RegExp(`(?<![\\w-])(?:${words.map(({ word }) => `(${word.replace(/[ -]/g, "[ -]")}s?)`).join("|")})(?![\\w-]| or yaw)`, "i");
 
 /** Marks the first occurrence of each word in a card, with its meaning. */
 function explainWords(part) {
@@ -228,15 +228,24 @@ function layOut() {
   byId("work").hidden = false;
 }
 
+/** The causes of a diagnosis, with the one that comes first; those that are only possible are no answer. */
+const causesOf = ({ candidates }) => candidates.filter((one) => one.standing !== "possible");
+
+const addButton = (candidate) => element("button", { class: "main", type: "button", "data-add": candidate.name,
+  click: () => addEffect(candidate.name, wordsOf(candidate), candidate) }, `Add ${candidate.name} to the model`);
+
 function showVerdict(said) {
   const { verdict, headline, observations } = said.answer;
+  const [first] = causesOf(said.answer);
   const looks = { adequate: "good", missing_effect: "open", unexplained_structure: "open" };
   const warnings = [...said.messages.matchAll(/^warning: (.*(?:\n .*)*)/gm)].map(([, words]) => unwrapped(words));
   const box = element("div", { class: `verdict ${looks[verdict] || ""}`, "data-verdict": verdict, "data-headline": headline },
     element("p", { class: "headline" }, typeset(headline)),
     element("p", {}, element("span", { class: "badge" }, inWords(verdict)), " ",
       typeset(unwrapped(said.text.split("\n\n")[1] || `${observations} readings`))),
-    warnings.map((one) => element("p", { class: "warning" }, element("strong", {}, "Warning: "), typeset(one))));
+    paragraphOf(said.text, "Nearest candidates"),
+    warnings.map((one) => element("p", { class: "warning" }, element("strong", {}, "Warning: "), typeset(one))),
+    first ? element("div", { class: "decide" }, addButton(first), rivalsOf(first)) : null);
   fill("verdict", box);
 }
 
@@ -255,11 +264,10 @@ function candidateBox(candidate, library) {
   return element("article", { class: "candidate" },
     element("h3", {}, known ? known.title : candidate.effect, element("code", {}, placeOf(candidate)),
       element("span", { class: `badge ${candidate.standing}` }, candidate.standing
-        + ((candidate.indistinguishable_from || []).length ? ": one of those below" : ""))),
+        + ((candidate.indistinguishable_from || []).length ? ": this or one that these data cannot distinguish from it" : ""))),
     element("dl", { class: "facts" },
       facts.flatMap(([name, text]) => [element("dt", {}, name), element("dd", {}, typeset(text))])),
-    element("div", { class: "decide" }, element("button", { class: "main", type: "button", "data-add": candidate.name,
-      click: () => addEffect(candidate.name, wordsOf(candidate), candidate) }, `Add ${candidate.name} to the model`), rivalsOf(candidate)));
+    element("div", { class: "decide" }, addButton(candidate), rivalsOf(candidate)));
 }
 
 const percent = (part) => `${Number((100 * part).toPrecision(3))} %`;
@@ -303,8 +311,8 @@ function runsBox(different) {
 
 function showMissing(said, library) {
   const { candidates, left, formula, notes, where, different_run, outliers } = said.answer;
-  const inAnswer = candidates.filter((one) => one.standing !== "possible");
-  const possible = candidates.filter((one) => one.standing === "possible");
+  const inAnswer = causesOf(said.answer);
+  const possible = candidates.filter((one) => one.standing === "possible").sort((a, b) => a.rms_after_um - b.rms_after_um);
   const rows = possible.map((one) => [
     (library.get(one.effect) || {}).title || one.effect, element("code", {}, placeOf(one)), one.rms_after_um.toFixed(3),
     `${(100 * Math.max(0, one.explained)).toFixed(1)} %`,
@@ -330,7 +338,8 @@ function showMissing(said, library) {
     where.length ? element("details", {}, element("summary", {}, "What the residual depends on"),
       table("share of the variance of the residual", ["variable", ">share", "looks like"], where.map((one) =>
         [one.variable, `${(100 * one.strength).toFixed(1)} %`, typeset(one.looks_like || "")]))) : null,
-    notes.map((one) => element("p", { class: "soft" }, typeset(one))),
+    notes.length ? element("details", {}, element("summary", {}, "Notes, and effects that cannot be tried with these readings"),
+      notes.map((one) => element("p", { class: "soft" }, typeset(one)))) : null,
     wholeAnswer("ecs model diagnose", said.text)));
 }
 
@@ -413,12 +422,13 @@ async function rankEffects() {
 }
 
 /** Where the model fails: readings and model, and a row for each direction. */
-function showComparison(said, svg, residual) {
+function showComparison(said, svg, residual, inModel) {
   const rows = said.text.split("\n").map((line) =>
     line.match(/^(\S+(?: \S+)?)\s+(\S+)\s{2,}(\S+(?: \S+)*)\s+(\d+)\s+(-?[\d.]+)\s+([\d.]+)\s+([\d.]+)\s{2,}(.*)$/));
   // The diagnosis states rms, noise and lack of fit; without it the comparison does.
   const mostDrawn = 3;
-  fill("figures", card("The model against the measurement", overAbscissa(svg, residual),
+  fill("figures", card("The model against the measurement", element("p", { id: "effects", class: "soft" }, `In the model: ${inModel.join(", ")}.`),
+    overAbscissa(svg, residual),
     bench.lineCount > mostDrawn ? element("p", { class: "soft" }, `The ${mostDrawn} of ${bench.lineCount} lines with the largest error are drawn.`) : null,
     byId("verdict").firstChild ? null : element("p", {}, typeset(unwrapped(said.text.split("\n\n")[0]))),
     table("the residual, reading − model, in µm (EA, EB and EC in µm/m)",
@@ -577,7 +587,11 @@ function showTake() {
   if (bench.game && !bench.hinted && !bench.added.length) return fill("take");
   const button = (id, words, work) =>
     element("button", { id, type: "button", click: () => during("The file is being written.", work) }, words);
-  fill("take", card("Take away", element("p", { class: "row" },
+  const [found] = bench.diagnosis ? causesOf(bench.diagnosis) : [];
+  fill("take", card("Take away",
+    found ? element("p", { id: "lacking" }, `The model does not have ${found.name} yet: add it before you take away the model, the map or the report.`)
+      : null,
+    element("p", { class: "row" },
     button("save-model", "Model (model.toml)", saveModel), button("save-map", "Error map (map.csv)", saveMap),
     button("save-report", "Report (report.html)", saveReport),
     button("save-diagnosis", "Diagnosis (diagnosis.json)", saveDiagnosis)),
@@ -604,6 +618,12 @@ async function diagnose() {
   showMissing(said, await effectLibrary());
 }
 
+/** "load:X:EX" for each effect, as the model file has them. */
+async function effectsInModel() {
+  return (await readText(bench.model)).split(/^\[\[effect\]\]$/m).slice(1).map((one) =>
+    ["id", "axis", "sense"].map((key) => new RegExp(`^${key} = "(.*)"`, "m").exec(one)).filter(Boolean).map(([, value]) => value).join(":"));
+}
+
 async function compare() {
   const said = await verb("model", "compare", ...dataWords(), "--plot", "model.svg", "--force");
   let residual = "";
@@ -613,7 +633,7 @@ async function compare() {
   } catch (error) {
     if (!(error instanceof Refusal)) throw error;  // nothing but the position changes
   }
-  showComparison(said, await readText("model.svg"), residual);
+  showComparison(said, await readText("model.svg"), residual, await effectsInModel());
 }
 
 /** What `ecs model add` takes: the model, an effect, the data. */
@@ -625,8 +645,9 @@ function addEffect(name, more, candidate = null) {
   return during(`Adding ${name}.`, async () => {
     clearGame();
     const before = await readBytes(bench.model);
+    const already = bench.commands.length;
     const said = await verb("model", "add", ...changing(name, more), "-o", bench.model);
-    bench.added.push({ before, name, said, candidate });
+    bench.added.push({ before, name, said, candidate, command: bench.commands[already] });
     ++bench.changes;
     if (bench.game) showGuessed(said);
     await showAll();
@@ -642,11 +663,14 @@ function clearGame() {
 
 function takeBack() {
   return during("The last effect is being removed.", async () => {
-    await write(bench.model, bench.added.pop().before);
+    const { name, before, command } = bench.added.pop();
+    await write(bench.model, before);
+    bench.commands = bench.commands.filter((one) => one !== command);
     ++bench.changes;
     clearGame();
     await showAll();
     focusOn(byId("about").querySelector("h2"));
+    return `Removed: ${name}.`;
   });
 }
 
@@ -774,6 +798,8 @@ function play(event) {
 
 /** Name and bytes of all files that were dropped or chosen. */
 const given = new Map();
+/** Names of those that took the place of others at last. */
+let replaced = [];
 /** The measured file that comes first, and with it its machine; of files that do not go together. */
 let preferred = null;
 
@@ -877,7 +903,7 @@ function analyse() {
     byId("work").hidden = true;
     await ask({ action: "clear" });
     const names = [...given.keys()].sort((a, b) => (b === preferred) - (a === preferred) || (a < b ? -1 : 1));
-    byId("given").textContent = names.length ? `Files: ${names.join(", ")}` : "";
+    byId("given").textContent = (names.length ? `Files: ${names.join(", ")}` : "") + (replaced.length ? `. Replaced: ${replaced.join(", ")}` : "");
     for (const [name, bytes] of given) await write(name, bytes);
     const { files: looks } = (await run("look", ...names)).answer;
     const of = (...kinds) => looks.filter((one) => kinds.includes(one.kind)).map((one) => one.file);
@@ -924,7 +950,12 @@ function analyse() {
 async function takeIn(files) {
   if (busy || !files.length) return;
   if (bench && !bench.game && bench.added.length && given.size) given.set(bench.model, await readBytes(bench.model));
-  for (const { name, file } of files) given.set(name.replace(/[\\\n]/g, "_"), new Uint8Array(await file.arrayBuffer()));
+  replaced = [];
+  for (const { name: path, file } of files) {
+    const name = path.replace(/[\\\n]/g, "_");
+    if (given.has(name)) replaced.push(name);
+    given.set(name, new Uint8Array(await file.arrayBuffer()));
+  }
   await analyse();
 }
 
