@@ -226,9 +226,9 @@ Result<Outcome> devices(VerbContext& context, const DevicesRequest& request) {
 extern const std::vector<Action> kLaserCapturing{
     action("laser capture", "guide through the targets of a measurement, forward and back, and record its readings",
            "ecs laser capture --axis X --sense EX --from 0 --to 500 --step 50 --runs 3 -o exx.csv\n"
-           "  ecs laser capture --plan plan.toml --row EXX --trigger foot_switch.toml --gauge gauge.toml --environment "
+           "  ecs laser capture --plan plan.toml --row EYX --trigger foot_switch.toml --gauge gauge.toml --environment "
            "temper "
-           "-o EXX.csv\n"
+           "-o EYX.csv\n"
            "  ecs laser capture --resume EXX.csv.part --trigger foot_switch.toml --gauge gauge.toml",
            capture_verb, {.logged = Logged::when_written, .kind = "measurement", .live = true}),
     action("laser devices", "list USB devices (HID) for capture, learn a trigger, try a description, write udev rules",

@@ -51,7 +51,7 @@ std::optional<std::string> plan_in(const FormValues& values) {
 
 FormEntry lengths_entry() {
   return {
-      "all 21 components from lengths, and which are undetermined",
+      "all 21 components from lengths; which are undetermined",
       {.verb = "lengths fit",
        .title = "LENGTHS",
        .asks = "Which lengths, of which machine?",
@@ -66,7 +66,7 @@ FormEntry lengths_entry() {
 }
 
 FormEntry plan_entry() {
-  return {"the lengths that reach a required uncertainty in the shortest time",
+  return {"lengths for a required uncertainty in the shortest time",
           {.verb = "lengths plan",
            .title = "PLAN OF LENGTHS",
            .asks = "Choose the machine and the required uncertainty of its volume.",

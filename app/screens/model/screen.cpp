@@ -379,7 +379,7 @@ std::string ModelScreen::said_by_parts(std::string NextPart::*what) const {
 
 std::string ModelScreen::help() const {
   return "Compare the model with the measurements, find which effect is missing, add it and see the error fall. "
-         "Symbols are readings, lines the model: forward solid, reverse broken. Press d to try every effect of the "
+         "Symbols are readings, lines the model: forward solid, reverse dashed. Press d to try every effect of the "
          "library: the page Missing ranks them with their evidence and the rivals that these data cannot exclude. "
          "Press a to add the effect under the cursor, f to add the formula for the residual, Enter to see explanation "
          "and evidence. The page Ladder shows how far the error fell towards the noise and lists the effects of the "

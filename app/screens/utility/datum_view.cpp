@@ -89,7 +89,7 @@ class DatumViewScreen final : public KeyedScreen {
   [[nodiscard]] std::string help() const override {
     return "The velocity-time graph of an axis being referenced, with its reference switch (as wired: filled where the "
            "contact is closed) and its markers below. The second page lists the events and the datuming parameters "
-           "that follow from them. Press v to overlay a second record, drawn broken, so that two axes, or before and "
+           "that follow from them. Press v to overlay a second record, drawn dashed, so that two axes, or before and "
            "after, can be compared. Press a to align the records at the switch. An unsaved record survives a crash: "
            "this screen offers it again.";
   }
@@ -253,7 +253,7 @@ class DatumViewScreen final : public KeyedScreen {
       if (!record) return message_.say(record.error());
       if (as_overlay) {
         second_ = std::move(*record);
-        message_.say(fmt::format("{} is the second record, drawn broken.", second_->name));
+        message_.say(fmt::format("{} is the second record, drawn dashed.", second_->name));
       } else {
         first_ = std::move(*record);
         fresh_ = false;
