@@ -36,8 +36,7 @@ constexpr GlossaryRow kGlossary[] = {
     {"candidate|candidates", "an effect that was tried on the residual"},
     {"commit", "the step that makes a completely sent map active; until then the old map stays active"},
     {"compensation mode|compensating|compensation",
-     "the unit adds the compensation to the velocity command in every period of its loop; it refuses parameters, maps "
-     "and writes to its memory"},
+     "the unit adds the compensation to the velocity command in every period; it refuses parameters and maps"},
     {"credible set", "the smallest set of effects that contains the cause with a probability of 99 %"},
     {"datum|datuming", "reference point of an axis: found by switch and marker while the control references it"},
     {"deadband", "travel in the new direction after which the approach counts as changed"},
