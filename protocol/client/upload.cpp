@@ -331,6 +331,8 @@ Result<UploadReport> UnitClient::upload_image(Image image, const ProgressCallbac
   if (!beginning) return tl::unexpected(given_up(beginning.error(), before));
   const auto address = begin_staging(beginning->from);
   if (!address) return tl::unexpected(given_up(address.error(), before));
+  // With a kept secret alone, an answer that nobody sealed has left this host without a key until now.
+  sends_armed_ = sends_armed_ || key_;
   if (*address != inactive_bank_beside(before.active_bank))
     return tl::unexpected(given_up(wrong_bank(*address, before), before));
   if (auto staged = stage(*address, image, beginning->held, progress, report); !staged)
