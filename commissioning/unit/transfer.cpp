@@ -271,16 +271,23 @@ std::function<void(const SentImage&)>& watcher() {
 /// any more.
 Result<std::string> difference_in_unit(protocol::UnitClient& client, const Image& sent, std::uint32_t commit,
                                        const protocol::ProgressCallback& progress) {
+  // What keeps the image from being read, a refused arming too, is no answer about the map.
+  const auto not_read = [](Problem why) {
+    why.kind = ProblemKind::link;
+    return tl::unexpected(std::move(why));
+  };
   const auto active = read_active_image(client, progress);
-  if (!active && active.error().kind != ProblemKind::refused) return tl::unexpected(active.error());
-  ECS_TRY(now, client.active_map());
-  if (now.commit_sequence == commit && now.digest != protocol::digest_of(sent))
+  if (!active && active.error().kind != ProblemKind::refused) return not_read(active.error());
+  const auto now = client.active_map();
+  if (!now) return not_read(now.error());
+  if (now->commit_sequence == commit && now->digest != protocol::digest_of(sent))
     return std::string("its SHA-256 differs: its values have changed since the unit accepted them");
-  if (!active || now.commit_sequence != commit)
+  if (now->commit_sequence != commit)
     return problem(ProblemKind::refused,
                    fmt::format("the unit accepted the map (commit {}), but another map is now active (commit {}): "
                                "another host uses the unit; compare before compensating",
-                               commit, now.commit_sequence));
+                               commit, now->commit_sequence));
+  if (!active) return not_read(active.error());
   if (!*active) return std::string("the unit contains none");
   const Image& held = **active;
   if (held.size() != sent.size()) return fmt::format("it has {} bytes instead of {}", held.size(), sent.size());
