@@ -257,7 +257,9 @@ bool Place::start_process() {
   });
   const bool restored = restore(unit_->memory(), kBattery).has_value();
   if (!restored) disk.remove();
-  (void)keep(unit_->memory(), kBattery);
+  // `ecs-emulator serve` does not start where the file cannot be written; then somebody starts it again.
+  while (!keep(unit_->memory(), kBattery)) {
+  }
   kept_ = schedule_.now();
   port_ = std::make_unique<Port>(*this);
   server_ = std::make_unique<protocol::RegisterServer>(*port_, protocol::ArmCode{code_, true});
