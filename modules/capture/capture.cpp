@@ -412,12 +412,13 @@ void note_devices(const CaptureSetup& setup, devices::CaptureRecord& record) {
     record.note("environment described by", setup.environment->port().device().source);
 }
 
-/// A file of readings goes on behind the lines that were read before the interruption.
-Result<void> go_on_in(MessageSink& messages, ReadingSource& source, const devices::CaptureRecord& record) {
+/// A file of readings is continued after the lines that were read before the interruption.
+Result<void> continue_in(MessageSink& messages, ReadingSource& source, const devices::CaptureRecord& record) {
   const std::size_t lines = record.lines_read(source.name());
   if (!source.leave_out(lines))
     return problem(ProblemKind::bad_input,
-                   fmt::format("{}: expected more than the {} lines that were read before the interruption",
+                   fmt::format("{}: expected at least the {} lines read before the interruption; give the whole file, "
+                               "or the rest under another name",
                                source.name(), lines));
   if (lines > 0) messages.note(fmt::format("{}: continued after line {}", source.name(), lines));
   return {};
@@ -524,7 +525,7 @@ Result<CaptureEnd> capture(MessageSink& messages, Keyboard* keyboard, const Capt
   ECS_TRY(begun, choice.resume.empty() ? begun_anew(choice, each) : resumed(choice));
   ECS_TRY(setup, setup_of(keyboard, choice));
   note_devices(setup, begun.record);
-  if (setup.source) ECS_DO(go_on_in(messages, *setup.source, begun.record));
+  if (setup.source) ECS_DO(continue_in(messages, *setup.source, begun.record));
   const bool needs_keyboard = setup.trigger_kind == TriggerKind::typed || setup.trigger_kind == TriggerKind::enter;
   const bool has_environment = setup.environment.has_value();
   setup.part = begun.part;
