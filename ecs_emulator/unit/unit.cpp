@@ -9,10 +9,12 @@ Unit::Unit(const UnitSettings& settings)
     : settings_(settings), memory_(settings.memory_modules), map_(std::make_unique<CompiledMap>()) {}
 
 void Unit::power(bool on) {
-  powered_ = on;
+  powered_ = false;
   isolate();
   if (!on) return;
   memory_.power_back();
+  if (memory_.changed() && on_commit_ && !on_commit_()) return;
+  powered_ = true;
   start_up();
 }
 

@@ -65,6 +65,8 @@ class Unit final : public protocol::UnitPort, public Compensator {
   /// A rack with power off.
   explicit Unit(const UnitSettings& settings);
 
+  /// Stays off where battery memory that changed before the supply failed cannot be kept: no host may read a map that
+  /// the next end of the process would take back.
   void power(bool on);
   [[nodiscard]] bool powered() const { return powered_; }
   /// Called when a new map has become the active one, before the host is answered. False: the battery memory could not

@@ -370,7 +370,7 @@ void World::look() {
       supply_comes_back_ = false;
       if (!place_->process_runs()) return;
       place_->supply(true);
-      record_.say("supply is back");
+      record_.say("supply is back{}", place_->running() ? "" : "; the unit does not start without its battery file");
       look();
     });
     rules_->look_at_map();

@@ -113,6 +113,25 @@ TEST_CASE_FIXTURE(Bench,
 }
 
 TEST_CASE_FIXTURE(Bench,
+                  "a unit whose supply failed within a commit stays off until its battery memory can be kept") {
+  bool disk_full = true;
+  unit.on_commit([&] { return !disk_full; });
+  const auto image = flat_image(1.0);
+  REQUIRE(unit.write_memory(tell(CommandCode::begin_staging).value, image) == UnitError::none);
+  unit.memory().power_fails_after(kCommitSlotBytes);  // the new record is whole
+  (void)tell(Command{.code = CommandCode::commit_staged,
+                     .length = static_cast<std::uint32_t>(image.size()),
+                     .digest = protocol::short_digest(protocol::digest_of(image))});
+  unit.power(false);
+  unit.power(true);
+  CHECK_FALSE(unit.powered());
+  disk_full = false;
+  unit.power(true);
+  CHECK(unit.powered());
+  CHECK(unit.status().commit_sequence == 1);
+}
+
+TEST_CASE_FIXTURE(Bench,
                   "a damaged record of an answered commit isolates the unit and never brings the map before back") {
   REQUIRE(stage_and_commit(flat_image(1.0)).value == 1);
   REQUIRE(stage_and_commit(flat_image(2.0)).value == 2);
