@@ -32,6 +32,39 @@ constexpr double kOddChance = 1e-6;
 constexpr double kSameScatter = 3.0;
 /// Runs beyond which there is no single bad one to look for.
 constexpr std::size_t kMostRunsCompared = 60;
+/// Passes differ where chance does it once in a thousand lines, and where they do so more than readings inside them.
+constexpr double kDifferChance = 1e-3;
+
+struct Pass {
+  int run = 0;
+  std::vector<double> values;
+  double mean = 0.0, squares = 0.0;  ///< Σ(value − mean)²
+};
+using Passes = std::map<std::size_t, Pass>;
+
+/// Of each line and approach with enough of them.
+std::vector<Passes> passes_of_lines(const Observations& data, const Eigen::VectorXd& residual,
+                                    const std::vector<bool>& left_out) {
+  std::map<std::tuple<Channel, Axis, int>, Passes> lines;
+  const std::vector<std::size_t> number = passes_of(data);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (left_out[k]) continue;
+    Pass& pass = lines[{data.channel(k), data.axis[k], data.approach[k]}][number[k]];
+    pass.run = data.run[k];
+    pass.values.push_back(residual(static_cast<Eigen::Index>(k)));
+  }
+  std::vector<Passes> enough;
+  for (auto& [line, passes] : lines) {
+    std::erase_if(passes, [](const auto& each) { return each.second.values.size() < kFewestInPass; });
+    if (passes.size() < kFewestPasses) continue;
+    for (auto& [number_of_pass, pass] : passes) {
+      for (const double v : pass.values) pass.mean += v / static_cast<double>(pass.values.size());
+      for (const double v : pass.values) pass.squares += (v - pass.mean) * (v - pass.mean);
+    }
+    enough.push_back(std::move(passes));
+  }
+  return enough;
+}
 
 }  // namespace
 
@@ -204,30 +237,9 @@ std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::Ve
 
 std::optional<OddPass> odd_pass(const Observations& data, const Eigen::VectorXd& residual,
                                 const std::vector<bool>& left_out) {
-  struct Pass {
-    int run = 0;
-    std::vector<double> values;
-    double mean = 0.0, squares = 0.0;  ///< Σ(value − mean)²
-  };
-  std::map<std::tuple<Channel, Axis, int>, std::map<std::size_t, Pass>> lines;
-  const std::vector<std::size_t> number = passes_of(data);
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    if (left_out[k]) continue;
-    Pass& pass = lines[{data.channel(k), data.axis[k], data.approach[k]}][number[k]];
-    pass.run = data.run[k];
-    pass.values.push_back(residual(static_cast<Eigen::Index>(k)));
-  }
   std::optional<OddPass> oddest;
   double least = std::log(kOddChance);
-  for (auto& line : lines) {
-    auto& passes = line.second;
-    std::erase_if(passes, [](const auto& each) { return each.second.values.size() < kFewestInPass; });
-    if (passes.size() < kFewestPasses) continue;
-    for (auto& each : passes) {
-      Pass& pass = each.second;
-      for (const double v : pass.values) pass.mean += v / static_cast<double>(pass.values.size());
-      for (const double v : pass.values) pass.squares += (v - pass.mean) * (v - pass.mean);
-    }
+  for (const Passes& passes : passes_of_lines(data, residual, left_out)) {
     for (const auto& each : passes) {  // against the others: Welch's t, their scatter pooled where it is the same
       const Pass& one = each.second;
       const double others = static_cast<double>(passes.size() - 1);
@@ -259,6 +271,32 @@ RunBeside run_beside(const RunOffset& run, const EffectInstance& effect, double 
   if (effect.definition().is_set_by_hand() || run.score <= 0.0) return RunBeside::worse;
   if (run.score >= score) return RunBeside::as_good;
   return run.score + kBetterByHundred >= score ? RunBeside::nearly_as_good : RunBeside::worse;
+}
+
+std::optional<ScatterOfPasses> scatter_of_passes(const Observations& data, const Eigen::VectorXd& residual,
+                                                 const std::vector<bool>& left_out) {
+  std::optional<ScatterOfPasses> widest;
+  for (const Passes& passes : passes_of_lines(data, residual, left_out)) {
+    double readings = 0.0, sum = 0.0, counts_squared = 0.0, inside = 0.0, between = 0.0;
+    for (const auto& [number, pass] : passes) {
+      const double count = static_cast<double>(pass.values.size());
+      readings += count;
+      counts_squared += count * count;
+      sum += count * pass.mean;
+      inside += pass.squares;
+    }
+    for (const auto& [number, pass] : passes)
+      between += static_cast<double>(pass.values.size()) * (pass.mean - sum / readings) * (pass.mean - sum / readings);
+    const double others = static_cast<double>(passes.size()) - 1.0, freedom = readings - others - 1.0;
+    const double within = std::max(inside / freedom, kLeastDivisor), F = between / others / within;
+    const double of_a_pass =
+        (readings - counts_squared / readings) / others;  // readings, as if all had the same number
+    const double variance = (between / others - within) / of_a_pass;
+    if (variance <= within || ln_f_tail(F, others, freedom) > std::log(kDifferChance)) continue;
+    if (!widest || variance > widest->between_um * widest->between_um)
+      widest = ScatterOfPasses{std::sqrt(variance), std::sqrt(within)};
+  }
+  return widest;
 }
 
 }  // namespace ecs::model

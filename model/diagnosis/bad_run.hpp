@@ -55,6 +55,16 @@ struct OddPass {
 [[nodiscard]] std::optional<OddPass> odd_pass(const Observations& data, const Eigen::VectorXd& residual,
                                               const std::vector<bool>& left_out);
 
+/// Passes that lie apart from each other by more than their readings scatter: variance components (Searle 1971, 11.1).
+struct ScatterOfPasses {
+  double between_um = 0.0, within_um = 0.0;  ///< standard deviations, um or um/m
+};
+/// Of the line and approach whose passes, five or more, lie furthest apart; nothing where chance or the scatter inside
+/// the passes is more of it. @param residual  um or um/m  @param left_out  outliers, not counted
+[[nodiscard]] std::optional<ScatterOfPasses> scatter_of_passes(const Observations& data,
+                                                               const Eigen::VectorXd& residual,
+                                                               const std::vector<bool>& left_out);
+
 /// How the offset of a run explains what an effect of this score does: as well or better, then it is the first thought;
 /// not worse by a factor of 100 in evidence, then it is mentioned.
 enum class RunBeside : std::uint8_t { as_good, nearly_as_good, worse };

@@ -449,6 +449,13 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.different_run = different_run(in.found, diagnosis, data, in.base.residual);
   diagnosis.headline =
       headline_for(diagnosis, data, diagnosis.different_run ? diagnosis.different_run->text : run_note(in.found));
+  if (verdict == Verdict::adequate)
+    if (const auto passes = scatter_of_passes(data, in.base.residual, in.base.core.left_out))
+      diagnosis.headline += fmt::format(
+          " Each pass has a zero of its own: passes differ by {:.3g} {} (one standard deviation), but readings within "
+          "a "
+          "pass by {:.3g}. No map corrects that: check datum, clamping and instrument.",
+          passes->between_um, in.found.noise.pure.unit, passes->within_um);
   return diagnosis;
 }
 

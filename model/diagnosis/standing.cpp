@@ -291,6 +291,10 @@ std::vector<std::string> cancelling_effects(const Observations& data, const Fit&
   return any_free ? names : std::vector<std::string>();
 }
 
+/// Noise does not bring the means at the targets so near to any model: P(F < 1e-9) is 3e-5 with one degree of freedom
+/// and less with more; positions minus their own means give about 1e-20.
+constexpr double kMeansAreTargets = 1e-9;
+
 /// Why readings whose residual looks like noise do not show that nothing is missing, as a sentence; "" where they do.
 /// @param fit  of the model as it is
 std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
@@ -308,6 +312,9 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
         "the residual is {:.3g} {}, and repeats show that it is not noise (lack of fit: F = {:.3g}, p = {:.1g}): "
         "measure at more positions",
         rms_um, in.found.noise.pure.unit, lack_of_fit->F, lack_of_fit->p);
+  if (lack_of_fit && lack_of_fit->F < kMeansAreTargets)
+    return "every target is the mean of its own readings, so they show how well a position repeats (`ecs test poses` "
+           "compares ways of approach), but not where it should be: give the nominal positions";
   if (rms_um > kMostOfNoise * in.found.noise.pure.noise_um)
     return fmt::format(
         "the residual is {:.3g} {}, {:.2g} times the noise, and so few readings do not show its cause: "

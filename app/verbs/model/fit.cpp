@@ -29,6 +29,7 @@ using model::EffectFit;
 using model::Fit;
 
 constexpr double kStrongCorrelation = 0.9;
+constexpr double kDistinguished = 2.0;  // sigmas: zero lies outside 95 % of what the readings allow
 
 struct FitRequest {
   ModelArguments common;
@@ -94,6 +95,25 @@ Cell noise_cell(const Fit& fit, bool rotary) {
   return list;
 }
 
+/// Effects of one amount that may as well be zero. An offset is one of the instrument, and stays.
+std::vector<std::string> not_distinguished(const Fit& fit) {
+  std::vector<std::string> names;
+  for (const EffectFit& one : fit.effects)
+    if (one.parameters.size() == 1 && one.parameters[0].sigma && !one.parameters[0].undetermined &&
+        name_of(one.effect.id) != "offset" &&
+        std::abs(one.parameters[0].value) < kDistinguished * *one.parameters[0].sigma)
+      names.push_back(to_text(one.effect));
+  return names;
+}
+
+std::string not_distinguished_text(const std::vector<std::string>& names) {
+  if (names.empty()) return {};
+  return paragraph(fmt::format("not distinguished from zero (less than {:g} sigma): {}; the readings fit about as "
+                               "well without (`ecs model remove`)",
+                               kDistinguished, fmt::join(names, ", ")),
+                   0, 2);
+}
+
 std::string outliers_text(const Fit& fit) {
   if (fit.outliers.empty()) return {};
   return paragraph(fmt::format("outliers: rows {} ({} readings): they have little weight and are included in the rms",
@@ -105,9 +125,10 @@ Cell fit_cell(const Fit& fit, std::size_t readings, bool rotary, const std::stri
   const Cell lack_of_fit = lack_of_fit_cell(fit.lack_of_fit);
   std::string undetermined;
   for (const std::string& one : fit.undetermined) undetermined += paragraph("undetermined: " + one, 0, 2);
+  const std::vector<std::string> zero = not_distinguished(fit);
   return record_cell(
       "{observations} readings, {fitted_parameters} fitted parameters: rms {rms_um} {unit}, peak {peak_um} {unit}\n"
-      "{condition}{effects}{undetermined}{correlations}{noise}{outliers}{notes}",
+      "{condition}{effects}{not_distinguished}{undetermined}{correlations}{noise}{outliers}{notes}",
       "observations"_is(readings), "unit"_shown(fit.noise.unit), "rms_um"_is(fit.rms_um, 3),
       "peak_um"_is(fit.peak_um, 3), "noise_um"_is(fit.noise.noise_um), "noise_from_repeats"_is(fit.noise.from_repeats),
       "lack_of_fit"_is(lack_of_fit), "fitted_parameters"_is(fit.fitted_parameters),
@@ -115,8 +136,9 @@ Cell fit_cell(const Fit& fit, std::size_t readings, bool rotary, const std::stri
                      paragraph(fmt::format("noise of one reading {}; lack of fit: {}; condition number {}",
                                            noise_text(fit.noise), lack_of_fit.text, few_digits(fit.condition)))),
       "effects"_is(effects_cell(fit)), "correlations"_is(correlations_cell(fit)),
-      "undetermined"_is(fit.undetermined, undetermined), "outliers"_is(fit.outliers, outliers_text(fit)),
-      "noise"_is(noise_cell(fit, rotary)), "notes"_is(fit.notes, notes_text(fit.notes)), "model"_is(text_cell(output)));
+      "not_distinguished"_is(zero, not_distinguished_text(zero)), "undetermined"_is(fit.undetermined, undetermined),
+      "outliers"_is(fit.outliers, outliers_text(fit)), "noise"_is(noise_cell(fit, rotary)),
+      "notes"_is(fit.notes, notes_text(fit.notes)), "model"_is(text_cell(output)));
 }
 
 Result<void> write(const model::Model& model, const ModelWork& work, const Fit& fit, const FitRequest& request) {

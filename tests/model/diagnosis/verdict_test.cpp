@@ -244,3 +244,48 @@ TEST_CASE("a free wave takes much of the noise of few readings: noise alone rare
   }
   CHECK(told <= 5);
 }
+
+TEST_CASE(
+    "readings at targets that are their own means show how well a position repeats, and nothing about its error") {
+  Model model;
+  model.effects = {effect(effects::offset, Axis::X, Sense::EX), effect(effects::scale, Axis::X, Sense::EX)};
+  laser::MeasurementSet set = measured(
+      {.step_mm = 60.0, .targets = 7, .runs = 5}, 1.7, [](const Reading&) { return 0.0; }, 3);
+  CHECK(diagnosed(model, set).verdict == Verdict::adequate);
+  std::map<std::pair<double, Approach>, std::pair<double, int>> sums;
+  for (const Reading& one : set.readings) {
+    auto& [sum, count] = sums[{p(one), one.approach}];
+    sum += one.error;
+    ++count;
+  }
+  for (Reading& one : set.readings)
+    one.error -= sums[{p(one), one.approach}].first / sums[{p(one), one.approach}].second;
+  const Diagnosis found = diagnosed(model, set);
+  CHECK(found.verdict == Verdict::cannot_tell);
+  CHECK_MESSAGE(contains(found.headline, "every target is the mean of its own readings"), found.headline);
+}
+
+TEST_CASE("passes that lie apart from each other are adequate for a map, and it is said that none corrects them") {
+  int said = 0, adequate = 0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    CAPTURE(seed);
+    const auto zero = [values = std::map<std::pair<int, Approach>, double>{},
+                       random = std::mt19937_64(seed)](const Reading& r) mutable {
+      NormalDraws normal;
+      const auto [value, is_new] = values.try_emplace({r.run, r.approach}, 0.0);
+      if (is_new) value->second = 6.0 * normal(random);
+      return value->second;
+    };
+    const Diagnosis found =
+        diagnosed(straight(), measured({.step_mm = 60.0, .targets = 6, .runs = 5}, 2.0, zero, seed));
+    if (found.verdict != Verdict::adequate) continue;
+    ++adequate;
+    said += static_cast<int>(contains(found.headline, "Each pass has a zero of its own"));
+  }
+  CHECK(adequate >= 3);
+  CHECK(said == adequate);
+  const Diagnosis quiet = diagnosed(
+      straight(), measured(
+                      {.step_mm = 60.0, .targets = 6, .runs = 5}, 2.0, [](const Reading&) { return 0.0; }, 11));
+  CHECK_FALSE(contains(quiet.headline, "Each pass has"));
+}
