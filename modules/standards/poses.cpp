@@ -115,6 +115,8 @@ Result<PoseTest> pose_test_of(const MeasurementSet& set) {
     }
     for (const double one : distance_mm) spread += (one - mean) * (one - mean) / (per_visit - 1.0);
     test.points.push_back({sum_of(all.nominal_mm[p], 1.0 / kUmPerMm, mean_um[p]), mean + 3.0 * std::sqrt(spread)});
+    if (std::sqrt(squares(mean_um[p])) / kUmPerMm > kSamePoint_mm)
+      test.points.back().off_mm = sum_of({}, 1.0 / kUmPerMm, mean_um[p]);
   }
   std::vector<Vector3> means_mm;
   for (const PosePoint& point : test.points) means_mm.push_back(point.mean_mm);

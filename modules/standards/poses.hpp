@@ -16,6 +16,9 @@ namespace ecs::laser {
 struct PosePoint {
   Vector3 mean_mm{};              ///< barycentre of its attained positions
   double repeatability_mm = 0.0;  ///< RP = mean distance from the barycentre + 3 standard deviations of it (ISO 9283)
+  /// Barycentre less commanded position, whose length is the accuracy AP (ISO 9283, 7.2.1). Nothing where the file has
+  /// the barycentre in place of a commanded position.
+  std::optional<Vector3> off_mm{};
 };
 
 struct PoseTest {

@@ -1,6 +1,8 @@
 // `ecs test poses`: repeatability of the points of a body at one pose (ISO 9283), and whether the way in which the pose
 // is reached moves the body.
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
@@ -22,12 +24,19 @@ struct PosesRequest {
   }
 };
 
+Cell accuracy_cell(const Vector3& off_mm) {
+  return record_cell(
+      "  AP {accuracy_mm:>9} mm: {parts}", "accuracy_mm"_is(std::hypot(off_mm[0], off_mm[1], off_mm[2]), 4),
+      "parts"_shown(fmt::format("{:+.4f} {:+.4f} {:+.4f}", off_mm[0], off_mm[1], off_mm[2])), "off_mm"_is(off_mm));
+}
+
 Cell point_cell(const laser::PosePoint& point) {
-  return record_cell("  {place}  RP {repeatability_mm:>9} mm\n",
+  return record_cell("  {place}  RP {repeatability_mm:>9} mm{accuracy}\n",
                      "place"_shown(fmt::format("{:>12.4f} {:>12.4f} {:>12.4f} mm", point.mean_mm[0], point.mean_mm[1],
                                                point.mean_mm[2])),
                      "x_mm"_is(point.mean_mm[0]), "y_mm"_is(point.mean_mm[1]), "z_mm"_is(point.mean_mm[2]),
-                     "repeatability_mm"_is(point.repeatability_mm, 4));
+                     "repeatability_mm"_is(point.repeatability_mm, 4),
+                     "accuracy"_is(point.off_mm ? accuracy_cell(*point.off_mm) : Cell{Json(), ""}));
 }
 
 std::string motion_words(const laser::PoseTest& test) {
@@ -55,8 +64,7 @@ struct Compared {
 std::string cause_words(const laser::PoseComparison& comparison) {
   if (comparison.is_way_of_approach())
     return "Cause: the way of approach (play or friction of the axes). The motions differ, the scatter of the points "
-           "after "
-           "them does not, so it is not the instrument.";
+           "after them does not, so it is not the instrument.";
   if (comparison.rest_probability < comparison.probability)
     return "The scatter of the points differs as well: check instrument and targets before the axes.";
   return "No difference between the two ways of approach shows.";

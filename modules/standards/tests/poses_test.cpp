@@ -3,6 +3,7 @@
 #include "modules/standards/poses.hpp"
 
 #include <cmath>
+#include <map>
 
 #include "base/random.hpp"
 #include "laser/import/import.hpp"
@@ -49,6 +50,22 @@ TEST_CASE("points that scatter on their own do not move as a whole") {
   int wrong = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) wrong += must(pose_test_of(visits({}, seed))).moves_as_a_whole();
   CHECK(wrong <= 2);  // one in a thousand is stated
+}
+
+TEST_CASE(
+    "the accuracy of a pose is how far its barycentre lies from the commanded position, where a file states that") {
+  MeasurementSet set = visits({.noise_um = 0.5}, 5);
+  std::map<std::pair<double, Sense>, double> mean;
+  for (const Reading& r : set.readings) mean[{r.position_mm[0], r.sense}] += r.error / 10.0;
+  for (Reading& r : set.readings) r.error -= mean[{r.position_mm[0], r.sense}];
+  for (const PosePoint& point : must(pose_test_of(set)).points) CHECK_FALSE(point.off_mm);
+  for (Reading& r : set.readings) r.error += r.sense == Sense::EX ? 300.0 : r.sense == Sense::EY ? -400.0 : 0.0;
+  for (const PosePoint& point : must(pose_test_of(set)).points) {
+    const Vector3 off = must(point.off_mm);
+    CHECK(off[0] == Approx(0.3));
+    CHECK(off[1] == Approx(-0.4));
+    CHECK(std::abs(off[2]) < 1e-9);
+  }
 }
 
 TEST_CASE("a body that arrives elsewhere is found with the sizes of its motions, and the noise is left") {
