@@ -38,6 +38,8 @@ inline constexpr std::array<std::string_view, kAxes> kAngleColumns{"a_deg", "b_d
 [[nodiscard]] constexpr std::string_view target_column(Axis axis, bool rotary) {
   return (rotary ? kAngleColumns : kPositionColumns)[index_of(axis)];
 }
+/// The column of the speed of the moving axis at the moment of the reading, negative in reverse.
+[[nodiscard]] constexpr std::string_view speed_column(bool rotary) { return rotary ? "speed_deg_min" : "speed_mm_min"; }
 inline constexpr std::array<std::string_view, 3> kNeededColumns{"axis", "sense", "reading"};
 /// Needed and known columns that are neither positions nor optional numbers.
 inline constexpr std::array<std::string_view, 6> kOtherColumns{"axis",     "sense", "reading",

@@ -12,6 +12,7 @@
 #include "laser/groups.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/rows.hpp"
+#include "laser/import/set_up.hpp"
 #include "laser/import/time.hpp"
 
 namespace ecs::laser {
@@ -173,6 +174,7 @@ Result<MeasurementSet> read_channels(ChannelLog log, const std::string& file_nam
   if (log.left_out > 0) set.notes.push_back(fmt::format("{} values that are not numbers are ignored", log.left_out));
   begin_at_zero(set);
   finish(set, *options.channels, plan);
+  if (!options.at_rest_mm && !options.average) take_speed(set, kIntervalOfScan_s);
   return set;
 }
 

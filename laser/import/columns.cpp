@@ -478,7 +478,10 @@ Result<MeasurementSet> read_columns(std::string_view text, const std::string& fi
   if (!channel.empty()) set.metadata.push_back({"channel", channel});
   note_rows(set, options, table, left_out);
   finish(set, mapping, plan);
-  if (in_motion) keep_in_motion(set);
+  if (in_motion)
+    keep_in_motion(set);
+  else if (!options.at_rest_mm && !options.average)
+    take_speed(set, kIntervalOfScan_s);
   if (set.readings.empty())
     return problem_at(file_name, 0, 0, "expected readings during motion, found none: leave rows=in_motion out");
   return set;

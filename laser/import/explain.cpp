@@ -47,6 +47,17 @@ std::string date_rule(const Columns& columns) {
   return {};
 }
 
+/// ",time_s=1*1e-7-…" of a column of moments in steps of 100 ns since 1601, as Windows and TwinCAT count them, from the
+/// first row; empty: none is there.
+std::string stamp_rule(const Columns& columns) {
+  constexpr double kFrom = 1.2e17, kTo = 1.7e17, kStep_s = 1e-7;  // years 1981 to 2139
+  for (const TableColumn& column : columns)
+    if (column.is_number() && column.least() > kFrom && column.most() < kTo && column.span() > 0.0 &&
+        std::ranges::is_sorted(column.values))
+      return fmt::format(",time_s={}*1e-7-{:.3f}", column.number, column.values.front() * kStep_s);
+  return {};
+}
+
 std::string row_options(const TableShape& shape) {
   const Rows rows = rows_of(shape);
   return (rows.skip > 0 ? fmt::format(" --skip {}", rows.skip) : "") +
@@ -98,6 +109,7 @@ std::string condition_rules(const Columns& columns, bool dated) {
   for (const TableColumn& column : columns)
     if (column.is_number() && column.meaning == Meaning::counter && !dated && counts_rows_of_runs(column))
       add("time_s", column);
+  if (!dated && rules.find(",time_s=") == rules.npos) rules += stamp_rule(columns);
   return rules;
 }
 
@@ -194,12 +206,13 @@ std::optional<std::string> loose_advice(const Columns& columns, const TableShape
       const bool turns = is_one_turn(targets);
       const std::string unit = turns ? "deg" : "mm";
       return fmt::format(
-          "--columns \"{0}={1}[{2}],reading={3}[{2}]{4}{5}\" --values actual{6} reads column {1} as targets and column "
+          "--columns \"{0}={1}[{2}],reading={3}[{2}]{4}{5}{6}\" --values actual{7} reads column {1} as targets and "
+          "column "
           "{3} as the positions reached, if that is their meaning",
           turns ? fmt::format("{}_deg", axis_letter(targets, "abc", 'c'))
                 : fmt::format("{}_mm", axis_letter(targets, "xyz", 'x')),
           targets.number, unit, actual.number, go_both_ways(targets) ? ",approach=motion,run=motion" : "",
-          rests(targets) ? ",rows=in_motion" : "", row_options(shape));
+          rests(targets) ? ",rows=in_motion" : "", stamp_rule(columns), row_options(shape));
     }
   }
   return std::nullopt;

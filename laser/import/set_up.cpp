@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -247,8 +249,39 @@ void keep_at_rest(MeasurementSet& set, std::optional<double> at_rest_mm, bool av
   number_rows(set);
 }
 
+void take_speed(MeasurementSet& set, double longest_interval_s) {
+  constexpr double kTurn_deg = 360.0, kSecondsPerMinute = 60.0;
+  const auto has_speed = [](const Reading& reading) { return reading.extras.contains(speed_column(reading.rotary)); };
+  if (std::ranges::any_of(set.readings, [&](const Reading& r) { return !r.time_s || has_speed(r); })) return;
+  std::map<std::tuple<Axis, bool, Sense>, std::vector<Reading*>> scans;
+  for (Reading& reading : set.readings) scans[{reading.axis, reading.rotary, reading.sense}].push_back(&reading);
+  std::vector<double> intervals_s;
+  for (const auto& [of, scan] : scans)
+    for (std::size_t i = 1; i < scan.size(); ++i) intervals_s.push_back(*scan[i]->time_s - *scan[i - 1]->time_s);
+  if (intervals_s.empty() || median_of(std::move(intervals_s)) > longest_interval_s) return;
+  bool any = false;
+  for (const auto& [of, scan] : scans)
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      const Reading& before = *scan[i == 0 ? 0 : i - 1];
+      const Reading& behind = *scan[std::min(i + 1, scan.size() - 1)];
+      const double way = target_of(behind) - target_of(before), time_s = *behind.time_s - *before.time_s;
+      if (time_s <= 0.0) continue;
+      scan[i]->extras[std::string(speed_column(scan[i]->rotary))] =
+          (scan[i]->rotary ? std::remainder(way, kTurn_deg) : way) / time_s * kSecondsPerMinute;
+      any = true;
+    }
+  if (!any) return;
+  const std::string column(speed_column(set.readings.front().rotary));
+  if (!set.columns.empty()) set.columns.push_back(column);
+  set.notes.push_back(fmt::format("{}: the speed of the axis, from its positions and times", column));
+}
+
 void keep_in_motion(MeasurementSet& set) {
-  constexpr double kUsual = 0.5;
+  constexpr double kUsual = 0.5, kSlowest = 0.05;
+  take_speed(set, std::numeric_limits<double>::infinity());
+  const bool has_speed = std::ranges::all_of(
+      set.readings, [](const Reading& reading) { return reading.extras.contains(speed_column(reading.rotary)); });
+  const double share = has_speed ? kSlowest : kUsual;
   std::map<std::pair<Axis, Sense>, double> last;
   std::vector<double> step(set.readings.size(), 0.0), moved;
   for (std::size_t i = 0; i < set.readings.size(); ++i) {
@@ -261,12 +294,12 @@ void keep_in_motion(MeasurementSet& set) {
   std::vector<Reading> kept;
   if (!moved.empty()) {
     std::nth_element(moved.begin(), moved.begin() + static_cast<std::ptrdiff_t>(moved.size() / 2), moved.end());
-    const double least = kUsual * moved[moved.size() / 2];
+    const double least = share * moved[moved.size() / 2];
     for (std::size_t i = 0; i < set.readings.size(); ++i)
       if (step[i] >= least) kept.push_back(std::move(set.readings[i]));
   }
-  set.notes.push_back(
-      fmt::format("{} readings at rest or below half the usual speed are ignored", set.readings.size() - kept.size()));
+  set.notes.push_back(fmt::format("{} readings at rest or below {} the usual speed are ignored",
+                                  set.readings.size() - kept.size(), has_speed ? "a twentieth of" : "half"));
   set.readings = std::move(kept);
   number_rows(set);
 }

@@ -45,7 +45,15 @@ void keep_at_rest(MeasurementSet& set, std::optional<double> at_rest_mm, bool av
 
 /// Keeps the readings of a scan taken while the moving axis goes on by at least half its usual step from the reading of
 /// the same axis and sense before (the usual step is the median of all that are not 0): neither rests nor the ends of a
-/// stroke. A note states how many readings were left out.
+/// stroke. Where there are times, slower readings are kept down to a twentieth, and all get their speed: they tell a
+/// delay from lost motion. A note states how many readings were left out.
 void keep_in_motion(MeasurementSet& set);
+
+/// Gives each reading the speed of its moving axis (`speed_column`), from the positions and times of the readings of
+/// the same axis and sense before and behind it. Does nothing unless every reading has a time and the median interval
+/// is at most `longest_interval_s`.
+void take_speed(MeasurementSet& set, double longest_interval_s);
+/// Readings closer than this are of a scan: no axis moves, comes to rest and is read within it.
+inline constexpr double kIntervalOfScan_s = 0.5;
 
 }  // namespace ecs::laser

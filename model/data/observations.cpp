@@ -242,7 +242,15 @@ double share_along(const Vector3& a, const Vector3& b) {
   return unless_rounding(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
 }
 
-/// How the errors of the rotary axes reach a reading, in the directions of the bed, or of the workpiece where the
+/// The tool point moves by this under 1 um or 1 um/m of an error [um].
+Vector3 moved_by(const kinematics::Gain& gain, const Vector3& place_mm) {
+  Vector3 moved = gain.at_0;
+  for (std::size_t l = 0; l < kAxes; ++l)
+    for (std::size_t d = 0; d < kAxes; ++d) moved[d] += gain.slope[l][d] * place_mm[l];
+  return moved;
+}
+
+/// How the errors of the machine's axes reach a reading, in the directions of the bed, or of the workpiece where the
 /// sensor turns with it.
 /// @param place_mm  of the linear axes
 ThroughChain through_chain_of(const Reading& r, const Vector3& place_mm, const kinematics::JointMachine& machine,
@@ -256,14 +264,17 @@ ThroughChain through_chain_of(const Reading& r, const Vector3& place_mm, const k
     if (!kinematics::is_rotary(one.joint)) continue;
     const std::size_t j = index_of(one.joint);
     for (std::size_t s = 0; s < 2 * kAxes; ++s) {
-      Vector3 moved = pose.gain[j][s].at_0;
-      for (std::size_t l = 0; l < kAxes; ++l)
-        for (std::size_t d = 0; d < kAxes; ++d) moved[d] += pose.gain[j][s].slope[l][d] * place_mm[l];
+      Vector3 moved = moved_by(pose.gain[j][s], place_mm);
       if (is_rotation(r.sense)) moved = s < kAxes ? Vector3{} : pose.about[j][s - kAxes];
       chain.of_axis[j - kAxes][s] = share_along(moved, direction);
     }
   }
   if (is_rotation(r.sense)) return chain;
+  for (std::size_t l = 0; l < kAxes; ++l) {
+    constexpr double kMmPerM = 1000.0;
+    chain.of_linear[l] = place_mm[l] / kMmPerM * share_along(moved_by(pose.gain[l][l], place_mm), direction);
+    chain.of_linear[kAxes + l] = share_along(moved_by(pose.squareness[l], place_mm), direction);
+  }
   for (std::size_t d = 0; d < kAxes; ++d) {
     chain.of_workpiece[d] = unless_rounding(-direction[d]);
     chain.of_tool[d] = share_along(pose.tool[d], direction);

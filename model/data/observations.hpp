@@ -58,6 +58,8 @@ struct ThroughChain {
   std::array<std::array<double, 6>, kAxes> of_axis{};  ///< by A, B, C and sense: of 1 um or 1 um/m of that error
   Vector3 of_workpiece{};  ///< of 1 um along X, Y, Z of the workpiece at angles of 0 by which the ball on it is off
   Vector3 of_tool{};       ///< likewise of the tool and what is in the spindle
+  /// Of 1 um/m of scale of X, Y, Z, then of squareness C0Y, B0Z, A0Z, where the linear axes stand [um].
+  std::array<double, 2 * kAxes> of_linear{};
   /// By A, B, C: from which side it came to its angle, standing axes too (1, -1; 0 unknown).
   PerAxis<int> approach{};
   int ball = 1;  ///< which of `Observations::balls_mm`

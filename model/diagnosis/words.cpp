@@ -138,14 +138,23 @@ std::string value_of(const EffectInstance& effect, const ParameterEstimate& para
   return fmt::format("{:#.4g} {}{}{}", parameter.value, unit, pitch.empty() ? "" : " ", as_aside);
 }
 
+/// What a size is of, where an effect has several of one kind: "scale of X ", else "".
+std::string_view meaning_word(const EffectInstance& effect, const ParameterEstimate& parameter) {
+  const auto& parameters = effect.definition().parameters;
+  const auto found = std::ranges::find_if(parameters, [&](const auto& one) { return one.name == parameter.name; });
+  return effect.definition().place == Place::artefact && found != parameters.end() ? found->meaning : "";
+}
+
 /// All that is known and not nothing: "12 um and 4.5 um/m".
 std::string sizes_word(const EffectInstance& effect, const std::vector<ParameterEstimate>& parameters,
                        const Observations& data) {
   std::string sizes;
   for (const ParameterEstimate& one : parameters)
-    if (one.value != 0.0 && is_known(one) && one.name != effect.definition().searched_parameter())
-      sizes += fmt::format("{}{}{}", sizes.empty() ? "" : " and ", effect.is_user() ? one.name + " " : "",
-                           value_of(effect, one, data));
+    if (one.value != 0.0 && is_known(one) && one.name != effect.definition().searched_parameter()) {
+      const std::string_view meaning = meaning_word(effect, one);
+      sizes += fmt::format("{}{}{}{}{}", sizes.empty() ? "" : " and ", effect.is_user() ? one.name + " " : "", meaning,
+                           meaning.empty() ? "" : " ", value_of(effect, one, data));
+    }
   return sizes.empty() ? "an undetermined amount" : sizes;
 }
 
@@ -304,20 +313,47 @@ struct NamedWave {
   EffectInstance effect;
   std::vector<ParameterEstimate> parameters;
 };
-NamedWave larger_wave(NamedWave wave) {
-  const auto named = [&](std::string_view name) {
-    const auto found =
-        std::ranges::find_if(wave.parameters, [&](const ParameterEstimate& one) { return one.name == name; });
-    return found == wave.parameters.end() ? nullptr : &*found;
-  };
-  ParameterEstimate *first = named("amplitude_um"), *second = named("amplitude2_um"), *period = named("period_mm");
-  if (!wave.effect.traits().periodic || !first || !second || !period || second->value <= first->value) return wave;
-  first->value = second->value;
-  first->sigma = second->sigma;
-  first->undetermined = second->undetermined;
-  period->value /= 2.0;
-  wave.effect.fitted[period->name] = period->value;
+
+ParameterEstimate* named(NamedWave& wave, std::string_view name) {
+  const auto found =
+      std::ranges::find_if(wave.parameters, [&](const ParameterEstimate& one) { return one.name == name; });
+  return found == wave.parameters.end() ? nullptr : &*found;
+}
+
+/// As if its second harmonic were all of it. @pre it has the parameters of a wave
+NamedWave second_harmonic(NamedWave wave) {
+  ParameterEstimate &first = *named(wave, "amplitude_um"), &second = *named(wave, "amplitude2_um");
+  ParameterEstimate& period = *named(wave, "period_mm");
+  first.value = second.value;
+  first.sigma = second.sigma;
+  first.undetermined = second.undetermined;
+  period.value /= 2.0;
+  wave.effect.fitted[period.name] = period.value;
   return wave;
+}
+
+bool has_second_harmonic(NamedWave wave) {
+  return wave.effect.traits().periodic && named(wave, "amplitude_um") && named(wave, "amplitude2_um") &&
+         named(wave, "period_mm") && named(wave, "amplitude2_um")->value > 0.0;
+}
+
+bool is_second_larger(NamedWave wave) {
+  return named(wave, "amplitude2_um")->value > named(wave, "amplitude_um")->value;
+}
+
+NamedWave larger_wave(const NamedWave& wave) {
+  return has_second_harmonic(wave) && is_second_larger(wave) ? second_harmonic(wave) : wave;
+}
+
+/// ", and of +-1.2 um, 5.000 mm": the smaller of a wave and its second harmonic, where its size is known to a third.
+std::string smaller_wave_text(const NamedWave& wave, const Observations& data) {
+  constexpr double kSigmas = 3.0;
+  if (!has_second_harmonic(wave)) return "";
+  NamedWave smaller = is_second_larger(wave) ? wave : second_harmonic(wave);
+  const ParameterEstimate& size = *named(smaller, "amplitude_um");
+  if (size.undetermined || !size.sigma || size.value < kSigmas * *size.sigma) return "";
+  return fmt::format(", and of +-{}, {}", value_of(smaller.effect, size, data),
+                     value_of(smaller.effect, *named(smaller, "period_mm"), data));
 }
 
 }  // namespace
@@ -349,6 +385,7 @@ std::string finding_text(const EffectInstance& found_effect, const std::vector<P
   word("sizes", sizes_word(effect, parameters, data));
   std::string text = fmt::vformat(definition.headline, words);
   if (const std::size_t sign = text.find("+-an "); sign != std::string::npos) text.erase(sign, 2);
+  text += smaller_wave_text({found_effect, found_parameters}, data);
   if (effect.approach != ApproachMode::both) text += fmt::format(", only when moving {}", name_of(effect.approach));
   return text;
 }

@@ -245,6 +245,7 @@ enum class Need : std::uint8_t {
   material_temperature,
   air,
   feed,
+  speed,
   load,
   travel_since_reversal,
   time_since_reversal,

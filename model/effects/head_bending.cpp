@@ -1,14 +1,22 @@
 // A head that its own weight bends: with the tilting angle b of the rotary axis next to the tool the moment of gravity
 // changes as sin b, the share across it as 1 - cos b (a beam under its own weight, Timoshenko 1925). The shift is one
-// in the frame of the part that carries that axis.
+// in the frame of the part that carries that axis, or of the machine where its slides and column give way; a tool that
+// bends shifts in proportion to its length.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
 
 #include "model/effects/artefact_place.hpp"
 
 namespace ecs::model::effects {
 namespace {
+
+constexpr std::array kAlong{Sense::EX, Sense::EY, Sense::EZ};
 
 /// The rotary axis next to the tool, where one carries it.
 std::optional<Axis> tilting_axis(const Observations& data) {
@@ -18,23 +26,71 @@ std::optional<Axis> tilting_axis(const Observations& data) {
                                                            : std::optional(static_cast<Axis>(letters[last] - 'A'));
 }
 
-}  // namespace
+/// Another rotary axis carries the tilting one: its frame turns in that of the machine, and nothing turns the
+/// workpiece.
+bool has_turning_head(const Observations& data) {
+  const std::string& letters = data.machine.rotary_configuration;
+  return std::ranges::count_if(std::string_view(letters).substr(std::min(letters.find('T'), letters.size())),
+                               [](char letter) { return letter >= 'A' && letter <= 'C'; }) == 2;
+}
 
-EffectDefinition head_bending() {
+/// From the tool reference point to the ball or probe [mm].
+double tool_length_mm(const Observations& data, std::size_t k) {
+  double square = 0.0;
+  for (const char* const column : {"tool_x_mm", "tool_y_mm", "tool_z_mm"})
+    if (const auto found = data.extras.find(column); found != data.extras.end() && !std::isnan(found->second[k]))
+      square += found->second[k] * found->second[k];
+  return std::sqrt(square);
+}
+
+bool has_several_tools(const Observations& data) {
+  std::set<double> lengths;
+  for (std::size_t k = 0; k < data.size() && lengths.size() < 2; ++k) lengths.insert(tool_length_mm(data, k));
+  return lengths.size() > 1;
+}
+
+double in_head(const ReadingAt& at, std::size_t along) {
+  return at.data.share_of(at.k, tilting_axis(at.data).value_or(Axis::X), kAlong[along]);
+}
+
+double in_machine(const ReadingAt& at, std::size_t along) {
+  return -at.data.through_chain[at.k].of_workpiece[along];  // the workpiece does not turn
+}
+
+double in_head_by_length(const ReadingAt& at, std::size_t along) {
+  constexpr double kMmPerM = 1000.0;
+  return tool_length_mm(at.data, at.k) / kMmPerM * in_head(at, along);
+}
+
+/// sin b along X, Y, Z, then 1 - cos b. @param share  of 1 um along X, Y or Z in the reading
+template <double (*share)(const ReadingAt&, std::size_t)>
+void bending_columns(const ReadingAt& at, std::span<double> row) {
+  const Axis axis = tilting_axis(at.data).value_or(Axis::X);  // without one its errors reach nothing
+  const double b = at.data.position_mm[at.k][index_of(axis)] * std::numbers::pi / 180.0;
+  const std::array<double, 2> part{std::sin(b), 1.0 - std::cos(b)};
+  for (std::size_t i = 0; i < row.size(); ++i) row[i] = part[i / kAxes] * share(at, i % kAxes);
+}
+
+struct Words {
+  std::string_view id, title, formula, cause, headline;
+};
+
+/// What the three have in common.
+EffectDefinition bending(const Words& words) {
   return {
-      .id = "head_bending",
-      .title = "Bending of the head",
-      .formula = "s sin b + c (1 - cos b), in the frame that carries the tilting axis",
-      .cause = "head or spindle bent by its own weight, which the tilting axis turns",
+      .id = words.id,
+      .title = words.title,
+      .formula = words.formula,
+      .cause = words.cause,
       .tells_apart = "follows sine and cosine of the tilting angle; even and odd in its sign",
       .check = "hang a weight on the head at +90 and -90 degrees and watch the tool with a gauge",
-      .headline = "Head bent as it tilts: {sizes}",
+      .headline = words.headline,
       .parameters = {{"x_sin_um", "um", "along X with sin b"},
-                     {"y_sin_um", "um", "along Y"},
-                     {"z_sin_um", "um", "along Z"},
+                     {"y_sin_um", "um", "along Y with sin b"},
+                     {"z_sin_um", "um", "along Z with sin b"},
                      {"x_cos_um", "um", "along X with 1 - cos b"},
-                     {"y_cos_um", "um", "along Y"},
-                     {"z_cos_um", "um", "along Z"}},
+                     {"y_cos_um", "um", "along Y with 1 - cos b"},
+                     {"z_cos_um", "um", "along Z with 1 - cos b"}},
       .carrier = Carrier::none,
       .how = "the unit has no input for the angles of rotary axes",
       .separated_by = {53,
@@ -42,21 +98,53 @@ EffectDefinition head_bending() {
                        "of the axis line does not change with the length, bending does."},
       .traits = {.on_rotary_axes = true},
       .place = Place::artefact,
-      .preference = 65,
-      .columns =
-          [](const ReadingAt& at, std::span<double> row) {
-            constexpr std::array kAlong{Sense::EX, Sense::EY, Sense::EZ};
-            const Axis axis = tilting_axis(at.data).value_or(Axis::X);  // without one its errors reach nothing
-            const double b = at.data.position_mm[at.k][index_of(axis)] * std::numbers::pi / 180.0;
-            const std::array<double, 2> part{std::sin(b), 1.0 - std::cos(b)};
-            for (std::size_t i = 0; i < row.size(); ++i)
-              row[i] = part[i / kAxes] * at.data.share_of(at.k, axis, kAlong[i % kAxes]);
-          },
-      .of_sense =
-          [](const Site& site) {
-            return tilting_axis(site.data) ? once_for_ball(site) : std::vector<EffectInstance>{};
-          },
   };
+}
+
+}  // namespace
+
+EffectDefinition head_bending() {
+  EffectDefinition head = bending(
+      {"head_bending", "Bending of the head", "s sin b + c (1 - cos b), in the frame that carries the tilting axis",
+       "head or spindle bent by its own weight, which the tilting axis turns", "Head bent as it tilts: {sizes}"});
+  head.preference = 65;
+  head.columns = bending_columns<in_head>;
+  head.of_sense = [](const Site& site) {
+    return tilting_axis(site.data) ? once_for_ball(site) : std::vector<EffectInstance>{};
+  };
+  return head;
+}
+
+EffectDefinition machine_bending() {
+  EffectDefinition machine = bending({"machine_bending", "Bending of the machine under its head",
+                                      "s sin b + c (1 - cos b), in the frame of the machine",
+                                      "slide or column bent by the weight of the head, which the tilting axis turns",
+                                      "Machine bent as its head tilts: {sizes}"});
+  machine.preference = 66;
+  machine.columns = bending_columns<in_machine>;
+  machine.of_sense = [](const Site& site) {
+    return has_turning_head(site.data) ? once_for_ball(site) : std::vector<EffectInstance>{};
+  };
+  return machine;
+}
+
+EffectDefinition tool_bending() {
+  EffectDefinition tool =
+      bending({"tool_bending", "Bending in proportion to the length of the tool",
+               "L (s sin b + c (1 - cos b)), in the frame that carries the tilting axis",
+               "tool, holder or spindle bearing that gives way to the weight, with the length of the tool as lever",
+               "Tool tilted by its weight as the head tilts: {sizes}"});
+  for (ParameterDefinition& parameter : tool.parameters) parameter.unit = "um/m";
+  constexpr std::array<std::string_view, 2 * kAxes> kNames{"x_sin_um_per_m", "y_sin_um_per_m", "z_sin_um_per_m",
+                                                           "x_cos_um_per_m", "y_cos_um_per_m", "z_cos_um_per_m"};
+  for (std::size_t i = 0; i < kNames.size(); ++i) tool.parameters[i].name = kNames[i];
+  tool.preference = 67;
+  tool.columns = bending_columns<in_head_by_length>;
+  tool.of_sense = [](const Site& site) {
+    const bool tells = tilting_axis(site.data) && has_several_tools(site.data);
+    return tells ? once_for_ball(site) : std::vector<EffectInstance>{};
+  };
+  return tool;
 }
 
 }  // namespace ecs::model::effects

@@ -1,36 +1,8 @@
 // Scale of X, Y and Z and their squareness as readings of a ball show them: an axis moves as far as the ball is from
 // the pivots, while the ball stays (ISO 230-1; ISO 10791-6, BK1 to BK4, which ask for linear axes without such errors).
-#include <array>
-#include <string>
-
 #include "model/effects/artefact_place.hpp"
 
 namespace ecs::model::effects {
-namespace {
-
-/// Every rotary axis carries the tool and lies beyond the linear ones, so that these err in the frame of the bed.
-bool all_in_head(const std::string& letters) {
-  const std::size_t tool = letters.find('T'), first = letters.find_first_of("ABC");
-  return tool != std::string::npos && first != std::string::npos && first > tool && first > letters.find_last_of("XYZ");
-}
-
-/// Scale of X, Y, Z along themselves, then C0Y, B0Z, A0Z: E_X = -C0Y Y + B0Z Z, E_Y = -A0Z Z (docs/physics.md).
-std::array<double, 2 * kAxes> linear_errors(const Observations& data, std::size_t k) {
-  std::array<double, 2 * kAxes> row{};
-  if (data.place_mm.empty() || is_rotation(data.sense[k])) return row;
-  const auto sense = static_cast<std::size_t>(data.sense[k]);
-  const Vector3& place_mm = data.place_mm[k];
-  row[sense] = place_mm[sense] / 1000.0;
-  if (data.sense[k] == Sense::EX) {
-    row[kAxes] = -place_mm[1] / 1000.0;
-    row[kAxes + 1] = place_mm[2] / 1000.0;
-  } else if (data.sense[k] == Sense::EY) {
-    row[kAxes + 2] = -place_mm[2] / 1000.0;
-  }
-  return row;
-}
-
-}  // namespace
 
 EffectDefinition linear_axes() {
   return {
@@ -58,14 +30,11 @@ EffectDefinition linear_axes() {
       .preference = 60,
       .columns =
           [](const ReadingAt& at, std::span<double> row) {
-            const auto all = linear_errors(at.data, at.k);
-            for (std::size_t i = 0; i < row.size(); ++i) row[i] = all[i];
+            const ThroughChain& chain = at.data.through_chain[at.k];
+            for (std::size_t i = 0; i < row.size(); ++i) row[i] = chain.of_linear[i];
           },
-      .of_sense =
-          [](const Site& site) {
-            return all_in_head(site.data.machine.rotary_configuration) ? once_for_ball(site)
-                                                                       : std::vector<EffectInstance>{};
-          },
+      .column_sets = {{0}, {1}, {2}, {3}, {4}, {5}, {0, 1, 2}, {3, 4, 5}, {0, 1, 2, 3, 4, 5}},
+      .of_sense = [](const Site& site) { return once_for_ball(site); },
   };
 }
 

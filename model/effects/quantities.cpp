@@ -54,6 +54,11 @@ double reference_degC(const Observations& data, std::string_view column) {
   return found == data.origin.sensors_degC.end() ? 0.0 : found->second;
 }
 
+double speed_per_min(const Observations& data, std::size_t k) {
+  const auto found = data.extras.find(laser::speed_column(data.rotary));
+  return found == data.extras.end() ? kNotMeasured : found->second[k];
+}
+
 double air_deviation_ppm(const Observations& data, std::size_t k) {
   const laser::BeamAir air{sensor_degC(data, "t_air_degC", k), cell(data.pressure_hPa, k), cell(data.humidity_pct, k)};
   const bool measured = !std::isnan(air.temperature_degC + air.pressure_hPa + air.humidity_pct);

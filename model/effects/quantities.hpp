@@ -18,6 +18,10 @@ inline constexpr double kReference_degC = 20.0;
 /// The temperature from which effects of a sensor count, that of the origin [degC].
 [[nodiscard]] double reference_degC(const Observations& data, std::string_view column);
 
+/// Speed of the moving axis at the moment of reading k, negative in reverse [mm/min, deg/min]; kNotMeasured where the
+/// cell lacks.
+[[nodiscard]] double speed_per_min(const Observations& data, std::size_t k);
+
 /// Refractive index of the air in reading k less that of the air of the origin (20 degC, 1013.25 hPa, 50 %) [1e-6];
 /// kNotMeasured where a cell lacks.
 [[nodiscard]] double air_deviation_ppm(const Observations& data, std::size_t k);

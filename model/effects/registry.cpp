@@ -11,6 +11,7 @@
 #define ECS_EFFECTS(EFFECT)  \
   EFFECT(offset)             \
   EFFECT(scale)              \
+  EFFECT(tilt_scale)         \
   EFFECT(progressive)        \
   EFFECT(cyclic)             \
   EFFECT(backlash)           \
@@ -27,6 +28,8 @@
   EFFECT(location)           \
   EFFECT(linear_axes)        \
   EFFECT(head_bending)       \
+  EFFECT(machine_bending)    \
+  EFFECT(tool_bending)       \
   EFFECT(ball_on_table)      \
   EFFECT(ball_in_spindle)    \
   EFFECT(artefact_angle)     \
@@ -37,6 +40,7 @@
   EFFECT(dead_path)          \
   EFFECT(cosine)             \
   EFFECT(servo_lag)          \
+  EFFECT(delay)              \
   EFFECT(load)               \
   EFFECT(reversal_spike)     \
   EFFECT(friction)           \

@@ -10,6 +10,7 @@
 #include "base/linear/decompositions.hpp"
 #include "model/data/curve_basis.hpp"
 #include "model/data/motions.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/regression/needs.hpp"
 #include "model/regression/regressors.hpp"
 
@@ -107,6 +108,13 @@ bool both_approaches(const Observations& data, Sense sense, Axis axis) {
     reverse = reverse || data.approach_of(k, axis) < 0;
   }
   return forward && reverse;
+}
+
+/// Its readings were taken on the fly: a delay does there what lost motion does, so neither is taken for granted.
+bool is_read_in_motion(const Observations& data, Sense sense, Axis axis) {
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (data.sense[k] == sense && data.axis[k] == axis && std::abs(speed_per_min(data, k)) > 0.0) return true;
+  return false;
 }
 
 std::size_t places(const Observations& data, Sense sense, Axis axis) {
@@ -341,7 +349,8 @@ std::vector<EffectInstance> usual_effects(const Observations& all) {
     add_at(site(natural_axis(data, sense)), &EffectDefinition::of_sense, true, usual);
     for (const Axis axis : moved_axes(data, sense)) {
       if (places(data, sense, axis) >= kForSlope) add_at(site(axis), &EffectDefinition::along_axis, true, usual);
-      if (both_approaches(data, sense, axis)) add_at(site(axis), &EffectDefinition::of_reversal, true, usual);
+      if (both_approaches(data, sense, axis) && !is_read_in_motion(data, sense, axis))
+        add_at(site(axis), &EffectDefinition::of_reversal, true, usual);
     }
   }
   return usual;

@@ -56,6 +56,9 @@ constexpr NeedFacts kNeeds[] = {
      [](Data data, std::size_t k, Effect) { return air_deviation_ppm(data, k); }},
     {Need::feed, "the column feed_mm_min", "feed_mm_min", [](Data data) { return data.feed_mm_min.empty(); },
      [](Data data, std::size_t k, Effect) { return cell(data.feed_mm_min, k); }},
+    {Need::speed, "the column speed_mm_min or speed_deg_min", "speed_mm_min or speed_deg_min",
+     [](Data data) { return !data.extras.contains(laser::speed_column(data.rotary)); },
+     [](Data data, std::size_t k, Effect) { return speed_per_min(data, k); }},
     {Need::load, "the column load_kg", "load_kg", [](Data data) { return data.load_kg.empty(); },
      [](Data data, std::size_t k, Effect) { return cell(data.load_kg, k); }},
     {Need::travel_since_reversal, "the column travel_since_reversal_mm", "travel_since_reversal_mm",
@@ -207,7 +210,7 @@ std::vector<std::string> untried_effects(const Observations& all) {
   const Observations& data = all.motions();
   std::vector<std::string> notes;
   for (const NeedFacts& facts : kNeeds) {
-    if (facts.need == Need::known || !facts.lacking(data)) continue;
+    if (facts.need == Need::known || facts.need == Need::speed || !facts.lacking(data)) continue;
     if (of_sensors(facts.need) && data.sensors_degC.empty()) continue;
     if (facts.need == Need::reversed && !has_readings_across(data)) continue;
     if (facts.need == Need::time_since_reversal && !has_circle(all)) continue;

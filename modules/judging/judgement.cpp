@@ -100,9 +100,24 @@ Result<void> of_same_machine(const FrozenModel& frozen, const ModelWork& work, c
 // --- groups
 
 /// Of a rotary axis, or on a circle [deg]; nothing: there is none.
-std::optional<double> angle_of(const Observations& data, std::size_t k) {
-  if (data.on_path(k) && model::variable_along(data.path_of(k)) == "angle_deg") return data.along[k];
-  return data.rotary ? std::optional(data.position_mm[k][index_of(data.axis[k])]) : std::nullopt;
+/// @param axis  rotary; absent: the one that moves
+std::optional<double> angle_of(const Observations& data, std::size_t k, std::optional<Axis> axis) {
+  if (!axis && data.on_path(k) && model::variable_along(data.path_of(k)) == "angle_deg") return data.along[k];
+  return data.rotary ? std::optional(data.position_mm[k][index_of(axis.value_or(data.axis[k]))]) : std::nullopt;
+}
+
+/// "B +", "|B| 45", "B 0..90"; nothing: the reading has no angle.
+std::optional<std::string> angle_group_of(const HeldOutGroups& groups, const Observations& data, std::size_t k) {
+  const auto angle = angle_of(data, k, groups.axis);
+  if (!angle) return std::nullopt;
+  const std::string name = groups.axis       ? std::string(1, data.letter(*groups.axis))
+                           : data.on_path(k) ? data.path_name(k)
+                                             : std::string(1, data.letter(data.axis[k]));
+  if (groups.by == "sign") return name + (*angle < 0.0 ? " -" : " +");
+  if (groups.by == "magnitude") return fmt::format("|{}| {}", name, shortest(std::abs(*angle)));
+  const double turn = *angle - 360.0 * std::floor(*angle / 360.0);
+  const double from = groups.sector_deg * std::floor(turn / groups.sector_deg);
+  return fmt::format("{} {}..{}", name, from, from + groups.sector_deg);
 }
 
 std::optional<std::string> day_of(const Observations& data, std::size_t k) {
@@ -126,15 +141,7 @@ std::optional<std::string> value_of(const HeldOutGroups& groups, const ModelWork
                          ? " lower"
                          : " upper");
   }
-  if (by == "sector" || by == "sign") {
-    const auto angle = angle_of(data, k);
-    if (!angle) return std::nullopt;
-    const std::string name = data.on_path(k) ? data.path_name(k) : letter;
-    if (by == "sign") return name + (*angle < 0.0 ? " -" : " +");
-    const double turn = *angle - 360.0 * std::floor(*angle / 360.0);
-    const double from = groups.sector_deg * std::floor(turn / groups.sector_deg);
-    return fmt::format("{} {}..{}", name, from, from + groups.sector_deg);
-  }
+  if (by == "sector" || by == "sign" || by == "magnitude") return angle_group_of(groups, data, k);
   const laser::Reading& reading = work.set.readings[data.file_order[k]];
   if (const auto text = reading.text_extras.find(by); text != reading.text_extras.end() && !text->second.empty())
     return text->second;

@@ -25,8 +25,9 @@ struct AcceptanceLimit {
 
 /// How a hold-out is divided, `[[group]]`: readings with one value of `by` are a group.
 struct HeldOutGroups {
-  std::string by;                   ///< a column; or all, day, half, sector, sense, sign
+  std::string by;                   ///< a column; or all, day, half, magnitude, sector, sense, sign
   std::vector<std::string> values;  ///< that are held out; empty: whatever the files hold
+  std::optional<Axis> axis{};       ///< rotary, of magnitude, sector and sign; absent: the one that moves
   double sector_deg = 90.0;         ///< divides 360
   double share = 0.0;               ///< at least, of the fitted and the held-out readings together
   std::size_t readings = 10;        ///< in a group, at least

@@ -6,6 +6,7 @@
 
 #include "base/text.hpp"
 #include "base/toml_reader.hpp"
+#include "laser/csv_columns.hpp"
 #include "modules/judging/judging.hpp"
 
 namespace ecs::commissioning {
@@ -65,13 +66,22 @@ std::vector<std::string> values_in(TomlReader& reader, const toml::table& table,
 
 HeldOutGroups groups_in(TomlReader& reader, const toml::table& table,
                         std::set<std::pair<std::string, std::string>>& taken) {
-  reader.only(table, {"by", "values", "sector_deg", "share", "readings", "inside", "beyond"}, "group");
+  reader.only(table, {"by", "values", "axis", "sector_deg", "share", "readings", "inside", "beyond"}, "group");
   HeldOutGroups groups;
   groups.line = static_cast<int>(table.source().begin.line);
   groups.by = reader.word(table, "by").value_or("");
   if (!table.contains("by") || (table.get("by")->is_string() && groups.by.empty()))
-    reader.complain(table, "by: expected a column, or all, day, half, sector, sense, sign");
+    reader.complain(table, "by: expected a column, or all, day, half, magnitude, sector, sense, sign");
   groups.values = values_in(reader, table, groups.by, taken);
+  if (const auto letter = reader.word(table, "axis")) {
+    const auto named = laser::axis_named(*letter);
+    if (!named || !named->rotary)
+      reader.complain(*table.get("axis"), fmt::format("axis: expected A, B or C, got \"{}\"", *letter));
+    else
+      groups.axis = named->axis;
+    if (groups.by != "sector" && groups.by != "sign" && groups.by != "magnitude")
+      reader.complain(*table.get("axis"), "axis: only with by = \"magnitude\", \"sector\" or \"sign\"");
+  }
   if (const auto width = bounded(reader, table, "sector_deg", 1.0, 360.0, "degrees from 1 to 360")) {
     groups.sector_deg = *width;
     if (groups.by != "sector") reader.complain(*table.get("sector_deg"), "sector_deg: only with by = \"sector\"");

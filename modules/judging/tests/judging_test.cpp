@@ -345,6 +345,26 @@ TEST_CASE("angles are divided by sector and sign") {
   CHECK(bench.freeze(by("half")).code == 3);
 }
 
+TEST_CASE("angles are divided by their magnitude, and by a rotary axis other than the one that moves") {
+  Bench bench;
+  const auto turned = [](int seed) {
+    std::string text = "axis,sense,b_deg,c_deg,reading,approach,run,time_s\n";
+    for (int k = 0; k < 72; ++k)
+      text += fmt::format("C,EC,{},{},{},1,1,{}\n", 45 * (k % 3 - 1), 5 * k - 180, (k * seed) % 7, k);
+    return text;
+  };
+  bench.model =
+      bench.with("m.toml", "[[effect]]\nid = \"offset\"\naxis = \"C\"\nsense = \"EC\"\nparameters = { um = 3 }\n");
+  bench.data = bench.with("fit.csv", turned(3));
+  bench.held = bench.with("held.csv", turned(5));
+  const std::string wide = "[[group]]\nby = \"{}\"\ninside = {{ rms_um = 9 }}\naxis = \"B\"\n";
+  REQUIRE(bench.freeze(fmt::format(fmt::runtime(wide), "magnitude")).code == 0);
+  CHECK(kinds_in(bench.judge()) == std::map<std::string, std::string>{{"|B| 0", "inside"}, {"|B| 45", "inside"}});
+  REQUIRE(bench.freeze(fmt::format(fmt::runtime(wide), "sign")).code == 0);
+  CHECK(kinds_in(bench.judge()) == std::map<std::string, std::string>{{"B +", "inside"}, {"B -", "inside"}});
+  CHECK(bench.freeze(fmt::format(fmt::runtime(wide), "run")).code == 3);
+}
+
 TEST_CASE("with the zero of each run the mean of a run is no error") {
   Bench bench;
   bench.held = bench.with(

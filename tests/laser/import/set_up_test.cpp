@@ -147,6 +147,32 @@ TEST_CASE("a scan of a poor encoder over one turn is suggested in degrees, and r
   CHECK(set.readings.back().run == 1);
 }
 
+TEST_CASE("of a scan with times slower readings are kept too, each with the speed of the axis") {
+  std::string text = "stamp;set;actual\n";
+  const double steps[] = {0.0, 0.5, 2.0, 4.0};  // deg in 100 ms: the axis starts and stops
+  double at = 0.0;
+  long long stamp = 132900081483250000;
+  const auto add = [&](double step) {
+    at += step;
+    text += fmt::format("{};{};{:.5f}\n", stamp += 1000000, at, at + 8.0 * std::sin(4.0 * at / 57.29578));
+  };
+  for (int i = 0; i < 30; ++i) add(0.0);
+  for (const double step : steps) add(step);
+  for (int i = 0; i < 88; ++i) add(4.0);
+  for (int i = 0; i < 30; ++i) add(0.4 * static_cast<double>(i == 0));
+  const Problem why = must_fail(parse_any(text, "scan.csv", {}));
+  const std::string columns = "c_deg=2[deg],reading=3[deg],rows=in_motion,time_s=1*1e-7-13290008148.425";
+  CHECK_MESSAGE(contains(why.message, "--columns \"" + columns + "\" --values actual --skip 1"), why.message);
+  ImportOptions options = by_columns(columns, 1);
+  options.mapping->values = TableValues::actual_positions;
+  options.takes_rotary = true;
+  const auto set = must(parse_any(text, "scan.csv", options)).set;
+  CHECK(set.readings.size() == 92);
+  CHECK(says(set.notes, "readings at rest or below a twentieth of the usual speed are ignored"));
+  CHECK(set.readings[0].extras.at("speed_deg_min") == Approx(0.5 * (0.5 + 2.0) * 600.0));
+  CHECK(set.readings[20].extras.at("speed_deg_min") == Approx(2400.0));
+}
+
 TEST_CASE("a column that counts the readings of each run is suggested in place of a time") {
   std::string text = "run,sample,spindle_C,disp_um\n";
   for (int run = 1; run <= 3; ++run)

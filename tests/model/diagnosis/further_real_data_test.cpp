@@ -174,8 +174,8 @@ TEST_CASE("a resolver that distorts: a wave of a quarter turn with its harmonic,
   SKIP_UNLESS(!real_data("resolver-cyclic").empty(), kNoRealData);
   laser::ImportOptions options;
   options.takes_rotary = true;
-  options.mapping =
-      must(laser::column_mapping("c_deg=2[deg],reading=4[deg],approach=motion,run=motion,rows=in_motion"));
+  options.mapping = must(laser::column_mapping(
+      "c_deg=2[deg],reading=4[deg],approach=motion,run=motion,rows=in_motion,time_s=1*1e-7-13290008148.325"));
   options.mapping->values = laser::TableValues::actual_positions;
   options.mapping->skip_lines = 27;
   auto set = must(laser::read_any(real_data("resolver-cyclic/ResolverCiclicError2.csv"), options)).set;
@@ -196,6 +196,8 @@ TEST_CASE("a resolver that distorts: a wave of a quarter turn with its harmonic,
   CHECK(first.parameters[3].value < 0.75 * kDeg);
   for (const Candidate& c : found.candidates)
     if (c.standing != Standing::possible) CHECK(!c.effect.traits().of_approach);
+  CHECK(contains(found.headline, "45.00 deg = 1/8 turn"));
+  CHECK(contains(found.headline, "(delay:C:EC)"));  // 33 ms between the channels, no rival of a reversal
 }
 
 TEST_CASE("a positioning test on nine targets: curves of both ways explain most of it, the rest is structure over x") {

@@ -40,6 +40,7 @@ Observations everything_varies() {
     r.position_mm[2] = uniform(100.0, 900.0);
     r.feed_mm_min = uniform(100.0, 5000.0);
     r.load_kg = uniform(0.0, 500.0);
+    r.extras["speed_mm_min"] = uniform(-5000.0, 5000.0);
     r.extras["reversed"] = static_cast<double>(r.row % 2);
     r.travel_since_reversal_mm = 60.0 * std::pow(uniform(0.0, 1.0), 3);  // some right behind it
     r.extras["time_since_reversal_s"] = uniform(0.0, 0.6);
@@ -68,6 +69,7 @@ Observations ball_everywhere() {
               .angle_deg = {0.0, 180.0 * uniform(random) - 90.0, 360.0 * uniform(random)},
               .sense = static_cast<Sense>(k % 3),
               .approach = k % 4 < 2 ? Approach::forward : Approach::reverse};
+    r.extras["tool_z_mm"] = -100.0 * uniform(random);
     set.readings.push_back(r);
   }
   return observations_of(set, Model{}, machine);
@@ -75,7 +77,8 @@ Observations ball_everywhere() {
 
 /// Data that can show an effect: those of a ball for what only rotary axes have.
 Observations data_for(const EffectDefinition& definition) {
-  const bool of_ball = definition.place == Place::location || definition.place == Place::artefact;
+  const bool of_ball = definition.place == Place::location || definition.place == Place::artefact ||
+                       std::string_view(definition.id) == "tilt_scale";
   if (!of_ball) return everything_varies();
   Observations data = ball_everywhere();
   for (ThroughChain& one : data.through_chain) one.ball = 1;

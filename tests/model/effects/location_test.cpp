@@ -493,17 +493,142 @@ TEST_CASE("a head that bends follows sine and cosine of its tilting angle, in th
   CHECK(fitted.effects[1].parameters[5].value == Approx(-40.0).epsilon(0.05));
 }
 
+TEST_CASE("scale and squareness of the linear axes reach a reading through every chain as exact matrices say") {
+  const LinearErrors errors{40.0, -25.0, 30.0, 15.0, -20.0, 35.0};
+  const params::MachineRotaryAxis a{{-100.0, 100.0}, {1.0, 0.0, 0.0}, {600.0, 300.0, -560.0}};
+  const params::MachineRotaryAxis b{{-100.0, 100.0}, {0.0, 1.0, 0.0}, {0.7, 26.7, 309.0}};
+  const params::MachineRotaryAxis c{{-360.0, 360.0}, {0.0, 0.0, 1.0}, {605.0, 298.0, -500.0}};
+  for (TurningMachine made :
+       {TurningMachine("XYACTZ", {{'A', a}, {'C', c}}), TurningMachine("XYCTZB", {{'C', c}, {'B', b}}),
+        TurningMachine("TXYZCB", {{'C', c}, {'B', b}}), TurningMachine("CXTYZB", {{'C', c}, {'B', b}})}) {
+    CAPTURE(made.exact.configuration);
+    std::mt19937_64 random(7);
+    UniformDraws draw(-1.0, 1.0);
+    laser::MeasurementSet set;
+    std::vector<double> expected;
+    for (int k = 0; k < 20; ++k) {
+      const Vector3 p{500.0 + 300.0 * draw(random), 300.0 * draw(random), -400.0 + 200.0 * draw(random)};
+      Angles angles{90.0 * draw(random), 90.0 * draw(random), 180.0 * draw(random)};
+      for (std::size_t r = 0; r < kAxes; ++r)
+        if (!made.machine.rotary[r]) angles[r] = 0.0;
+      for (std::size_t l = 0; l < kAxes; ++l) made.exact.values.curve[l][l] = errors[l] * p[l] / 1000.0;
+      for (std::size_t q = 0; q < kAxes; ++q) made.exact.values.squareness[kCurves + q] = errors[3 + q];
+      const Vector3 e = exact_tool_error(made.exact, p, angles).error_um;
+      for (std::size_t d = 0; d < kAxes; ++d) {
+        Reading r{.row = static_cast<int>(set.readings.size()) + 1,
+                  .axis = Axis::Z,
+                  .rotary = true,
+                  .position_mm = p,
+                  .angle_deg = angles,
+                  .sense = static_cast<Sense>(d)};
+        r.extras["on_workpiece"] = 1.0;
+        set.readings.push_back(r);
+        expected.push_back(e[d]);
+      }
+    }
+    const Observations data = observations_of(set, Model{}, made.machine);
+    REQUIRE(data.through_chain.size() == expected.size());
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < errors.size(); ++i) sum += errors[i] * data.through_chain[k].of_linear[i];
+      CHECK(sum == Approx(expected[data.file_order[k]]).epsilon(1e-3).scale(1.0));
+    }
+  }
+}
+
+TEST_CASE("squareness on a machine of table C and head B is found as that, not as waves of the rotary axes") {
+  TurningMachine made("XYCTZB", {{'C', {{0.0, 360.0}, {0.0, 0.0, 1.0}, {605.0, 298.0, -500.0}}},
+                                 {'B', {{-100.0, 100.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 309.0}}}});
+  std::mt19937_64 random(17);
+  NormalDraws noise(0.0, 0.6);
+  const Eigen::Vector3d at = exact_pose(made.exact, {800.0, 340.0, -450.0}, {}).translation();
+  laser::MeasurementSet set;
+  int run = 0;
+  for (const double b : {0.0, 30.0, -30.0, 60.0, -60.0})
+    for (int i = 0; i < 12; ++i) {
+      const Angles angles{0.0, b, 30.0 * i};
+      const Eigen::Matrix3d bed = bed_of(made.exact, angles);
+      const Eigen::Vector3d p = bed.transpose() * (at - exact_pose(made.exact, {}, angles).translation());
+      ecs::test::ExactMachine leaning = made.exact;
+      leaning.values.squareness[kCurves] = 60.0;  // C0Y
+      const Vector3 e = exact_tool_error(leaning, {p.x(), p.y(), p.z()}, angles).error_um;
+      const Eigen::Vector3d read = bed.transpose() * Eigen::Vector3d(e[0], e[1], e[2]);
+      ++run;
+      for (int d = 0; d < 3; ++d)
+        set.readings.push_back({.row = static_cast<int>(set.readings.size()) + 1,
+                                .axis = Axis::Z,
+                                .rotary = true,
+                                .position_mm = {p.x(), p.y(), p.z()},
+                                .angle_deg = angles,
+                                .sense = static_cast<Sense>(d),
+                                .error = read[d] + noise(random),
+                                .approach = Approach::forward,
+                                .time_s = 5.0 * run});
+    }
+  const Diagnosis found = found_in(set, made, begun(set, made));
+  REQUIRE_FALSE(found.candidates.empty());
+  const Candidate& first = found.candidates.front();
+  INFO(found.headline);
+  CHECK(to_text(first.effect) == "linear_axes");
+  CHECK(first.in_answer());
+  CHECK(contains(found.headline, "squareness C0Y of X and Y"));
+}
+
+TEST_CASE("a tilting axis whose scale is wrong is found as that; of an axis that turns fully there is none") {
+  TurningMachine made = head();
+  laser::MeasurementSet set = head_set({}, true, 1.0);
+  Model model = begun(set, made);
+  const Observations data = observations_of(set, model, made.machine);
+  const auto all = candidate_instances(data);
+  const auto names = [&](const char* name) {
+    return std::ranges::count_if(all, [&](const EffectInstance& one) { return to_text(one) == name; });
+  };
+  CHECK(names("tilt_scale:B:EB") == 1);
+  CHECK(names("tilt_scale:C:EC") == 0);
+  for (std::size_t k = 0; k < data.size(); ++k)
+    set.readings[data.file_order[k]].error += 4.0 * data.position_mm[k][1] * data.share_of(k, Axis::Y, Sense::EB);
+  model.effects.push_back(effect(effect_named("tilt_scale"), Axis::Y, Sense::EB));
+  model.effects.back().rotary = true;
+  const auto fitted = must(fit(model, observations_of(set, model, made.machine)));
+  CHECK(fitted.effects.back().parameters.front().value == Approx(4.0).epsilon(0.05));
+  CHECK(fitted.effects.back().parameters.front().unit == "um/m/deg");
+}
+
 TEST_CASE(
-    "linear axes are tried under heads only, bending where a rotary axis carries the tool, neither in a new model") {
+    "bending in the frame of the machine and in proportion to the tool's length are told from that in the head's") {
+  const TurningMachine made = head();
+  laser::MeasurementSet set = head_set({}, false, 0.5);
+  const auto shorter = set.readings;
+  for (Reading r : shorter) {  // the same poses with a second tool
+    r.row = static_cast<int>(set.readings.size()) + 1;
+    r.extras["tool_z_mm"] = -150.0;
+    set.readings.push_back(r);
+  }
+  for (Reading& r : set.readings) {
+    const double b = r.angle_deg[1] * std::numbers::pi / 180.0, c = r.angle_deg[2] * std::numbers::pi / 180.0;
+    const double of_tool = (r.extras.contains("tool_z_mm") ? 0.15 : 0.0) * 200.0 * std::sin(b);
+    if (r.sense == Sense::EX) r.error += 50.0 * std::sin(b) + of_tool * std::cos(c);
+    if (r.sense == Sense::EY) r.error += of_tool * std::sin(c);
+  }
+  const Model model = of_artefacts({"ball_on_table", "machine_bending", "tool_bending", "head_bending"});
+  const auto fitted = must(fit(model, observations_of(set, model, made.machine)));
+  CHECK(fitted.effects[1].parameters[0].value == Approx(50.0).epsilon(0.05));
+  CHECK(fitted.effects[2].parameters[0].value == Approx(200.0).epsilon(0.05));
+  CHECK(std::abs(fitted.effects[3].parameters[0].value) < 2.0);
+}
+
+TEST_CASE(
+    "linear axes are tried on every chain, bending where a rotary axis carries the tool, neither in a new model") {
   const auto has = [](const std::vector<EffectInstance>& all, const char* id) {
     return std::any_of(all.begin(), all.end(), [&](const EffectInstance& one) { return to_text(one) == id; });
   };
   const Observations under_head = observations_of(head_set({}, true), Model{}, head().machine);
   const TurningMachine table = trunnion();
   const Observations on_table = observations_of(ball_set(table, {{14.0, -9.0, 3.0}, 0.6}, 13), Model{}, table.machine);
-  for (const char* const id : {"linear_axes", "head_bending"}) {
+  for (const char* const id : {"linear_axes", "head_bending", "machine_bending"}) {
     CHECK(has(candidate_instances(under_head), id));
-    CHECK_FALSE(has(candidate_instances(on_table), id));
+    CHECK(has(candidate_instances(on_table), id) == (std::string_view(id) == "linear_axes"));
     CHECK_FALSE(has(usual_effects(under_head), id));
   }
+  CHECK_FALSE(has(candidate_instances(under_head), "tool_bending"));  // one length of tool
 }

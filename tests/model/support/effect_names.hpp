@@ -24,6 +24,7 @@ inline const EffectId air_refraction = effect_named("air_refraction");
 inline const EffectId dead_path = effect_named("dead_path");
 inline const EffectId cosine = effect_named("cosine");
 inline const EffectId servo_lag = effect_named("servo_lag");
+inline const EffectId delay = effect_named("delay");
 inline const EffectId load = effect_named("load");
 inline const EffectId reversal_spike = effect_named("reversal_spike");
 inline const EffectId friction = effect_named("friction");
