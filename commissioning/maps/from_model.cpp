@@ -16,6 +16,7 @@
 #include "commissioning/models/work.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/fit/compiled_model.hpp"
 #include "params/parameters_toml.hpp"
 
@@ -216,7 +217,8 @@ std::string sizes_of(const EffectInstance& effect) {
   std::vector<std::string> sizes;
   for (const model::ParameterDefinition& parameter : effect.definition().parameters)
     for (const auto* values : {&effect.parameters, &effect.fitted})
-      if (const auto value = values->find(std::string(parameter.name)); value != values->end())
+      if (const auto value = values->find(std::string(parameter.name));
+          value != values->end() && !is_left_out(effect, parameter.name, value->second))
         sizes.push_back(fmt::format("{} {:.3g} {}", parameter.meaning, value->second, unit_of(effect, parameter)));
   return fmt::format("{} ({})", to_text(effect), fmt::join(sizes, ", "));
 }

@@ -17,6 +17,7 @@
 #include "kinematics/machine_pose.hpp"
 #include "laser/import/time.hpp"
 #include "model/data/motions.hpp"
+#include "model/data/sensor_history.hpp"
 #include "params/machine.hpp"
 
 namespace ecs::model {
@@ -465,6 +466,11 @@ Observations observations_of(const MeasurementSet& set, const KnownTables& table
   if (data.rotary) take_chain(data, set, machine);
   data.map = tables.map;
   data.known = tables.components;
+  data.history = sensor_history_of(data);
+  if (data.history) {
+    data.in_history.resize(data.size());
+    std::iota(data.in_history.begin(), data.in_history.end(), std::size_t{0});
+  }
   if (!paths.all.empty()) put_on_paths(data, std::move(paths), order);
   return data;
 }
@@ -502,7 +508,7 @@ Observations subset(const Observations& all, const std::vector<std::size_t>& cho
   const auto keep = [&](auto&... columns) { ((columns = taken(columns, chosen)), ...); };
   keep(part.row, part.file_order, part.axis, part.sense, part.run, part.approach, part.position_mm, part.place_mm,
        part.pose_deg, part.through_chain, part.compensated, part.path, part.along, part.place, part.of_moved,
-       part.aside);
+       part.aside, part.in_history);
   keep(part.reading, part.time_s, part.feed_mm_min, part.load_kg, part.travel_since_reversal_mm, part.pressure_hPa,
        part.humidity_pct);
   for (auto* columns : {&part.sensors_degC, &part.extras})

@@ -16,6 +16,7 @@
 #include "laser/map/error_map.hpp"
 #include "laser/measurement_set.hpp"
 #include "model/data/path.hpp"
+#include "model/data/sensor_history.hpp"
 #include "params/machine.hpp"
 
 namespace ecs::model {
@@ -90,6 +91,8 @@ struct Observations {
   Column feed_mm_min, load_kg, travel_since_reversal_mm, pressure_hPa, humidity_pct;
   std::map<std::string, Column, std::less<>> sensors_degC;  ///< by column name
   std::map<std::string, Column, std::less<>> extras;        ///< other columns of numbers
+  std::shared_ptr<const SensorHistory> history;             ///< of the whole measurement; null: no times or no sensors
+  std::vector<std::size_t> in_history;                      ///< number of the row in it
   std::vector<bool> compensated;  ///< the map was active (explicit or by the rule of the contract)
   bool has_compensated_column = false;
   bool has_run_column = false;

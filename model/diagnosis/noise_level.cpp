@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/diagnosis/e_value.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/fit/statistics.hpp"
 
 namespace ecs::model {
@@ -112,7 +113,7 @@ BesideNoise beside_noise_of_any_size(const Search& search, const Space& space, R
   look_at(std::min(kFirstReplicates, options.noise_replicates));
   if (loses_to_noise(here(beside.best), of_noise)) return beside;
   look_at(options.noise_replicates);
-  const bool refined = !search.families()[beside.best.family].effect.definition().searched_parameter().empty();
+  const bool refined = is_searched(search.families()[beside.best.family].effect);
   beside.chance = tail_probability(of_noise, here(beside.best) - (refined ? kRefinement : 0.0));
   return beside;
 }

@@ -401,12 +401,16 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
     group.member = search.choice_at(rest.space, solution.chosen[i].family, solution.chosen[i].nonlinear);
     group.member.columns = solution.chosen[i].columns;
     std::vector<Choice> all = search.expand(rest.space, kRivalExact);
+    const auto instance = [&](const Choice& choice) -> const EffectInstance& {
+      return search.families()[choice.family].effect;
+    };
     for (Choice& other : all) {
       const auto is_other = [&](const Choice& choice) { return choice.family == other.family; };
       if (std::ranges::any_of(solution.chosen, is_other) ||
           std::ranges::any_of(groups, [&](const Group& before) { return is_other(before.member); }))
         continue;
-      const bool movable = !search.families()[other.family].effect.definition().searched_parameter().empty();
+      if (same_candidate(instance(other), instance(group.member))) continue;  // the lag decides between them
+      const bool movable = is_searched(instance(other));
       if (other.gain < (movable ? kNearGainMovable : kNearGain) * group.member.gain - kIndistinguishable) {
         if (other.score() >= entry_score && group.weaker.size() < kMostWeaker) group.weaker.push_back(other);
         continue;
@@ -427,9 +431,6 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       else if (other.score() >= entry_score && group.weaker.size() < kMostWeaker)
         group.weaker.push_back(other);
     }
-    const auto instance = [&](const Choice& choice) -> const EffectInstance& {
-      return search.families()[choice.family].effect;
-    };
     // of equals the one with fewer parameters, then the one that comes first in the library; a rotation that stands for
     // slopes of both senses stays, and so does its rest
     for (Choice& rival : group.rivals) {

@@ -14,6 +14,7 @@
 #include "base/moved_targets.hpp"
 #include "model/diagnosis/trial.hpp"
 #include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
 
 namespace ecs::model {
 namespace {
@@ -89,6 +90,13 @@ std::string size_text(double value, std::string_view unit) {
   const int decimals =
       value == 0.0 ? 0 : std::clamp(1 - static_cast<int>(std::floor(std::log10(std::abs(value)))), 0, 9);
   return fmt::format("{:.{}f}{}{}", value, decimals, unit.empty() ? "" : " ", unit);
+}
+
+/// "90 s", "25 min", "3.5 h"
+std::string duration_text(double s) {
+  constexpr double kMinute_s = 60.0, kHour_s = 3600.0, kLong = 2.0;
+  if (s < kLong * kMinute_s) return fmt::format("{:.0f} s", s);
+  return s < kLong * kHour_s ? fmt::format("{:.0f} min", s / kMinute_s) : fmt::format("{:.1f} h", s / kHour_s);
 }
 
 /// Of the readings that the effect acts on.
@@ -230,7 +238,7 @@ std::string structure_text(const Diagnosis& diagnosis) {
 /// Columns that a candidate fits.
 std::size_t fitted_columns(const Candidate& candidate) {
   return std::max(candidate.tried_at.coefficients.size(), std::size_t{1}) +
-         static_cast<std::size_t>(!candidate.effect.definition().searched_parameter().empty());
+         static_cast<std::size_t>(is_searched(candidate.effect));
 }
 
 double share_alone(const Candidate& candidate) {
@@ -384,6 +392,8 @@ std::string finding_text(const EffectInstance& found_effect, const std::vector<P
   word("name", effect.name);
   word("sizes", sizes_word(effect, parameters, data));
   std::string text = fmt::vformat(definition.headline, words);
+  if (const auto lag = std::ranges::find(parameters, kLag, &ParameterEstimate::name); lag != parameters.end())
+    text += fmt::format(", following it with a time constant of {}", duration_text(lag->value));
   if (const std::size_t sign = text.find("+-an "); sign != std::string::npos) text.erase(sign, 2);
   text += smaller_wave_text({found_effect, found_parameters}, data);
   if (effect.approach != ApproachMode::both) text += fmt::format(", only when moving {}", name_of(effect.approach));

@@ -150,6 +150,7 @@ struct ParameterDefinition {
   Coding coding = Coding::coefficient;
   std::optional<ValueRange> limits{};  ///< physical range, kept by search and fit; absent: any value
   double neutral = 0.0;                ///< value at which the effect contributes nothing
+  bool optional = false;               ///< searched: a model file without it means `neutral`, held
 };
 
 /// A parameter with its value from a fit.
@@ -217,6 +218,7 @@ struct EffectTraits {
   bool keeps_mean = false;   ///< of a curve: its mean is no other effect and comes first among its columns
   bool keeps_slope = false;  ///< of a curve: its slope is no other effect and comes next
   bool fixed_size = false;   ///< no coefficient: the data say yes or no
+  bool has_lag = false;      ///< its searched parameter is the time constant with which it follows its sensors
   bool periodic = false;     ///< sines and cosines of its searched parameter; searched in frequency
   // what it looks like
   bool of_approach = false;        ///< acts only on readings of known approach of its own moving axis
@@ -283,7 +285,8 @@ struct ReadingAt {
   const Observations& data;
   std::size_t k = 0;  ///< canonical order
   const EffectInstance& effect;
-  double searched = 0.0;  ///< value of the searched parameter
+  double searched = 0.0;                ///< value of the searched parameter
+  std::span<const double> late_degC{};  ///< per reading, of an effect that follows its sensors late; empty: at once
 
   /// Coordinate of the effect's axis from the datum; 0 where it has none.
   [[nodiscard]] double p_mm() const { return effect.axis ? data.p_mm(k, *effect.axis) : 0.0; }

@@ -6,6 +6,7 @@
 #include "core/terms.hpp"
 #include "laser/analysis/normalise.hpp"
 #include "model/data/curve_basis.hpp"
+#include "model/data/sensor_history.hpp"
 
 namespace ecs::model {
 namespace {
@@ -47,6 +48,20 @@ double unit_lever_m(const Observations& data, std::size_t k, Component code) {
 double sensor_degC(const Observations& data, std::string_view column, std::size_t k) {
   const auto found = data.sensors_degC.find(column);
   return found == data.sensors_degC.end() ? kNotMeasured : cell(found->second, k);
+}
+
+double acting_degC(const ReadingAt& at) {
+  if (!at.late_degC.empty()) return at.late_degC[at.k];
+  const double degC = sensor_degC(at.data, at.effect.sensor.empty() ? kMaterialSensor : at.effect.sensor, at.k);
+  return at.effect.sensor2.empty() ? degC : degC - sensor_degC(at.data, at.effect.sensor2, at.k);
+}
+
+std::vector<double> late_degC(const Observations& data, const EffectInstance& effect, double lag_s) {
+  std::vector<double> degC = followed_degC(data, effect.sensor.empty() ? kMaterialSensor : effect.sensor, lag_s);
+  if (effect.sensor2.empty()) return degC;
+  const std::vector<double> other_degC = followed_degC(data, effect.sensor2, lag_s);
+  for (std::size_t k = 0; k < degC.size(); ++k) degC[k] -= other_degC[k];
+  return degC;
 }
 
 double reference_degC(const Observations& data, std::string_view column) {
@@ -166,6 +181,90 @@ std::pair<double, double> extent_of(const Column& column, const Acting& acting) 
     if (column[k] > 0.0) least = std::min(least, column[k]);
   }
   return {std::min(least, greatest), greatest};
+}
+
+namespace {
+
+/// Time constants tried: ten of them, a factor of 1.5 apart, about four of which are different trials.
+constexpr double kShortestTimes = 50.0, kTrialsOfTime = 4.0;
+constexpr std::size_t kTimes = 10;
+/// Assumed for planning: a third of the time, no less than this [s]; well inside what a plan can show.
+constexpr double kTimesAssumed = 3.0, kLeastTime_s = 1.0;
+/// Temperatures that change less do not show a lag beside the noise of sensors, some 0.02 degC.
+constexpr double kLeastChange_degC = 0.2;
+
+ValueRange time_constant_limits(const Observations& data, const EffectInstance&, const Acting& acting, double) {
+  const double last_s = extent_of(data.time_s, acting).second;
+  return {last_s / kShortestTimes, last_s};
+}
+
+TriedValues tried_time_constants(const Observations& data, const EffectInstance&, const Acting& acting,
+                                 const SearchExtent&) {
+  TriedValues tried{.values = {0.0}};
+  if (acting.rows.empty() || data.time_s.empty()) return tried;
+  const double last_s = extent_of(data.time_s, acting).second;
+  tried.values.clear();
+  if (last_s > 0.0) tried.values = logarithmic(last_s / kShortestTimes, last_s, kTimes);
+  tried.independent = kTrialsOfTime;
+  return tried;
+}
+
+double assumed_time_constant(const Observations& plan, const EffectInstance&, const Acting& acting) {
+  double last_s = 0.0;
+  for (const std::size_t k : acting.rows)
+    if (!plan.time_s.empty() && !std::isnan(plan.time_s[k])) last_s = std::max(last_s, plan.time_s[k]);
+  return std::max(last_s / kTimesAssumed, kLeastTime_s);
+}
+
+bool changes_in_time(const Observations& data, const EffectInstance& effect) {
+  if (data.time_s.empty()) return false;
+  const std::vector<double> degC = late_degC(data, effect, 0.0);
+  double least = 1e300, greatest = -1e300;
+  for (const double one : degC) {
+    if (std::isnan(one)) continue;
+    least = std::min(least, one);
+    greatest = std::max(greatest, one);
+  }
+  return greatest - least >= kLeastChange_degC;
+}
+
+}  // namespace
+
+SearchDefinition time_constants() {
+  return {.tried = tried_time_constants, .assumed = assumed_time_constant, .limits = time_constant_limits};
+}
+
+ParameterDefinition lag_parameter() {
+  return {.name = kLag, .unit = "s", .meaning = "time constant", .coding = Coding::searched, .optional = true};
+}
+
+std::vector<EffectInstance> at_once_and_late(const Site& site, const std::vector<EffectInstance>& effects) {
+  std::vector<EffectInstance> all;
+  for (const EffectInstance& effect : effects) {
+    all.push_back(effect);
+    all.back().parameters[std::string(kLag)] = 0.0;
+    if (changes_in_time(site.data, effect)) all.push_back(effect);
+  }
+  return all;
+}
+
+bool is_searched(const EffectInstance& effect) {
+  const std::string name(effect.definition().searched_parameter());
+  return !name.empty() && !effect.parameters.contains(name);
+}
+
+bool is_left_out(const EffectInstance& effect, std::string_view parameter, double value) {
+  return std::ranges::any_of(effect.definition().parameters, [&](const ParameterDefinition& one) {
+    return one.optional && one.name == parameter && one.neutral == value;
+  });
+}
+
+void hold_optional(EffectInstance& effect) {
+  for (const ParameterDefinition& parameter : effect.definition().parameters) {
+    const std::string name(parameter.name);
+    if (parameter.optional && !effect.parameters.contains(name) && !effect.fitted.contains(name))
+      effect.parameters[name] = parameter.neutral;
+  }
 }
 
 TriedValues tried_values(const Observations& data, const EffectInstance& effect, const Acting& acting,

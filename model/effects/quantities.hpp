@@ -15,6 +15,10 @@ inline constexpr double kReference_degC = 20.0;
 
 /// Temperature of a sensor in reading k [degC]; kNotMeasured where there is none.
 [[nodiscard]] double sensor_degC(const Observations& data, std::string_view column, std::size_t k);
+/// Temperature that an effect follows, or the difference of its two sensors, late by its lag [degC].
+[[nodiscard]] double acting_degC(const ReadingAt& at);
+/// The same for every reading. @param lag_s  time constant; 0: at once
+[[nodiscard]] std::vector<double> late_degC(const Observations& data, const EffectInstance& effect, double lag_s);
 /// The temperature from which effects of a sensor count, that of the origin [degC].
 [[nodiscard]] double reference_degC(const Observations& data, std::string_view column);
 
@@ -62,6 +66,24 @@ inline constexpr double kReference_degC = 20.0;
 
 /// Least value above 0 and greatest value of a column in the readings on which an effect acts; both 0 if none is above.
 [[nodiscard]] std::pair<double, double> extent_of(const Column& column, const Acting& acting);
+
+/// Where a time constant is sought: from a fiftieth of the time measured to all of it. Shorter, the start takes less
+/// than one of the readings of a session; longer, an exponential is a straight line.
+[[nodiscard]] SearchDefinition time_constants();
+
+/// The parameter of effects that follow their sensors late.
+inline constexpr std::string_view kLag = "lag_s";
+[[nodiscard]] ParameterDefinition lag_parameter();
+/// Each of these effects of sensors at once; behind it the same with a lag to be found, if its temperature changes
+/// while it is measured.
+[[nodiscard]] std::vector<EffectInstance> at_once_and_late(const Site& site,
+                                                           const std::vector<EffectInstance>& effects);
+/// Its searched parameter is to be found: the instance does not hold it.
+[[nodiscard]] bool is_searched(const EffectInstance& effect);
+/// A model file says nothing of a parameter with this value.
+[[nodiscard]] bool is_left_out(const EffectInstance& effect, std::string_view parameter, double value);
+/// Gives the optional parameters that it does not have the values that a model file without them means.
+void hold_optional(EffectInstance& effect);
 
 /// The values at which an instance is tried: the one that it holds, else those of its definition; 0 where it has no
 /// searched parameter.

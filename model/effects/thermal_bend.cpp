@@ -1,5 +1,6 @@
 // A column or bed bent by a temperature difference between its sides: a beam with a gradient across it takes the form
-// of a circle, c·p²·(T1 − T2) (Timoshenko 1925), across the moving axis.
+// of a circle, c·p²·(T1 − T2) (Timoshenko 1925), across the moving axis; both temperatures
+// may be followed late.
 #include <algorithm>
 #include <cmath>
 
@@ -35,7 +36,7 @@ std::vector<EffectInstance> pairs_of_sensors(const Site& site) {
       all.back().sensor = one->first;
       all.back().sensor2 = other->first;
     }
-  return all;
+  return at_once_and_late(site, all);
 }
 
 }  // namespace
@@ -51,23 +52,21 @@ EffectDefinition thermal_bend() {
           "measure the temperature of both sides of the column or bed and check for motors, coolant, sun or draught; "
           "mount a level on it while they change",
       .headline = "{where} bent by {um_per_m2_degC} between {sensor} and {sensor2}",
-      .parameters = {{"um_per_m2_degC", "um/m2/degC", "bending"}},
+      .parameters = {lag_parameter(), {"um_per_m2_degC", "um/m2/degC", "bending"}},
       .carrier = Carrier::inputs,
       .live = {{"um_per_m2_degC", ThermalLaw::bending, LiveSource::difference}},
       .how = "a row of the unit that follows both sensors",
       .separated_by = {25,
                        "Repeat the {axis} line with the difference between the two sensors changed by 2 degC or more: "
                        "one side warmed, or shaded."},
-      .turns_into = {{Limit::tied_to_runs, "sag"}},
-      .traits = {.of_condition = true, .one_per_axis = true},
+      .turns_into = {{Limit::tied_to_runs, "sag"},
+                     {Limit::at_least, "thermal_bend"},
+                     {Limit::at_greatest, "thermal_bend"}},
+      .traits = {.has_lag = true, .of_condition = true, .one_per_axis = true},
       .needs = {Need::two_sensors},
       .preference = 75,
-      .columns =
-          [](const ReadingAt& at, std::span<double> row) {
-            const double difference_degC =
-                sensor_degC(at.data, at.effect.sensor, at.k) - sensor_degC(at.data, at.effect.sensor2, at.k);
-            row[0] = at.p_m() * at.p_m() * difference_degC;
-          },
+      .columns = [](const ReadingAt& at, std::span<double> row) { row[0] = at.p_m() * at.p_m() * acting_degC(at); },
+      .search = time_constants(),
       .along_axis = pairs_of_sensors,
   };
 }

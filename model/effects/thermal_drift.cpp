@@ -1,4 +1,5 @@
-// Growth of spindle or column with one sensor, c·(T − T0), T0 its temperature at the origin (ISO 230-3).
+// Growth of spindle or column with one sensor, c·(T − T0), T0 its temperature at the origin (ISO 230-3); T may follow
+// the sensor late.
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
 #include "model/effects/separations.hpp"
@@ -14,13 +15,16 @@ EffectDefinition thermal_drift() {
       .tells_apart = "the same at every position; follows one sensor",
       .check = "run the spindle or the heat source with the axes at rest and watch the drift with a gauge at the tool",
       .headline = "{where} drifting alike at all positions by {um_per_degC} with the temperature at {sensor}",
-      .parameters = {{"um_per_degC", "um/degC", "growth"}},
+      .parameters = {lag_parameter(), {"um_per_degC", "um/degC", "growth"}},
       .carrier = Carrier::inputs,
       .live = {{"um_per_degC", ThermalLaw::shift, LiveSource::sensor}},
       .how = "a row of the unit that follows the sensor",
       .separated_by = separations::kOtherTemperature,
-      .turns_into = {{Limit::tied_to_runs, "offset"}},
-      .traits = {.is_drift = true,
+      .turns_into = {{Limit::tied_to_runs, "offset"},
+                     {Limit::at_least, "thermal_drift"},
+                     {Limit::at_greatest, "thermal_drift"}},
+      .traits = {.has_lag = true,
+                 .is_drift = true,
                  .of_condition = true,
                  .shows_at_zero = true,
                  .from_origin = true,
@@ -29,10 +33,9 @@ EffectDefinition thermal_drift() {
       .place = Place::sense,
       .needs = {Need::sensor},
       .preference = 70,
-      .columns =
-          [](const ReadingAt& at, std::span<double> row) {
-            row[0] = sensor_degC(at.data, at.effect.sensor, at.k) - reference_degC(at.data, at.effect.sensor);
-          },
+      .columns = [](const ReadingAt& at,
+                    std::span<double> row) { row[0] = acting_degC(at) - reference_degC(at.data, at.effect.sensor); },
+      .search = time_constants(),
       .of_sense =
           [](const Site& site) {
             std::vector<EffectInstance> all;
@@ -40,7 +43,7 @@ EffectDefinition thermal_drift() {
               all.push_back(site.once().front());
               all.back().sensor = sensor;
             }
-            return all;
+            return at_once_and_late(site, all);
           },
   };
 }

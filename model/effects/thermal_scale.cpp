@@ -1,4 +1,5 @@
-// Expansion of screw or scale, α·p·(T − 20 °C), T of the material (ISO 230-3, reference temperature of ISO 1).
+// Expansion of screw or scale, α·p·(T − 20 °C), T of the material (ISO 230-3, reference temperature of ISO 1); T may
+// follow the sensor late.
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
 #include "model/effects/separations.hpp"
@@ -16,19 +17,19 @@ EffectDefinition thermal_scale() {
           "compare the temperature of screw or scale with the sensor used for the material, and check its coefficient "
           "in the machine file",
       .headline = "{where} with an expansion of {um_per_m_degC} with the material's temperature",
-      .parameters = {{"um_per_m_degC", "um/m/degC", "expansion"}},
+      .parameters = {lag_parameter(), {"um_per_m_degC", "um/m/degC", "expansion"}},
       .carrier = Carrier::inputs,
       .live = {{"um_per_m_degC", ThermalLaw::growth, LiveSource::material}},
       .how = "a row of the unit that follows the material's temperature",
       .separated_by = separations::kOtherTemperature,
-      .traits = {.of_condition = true, .one_per_axis = true},
+      .turns_into = {{Limit::at_least, "thermal_scale"}, {Limit::at_greatest, "thermal_scale"}},
+      .traits = {.has_lag = true, .of_condition = true, .one_per_axis = true},
       .needs = {Need::material_temperature},
       .preference = 70,
-      .columns =
-          [](const ReadingAt& at, std::span<double> row) {
-            row[0] = at.p_m() * (sensor_degC(at.data, "t_material_degC", at.k) - kReference_degC);
-          },
-      .along_axis = [](const Site& site) { return site.once(); },
+      .columns = [](const ReadingAt& at,
+                    std::span<double> row) { row[0] = at.p_m() * (acting_degC(at) - kReference_degC); },
+      .search = time_constants(),
+      .along_axis = [](const Site& site) { return at_once_and_late(site, site.once()); },
   };
 }
 

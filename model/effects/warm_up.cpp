@@ -8,38 +8,6 @@
 #include "model/effects/separations.hpp"
 
 namespace ecs::model::effects {
-namespace {
-
-/// Time constants: a fiftieth of the time measured to all of it (beyond, an exponential is an offset or a line); ten of
-/// them, a factor of 1.5 apart, about four of which are different trials.
-constexpr double kShortestTimes = 50.0, kTrialsOfTime = 4.0;
-constexpr std::size_t kTimes = 10;
-/// Assumed for planning: a third of the time, no less than this [s]; well inside what a plan can show.
-constexpr double kTimesAssumed = 3.0, kLeastTime_s = 1.0;
-
-ValueRange time_constant_limits(const Observations& data, const EffectInstance&, const Acting& acting, double) {
-  const double last_s = extent_of(data.time_s, acting).second;
-  return {last_s / kShortestTimes, last_s};
-}
-
-TriedValues time_constants(const Observations& data, const EffectInstance&, const Acting& acting, const SearchExtent&) {
-  TriedValues tried{.values = {0.0}};
-  if (acting.rows.empty()) return tried;
-  const double last_s = extent_of(data.time_s, acting).second;
-  tried.values.clear();
-  if (last_s > 0.0) tried.values = logarithmic(last_s / kShortestTimes, last_s, kTimes);
-  tried.independent = kTrialsOfTime;
-  return tried;
-}
-
-double assumed_time_constant(const Observations& plan, const EffectInstance&, const Acting& acting) {
-  double last_s = 0.0;
-  for (const std::size_t k : acting.rows)
-    if (!plan.time_s.empty() && !std::isnan(plan.time_s[k])) last_s = std::max(last_s, plan.time_s[k]);
-  return std::max(last_s / kTimesAssumed, kLeastTime_s);
-}
-
-}  // namespace
 
 EffectDefinition warm_up() {
   return {
@@ -71,7 +39,7 @@ EffectDefinition warm_up() {
           },
       .column_sets = {{0}, {1}, {0, 1}},
       .column_sets_elsewhere = {{1}, {1, 0}},
-      .search = {.tried = time_constants, .assumed = assumed_time_constant, .limits = time_constant_limits},
+      .search = time_constants(),
       .of_sense = [](const Site& site) { return site.once(!site.any_axis_varies); },
       .along_axis = [](const Site& site) { return site.once(); },
   };

@@ -9,6 +9,7 @@
 
 #include "core/terms.hpp"
 #include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/fit/fit.hpp"
 
 namespace ecs::model {
@@ -99,6 +100,7 @@ Result<ThermalRow> followed(const EffectInstance& effect, const LiveTerm& term, 
                             const params::Machine& machine) {
   ThermalRow row;
   row.law = term.law;
+  if (effect.traits().has_lag) row.lag_s = size_of(effect, kLag).value_or(0.0);
   const auto input = [&](std::string_view sensor) { return static_cast<std::uint8_t>(*machine.input_of(sensor)); };
   switch (term.source) {
     case LiveSource::material:
@@ -161,8 +163,11 @@ std::optional<std::string> add_live_rows(const EffectInstance& effect, const Mod
           std::ranges::find(header.inputs, input, &laser::NamedInput::input) == header.inputs.end())
         header.inputs.push_back({input, machine.inputs[input]});
     header.thermal.push_back(row);
-    out.carried.push_back(fmt::format("{}: thermal row {} {}, {}", to_text(effect), name_of(row.component),
-                                      name_of(row.law), laser::source_text(header, row.source)));
+    const std::string late = effect.traits().has_lag && row.lag_s > 0.0
+                                 ? fmt::format(", followed with a time constant of {:.4g} s", row.lag_s)
+                                 : std::string();
+    out.carried.push_back(fmt::format("{}: thermal row {} {}, {}{}", to_text(effect), name_of(row.component),
+                                      name_of(row.law), laser::source_text(header, row.source), late));
   }
   return std::nullopt;
 }

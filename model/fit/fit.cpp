@@ -12,6 +12,7 @@
 
 #include "base/linear/decompositions.hpp"
 #include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/noise.hpp"
 #include "model/fit/search.hpp"
@@ -513,7 +514,9 @@ namespace {
 bool has_values(const EffectInstance& held) {
   if (held.is_user()) return std::ranges::all_of(held.user, [](const UserParameter& p) { return p.value.has_value(); });
   if (held.traits().is_curve) return !held.curve.empty();
-  return !held.parameters.empty() || held.definition().parameters.empty();
+  return held.definition().parameters.empty() || std::ranges::any_of(held.parameters, [&](const auto& one) {
+           return !is_left_out(held, one.first, one.second);
+         });
 }
 
 }  // namespace

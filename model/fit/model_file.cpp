@@ -17,6 +17,7 @@
 #include "laser/map/csv.hpp"
 #include "laser/measurement_set.hpp"
 #include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
 
 namespace ecs::model {
 namespace {
@@ -332,7 +333,11 @@ std::optional<EffectInstance> effect_in(TomlReader& reader, const toml::table& t
     std::map<std::string, double> shown;
     take_numbers(reader, table, key, shown, known);
     for (const auto& [name, value] : shown) values->emplace(library_name(name, effect), value);
+    const auto lag = values->find(std::string(kLag));
+    if (effect.traits().has_lag && lag != values->end() && !(lag->second >= 0.0))
+      reader.complain(*table.get(key), fmt::format("{}: expected 0 or more, got {}", kLag, lag->second));
   }
+  hold_optional(effect);
   if (const toml::table* curve = reader.child(table, "curve")) {
     const std::string places = shown_name("p_mm", effect);
     reader.only(*curve, {places, "value"}, "curve");

@@ -5,6 +5,7 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/fit/model_file.hpp"
 #include "params/parameters_toml.hpp"
 
@@ -17,11 +18,13 @@ std::string list_of(const std::vector<double>& values) {
   return fmt::format("[{}]", fmt::join(words, ", "));
 }
 
-std::string table_of(const EffectInstance& effect, const std::map<std::string, double>& values) {
+/// `key = { … }`, nothing where there is no value to write.
+std::string table_of(std::string_view key, const EffectInstance& effect, const std::map<std::string, double>& values) {
   std::vector<std::string> words;
   for (const auto& [name, value] : values)
-    words.push_back(fmt::format("{} = {}", effect.is_user() ? name : shown_name(name, effect), shortest(value)));
-  return fmt::format("{{ {} }}", fmt::join(words, ", "));
+    if (!is_left_out(effect, name, value))
+      words.push_back(fmt::format("{} = {}", effect.is_user() ? name : shown_name(name, effect), shortest(value)));
+  return words.empty() ? std::string() : fmt::format("{} = {{ {} }}\n", key, fmt::join(words, ", "));
 }
 
 std::string user_text(const EffectInstance& effect) {
@@ -64,9 +67,9 @@ std::string effect_text(const EffectInstance& effect, std::string_view table) {
   if (!effect.sensor2.empty()) text += fmt::format("sensor2 = {}\n", params::toml_string(effect.sensor2));
   if (effect.is_user())
     text += user_text(effect);
-  else if (!effect.parameters.empty())
-    text += fmt::format("parameters = {}\n", table_of(effect, effect.parameters));
-  if (!effect.fitted.empty()) text += fmt::format("fitted = {}\n", table_of(effect, effect.fitted));
+  else
+    text += table_of("parameters", effect, effect.parameters);
+  text += table_of("fitted", effect, effect.fitted);
   if (effect.undetermined) {
     std::vector<std::string> names;
     for (const std::string& name : *effect.undetermined) names.push_back(params::toml_string(name));

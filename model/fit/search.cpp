@@ -169,7 +169,7 @@ void Search::build_families(const std::vector<EffectInstance>& candidates, bool 
     family.facts = tried.facts;
     family.far = tried.far;
     if (family.grid.empty() && family.facts.empty()) continue;
-    const bool searched = !definition.searched_parameter().empty();
+    const bool searched = is_searched(effect);
     family.search_cost = searched ? 2.0 * std::log(std::max(2.0, tried.independent)) : 0.0;
     family.fact_cost = searched ? 2.0 * std::log(1.0 + static_cast<double>(tried.facts.size())) : 0.0;
     if (const std::size_t shapes = definition.column_sets.size(); shapes > 1 && !definition.traits.periodic)
@@ -411,8 +411,8 @@ Choice Search::best_value(const Space& space, const Choice& now, bool all_period
 Solution Search::refined(const std::vector<Choice>& chosen, const std::vector<Choice>& own, bool far) const {
   Solution best = solution(chosen, own);
   const bool movable = std::ranges::any_of(chosen, [&](const Choice& c) {
-    const EffectDefinition& definition = families_[c.family].effect.definition();
-    return definition.traits.is_curve || !definition.searched_parameter().empty();
+    const EffectInstance& effect = families_[c.family].effect;
+    return effect.traits().is_curve || is_searched(effect);
   });
   const auto take = [&](Solution tried) {
     if (tried.score() > best.score()) best = std::move(tried);

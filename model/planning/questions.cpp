@@ -13,6 +13,7 @@
 #include "base/linear/decompositions.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/fit/compare.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
@@ -229,8 +230,7 @@ std::vector<Explanation> unseen_causes(const Belief& belief, const WithProposals
   std::vector<std::pair<double, Explanation>> unseen;
   for (const EffectInstance& effect : candidate_instances(now)) {
     const EffectTraits& traits = effect.traits();
-    const bool free_shape = (traits.is_curve && !traits.keeps_mean) || traits.fixed_size ||
-                            !effect.definition().searched_parameter().empty();
+    const bool free_shape = (traits.is_curve && !traits.keeps_mean) || traits.fixed_size || is_searched(effect);
     const bool believed =
         std::ranges::any_of(model.effects, [&](const EffectInstance& e) { return same_candidate(e, effect); });
     if (free_shape || believed) continue;

@@ -308,8 +308,10 @@ Columns Regressors::motion_columns(const EffectInstance& effect, double searched
   }
   columns.of = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(definition.column_count()));
   Eigen::RowVectorXd row(columns.of.cols());
+  const bool is_late = definition.traits.has_lag && searched > 0.0;
+  const std::vector<double> late = is_late ? late_degC(motions_, effect, searched) : std::vector<double>{};
   for (const std::size_t k : acting.rows) {
-    fill_row({motions_, k, effect, searched}, {row.data(), static_cast<std::size_t>(row.size())});
+    fill_row({motions_, k, effect, searched, late}, {row.data(), static_cast<std::size_t>(row.size())});
     columns.of.row(static_cast<Eigen::Index>(k)) = chain_factor(motions_, k, effect) * row;
   }
   return columns;
@@ -395,7 +397,7 @@ std::vector<ParameterEstimate> parameters_from(const EffectInstance& effect, con
   };
   for (const ParameterDefinition& parameter : definition.parameters) {
     const bool is_whole_fraction = effect.rotary && definition.traits.periodic;  // of a turn: exact
-    if (parameter.coding == Coding::searched && searched)
+    if (parameter.coding == Coding::searched && searched && !is_left_out(effect, parameter.name, *searched))
       add(parameter, *searched, is_whole_fraction ? std::nullopt : searched_sigma,
           given(effect, parameter.name).has_value());
     if (parameter.coding == Coding::fixed) add(parameter, 1.0, {}, false);

@@ -7,6 +7,7 @@
 #include "base/random.hpp"
 #include "laser/measurement_set.hpp"
 #include "model/diagnosis/diagnose.hpp"
+#include "model/effects/quantities.hpp"
 #include "params/machine.hpp"
 #include "tests/model/support/effect_names.hpp"
 
@@ -78,7 +79,11 @@ inline laser::MeasurementSet session(const Plan& plan, const Truth& truth,
   return set;
 }
 
-inline EffectInstance effect(EffectId id, Axis axis, Sense sense) { return {.id = id, .axis = axis, .sense = sense}; }
+inline EffectInstance effect(EffectId id, Axis axis, Sense sense) {
+  EffectInstance one{.id = id, .axis = axis, .sense = sense};
+  hold_optional(one);
+  return one;
+}
 
 /// Offset and scale of one line.
 inline Model straight(Axis axis = Axis::X, Sense sense = Sense::EX) {

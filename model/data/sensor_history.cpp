@@ -1,0 +1,94 @@
+#include "model/data/sensor_history.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <tuple>
+
+#include "model/data/observations.hpp"
+
+namespace ecs::model {
+namespace {
+
+/// Runs of one line that all begin at the same time were not measured at once: each counts its own time.
+bool has_clock_of_run(const Observations& data) {
+  using Line = std::tuple<Channel, Axis, Vector3>;
+  std::map<Line, std::map<int, double>> begins_s;  // by line and run
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (std::isnan(data.time_s[k])) continue;
+    auto& begin_s = begins_s[{data.channel(k), data.axis[k], data.parked_of(k)}]
+                        .try_emplace(data.run[k], data.time_s[k])
+                        .first->second;
+    begin_s = std::min(begin_s, data.time_s[k]);
+  }
+  return std::ranges::any_of(begins_s, [](const auto& line) {
+    const auto& runs = line.second;
+    return runs.size() > 1 &&
+           std::ranges::all_of(runs, [&](const auto& run) { return run.second == runs.begin()->second; });
+  });
+}
+
+/// One step of the low-pass. @param degC  of the sensor before and after it
+double stepped(double followed, double before_degC, double after_degC, double step_s, double lag_s) {
+  const double steps = step_s / lag_s;
+  if (!(steps > 0.0)) return followed;
+  const double kept = std::exp(-steps), mean = -std::expm1(-steps) / steps;
+  return kept * followed + (mean - kept) * before_degC + (1.0 - mean) * after_degC;
+}
+
+std::vector<double> low_pass(const SensorHistory& history, const std::vector<double>& degC, double lag_s) {
+  std::vector<std::size_t> order;
+  for (std::size_t k = 0; k < degC.size(); ++k)
+    if (!std::isnan(degC[k]) && !std::isnan(history.time_s[k])) order.push_back(k);
+  std::ranges::stable_sort(order, {},
+                           [&](std::size_t k) { return std::make_tuple(history.clock[k], history.time_s[k]); });
+  std::vector<double> followed = degC;
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    const std::size_t before = order[i - 1], now = order[i];
+    if (history.clock[before] == history.clock[now])
+      followed[now] =
+          stepped(followed[before], degC[before], degC[now], history.time_s[now] - history.time_s[before], lag_s);
+  }
+  return followed;
+}
+
+/// The readings are a part of what is in their history: a plan has conditions of its own.
+bool is_part_of_history(const Observations& data, std::string_view sensor) {
+  if (!data.history || data.in_history.size() != data.size()) return false;
+  const auto of_all = data.history->sensors_degC.find(sensor);
+  if (of_all == data.history->sensors_degC.end()) return false;
+  const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const std::size_t in = data.in_history[k];
+    if (!same(data.time_s[k], data.history->time_s[in]) ||
+        !same(data.sensors_degC.find(sensor)->second[k], of_all->second[in]))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::shared_ptr<const SensorHistory> sensor_history_of(const Observations& data) {
+  if (data.time_s.empty() || data.sensors_degC.empty()) return nullptr;
+  SensorHistory history;
+  history.clock.assign(data.size(), 0);
+  if (has_clock_of_run(data)) history.clock = data.run;
+  history.time_s = data.time_s;
+  history.sensors_degC = data.sensors_degC;
+  return std::make_shared<const SensorHistory>(std::move(history));
+}
+
+std::vector<double> followed_degC(const Observations& data, std::string_view sensor, double lag_s) {
+  const auto column = data.sensors_degC.find(sensor);
+  if (column == data.sensors_degC.end()) return std::vector<double>(data.size(), kNotMeasured);
+  if (!(lag_s > 0.0) || data.time_s.empty()) return column->second;
+  if (!is_part_of_history(data, sensor)) return low_pass(*sensor_history_of(data), column->second, lag_s);
+  const std::vector<double> of_all = low_pass(*data.history, data.history->sensors_degC.find(sensor)->second, lag_s);
+  std::vector<double> followed;
+  for (const std::size_t in : data.in_history) followed.push_back(of_all[in]);
+  return followed;
+}
+
+}  // namespace ecs::model

@@ -1,0 +1,31 @@
+// The temperatures of sensors over the time of a measurement, and what follows them late: a structure that takes its
+// temperature through a resistance to heat (first-order low-pass).
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ecs::model {
+
+struct Observations;
+
+/// Temperatures of all readings of a measurement, also of those that a part of it leaves out: what follows late does
+/// not forget them.
+struct SensorHistory {
+  std::vector<int> clock;      ///< by reading: which time it is on; readings of one clock follow one another
+  std::vector<double> time_s;  ///< NaN: not measured
+  std::map<std::string, std::vector<double>, std::less<>> sensors_degC;
+};
+
+/// Null where there are no times or no sensors. Runs of a line that all begin at the same time have a clock each.
+[[nodiscard]] std::shared_ptr<const SensorHistory> sensor_history_of(const Observations& data);
+
+/// Temperature of what follows a sensor with this time constant, in each reading: τ dF/dt = T − F, with F = T at the
+/// first reading of each clock (a steady state) and T on a straight line from reading to reading. At once where the
+/// time constant is 0 or the reading has no time; kNotMeasured where the sensor was not read.
+[[nodiscard]] std::vector<double> followed_degC(const Observations& data, std::string_view sensor, double lag_s);
+
+}  // namespace ecs::model
