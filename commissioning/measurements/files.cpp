@@ -12,6 +12,7 @@
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
 #include "base/text.hpp"
+#include "commissioning/session/commands.hpp"
 #include "laser/csv_columns.hpp"
 #include "laser/import/environment.hpp"
 #include "laser/import/format.hpp"
@@ -298,6 +299,22 @@ std::string set_answer(ImportArguments& arguments, const std::string& name, cons
   return {};
 }
 
+std::optional<FileHead> beginning_of_text(const std::string& file, const std::string& encoding) {
+  constexpr std::size_t kBytes = 256U << 10;
+  std::error_code error;
+  const auto size = static_cast<double>(std::filesystem::file_size(file, error));
+  std::string bytes = error ? std::string() : head_of(file, kBytes);
+  if (bytes.empty()) return std::nullopt;
+  const bool is_part = bytes.size() == kBytes && size > static_cast<double>(kBytes);
+  const bool wide = bytes.find('\0') != std::string::npos;  // UTF-16: an even number of bytes is whole characters
+  if (is_part && !wide) bytes.resize(std::min(bytes.rfind('\n') + 1, bytes.size()));
+  auto text = laser::decoded(bytes, file, encoding_named(encoding));
+  if (!text) return std::nullopt;
+  FileHead head{std::string(text->text), std::min(1.0, static_cast<double>(bytes.size()) / size)};
+  if (is_part) head.text.resize(head.text.rfind('\n') + 1);
+  return head;
+}
+
 void note_what_was_read(MessageSink& messages, const std::string& file, const laser::Imported& imported) {
   messages.note(fmt::format("{}: read as {}", file, imported.format->title));
   for (const std::string& note : imported.set.notes) messages.note(fmt::format("{}: {}", file, note));
@@ -365,6 +382,24 @@ Result<laser::Imported> read_measurements(const std::string& file, const ImportA
   return measurements_in(bytes, file, arguments, answered);
 }
 
+namespace {
+
+/// Adds how a file with the same headings was read: it is said, and left to the user.
+void add_remembered(Problem& problem, const std::string& file) {
+  const auto head = beginning_of_text(file);
+  if (!head || laser::recognised_format(head->text, file) != nullptr) return;
+  const auto shape = laser::table_shape(head->text);
+  const auto known = shape ? remembered_mapping(*shape) : std::nullopt;
+  if (!known) return;
+  const std::string hint = fmt::format(
+      ". A file with these headings, {}, was read with {}; the same options read this one. Delete {} if "
+      "they are not to be suggested again",
+      known->file, shell_command(import_words(known->options)), known->kept_in.string());
+  problem.message.insert(std::min(problem.message.find(". Known formats: "), problem.message.size()), hint);
+}
+
+}  // namespace
+
 Result<laser::Imported> measurements_in(std::string_view bytes, const std::string& file,
                                         const ImportArguments& arguments, ImportArguments* answered) {
   const ImportArguments all = with_found_profile(bytes, file, arguments);
@@ -373,6 +408,8 @@ Result<laser::Imported> measurements_in(std::string_view bytes, const std::strin
   auto imported = laser::imported_from(bytes, file, options);
   if (!imported && imported.error().kind == ProblemKind::usage)
     imported.error().message += option_that_helps(imported.error());
+  if (!imported && !options.mapping && !options.matrix && imported.error().kind == ProblemKind::bad_input)
+    add_remembered(imported.error(), file);
   if (imported && imported->set.source.empty()) imported->set.source = file;
   if (imported && !arguments.environment.empty()) ECS_DO(with_environment(imported->set, arguments));
   return imported;

@@ -50,6 +50,8 @@ struct ImportArguments {
   std::string target_lines;   ///< the unit of lines that state the target of the rows below
   std::string note;           ///< kept with what had to be assumed
   std::string recognised_by;  ///< a text that files of a profile contain; empty: the lines of `row_begins`
+  std::string headings;       ///< of the table that these options were used for; only where they are remembered
+  std::string used_for;       ///< the file that was read so
   std::string profile;        ///< name or path of a profile with the answers above
 
   /// The same for work that suits rotary axes.
@@ -92,6 +94,27 @@ std::string set_answer(ImportArguments& arguments, const std::string& name, cons
 /// Writes what was given as a profile; the file that was written. A profile of that name is replaced with `force` only.
 [[nodiscard]] Result<std::filesystem::path> save_profile(const std::string& name, const ImportArguments& arguments,
                                                          bool force);
+
+// Mappings of columns that a file was read with, kept beside the profiles by the headings of its table.
+
+/// How a file with the same headings was read.
+struct RememberedMapping {
+  ImportArguments options;  ///< columns by number; the lines to skip are those above the table
+  std::string file;         ///< its name
+  std::filesystem::path kept_in;
+};
+/// Nothing: none was read so, or the table has no headings.
+[[nodiscard]] std::optional<RememberedMapping> remembered_mapping(const laser::TableShape& shape);
+/// Keeps how a file was read. What cannot be written is not remembered, nor a table without headings.
+void remember_mapping(const std::string& file, const ImportArguments& options);
+
+/// The beginning of a file in whole lines, decoded: enough to see how its table looks.
+struct FileHead {
+  std::string text;
+  double part = 1.0;  ///< of the bytes of the file
+};
+/// Nothing where the file cannot be read, or is no text.
+[[nodiscard]] std::optional<FileHead> beginning_of_text(const std::string& file, const std::string& encoding = {});
 
 /// Reads a file as whatever it is. A problem over what the file does not say names the options.
 /// @param answered  if given: the arguments with those of a profile that was found for the file

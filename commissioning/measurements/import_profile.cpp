@@ -25,7 +25,7 @@ using Answers = ImportArguments;
 using AnswerMember =
     std::variant<std::string Answers::*, int Answers::*, bool Answers::*, std::optional<double> Answers::*>;
 /// The keys of profiles, as a problem lists them.
-const std::array<std::pair<std::string_view, AnswerMember>, 31> kProfileKeys{
+const std::array<std::pair<std::string_view, AnswerMember>, 33> kProfileKeys{
     {{"columns", &Answers::columns},
      {"skip", &Answers::skip},
      {"rows", &Answers::rows},
@@ -56,7 +56,9 @@ const std::array<std::pair<std::string_view, AnswerMember>, 31> kProfileKeys{
      {"note", &Answers::note},
      {"accept_truncated", &Answers::accept_truncated},
      {"table_holds_errors", &Answers::table_holds_errors},
-     {"recognised_by", &Answers::recognised_by}}};
+     {"recognised_by", &Answers::recognised_by},
+     {"headings", &Answers::headings},
+     {"used_for", &Answers::used_for}}};
 
 // The value of a key; nothing, and what was expected of it, where it is none.
 
@@ -131,6 +133,40 @@ std::string take(ImportArguments& arguments, const ImportArguments& given, std::
   return expected;
 }
 
+/// What is given as a profile; empty: nothing is.
+std::string profile_text(const ImportArguments& arguments) {
+  toml::table table;
+  for (const auto& [key, member] : kProfileKeys)
+    std::visit(
+        [&, name = key](auto of) {
+          if (arguments.*of == ImportArguments{}.*of) return;
+          if constexpr (std::is_same_v<decltype(of), std::optional<double> Answers::*>)
+            table.insert(name, *(arguments.*of));
+          else
+            table.insert(name, arguments.*of);
+        },
+        member);
+  if (table.empty()) return {};
+  // A line break as \n: the library loses the first one behind three quotes.
+  constexpr auto kOneLine = toml::toml_formatter::default_flags &
+                            ~(toml::format_flags::allow_multi_line_strings | toml::format_flags::allow_literal_strings);
+  std::ostringstream text;
+  text << "# import profile of ecs laser import\n" << toml::toml_formatter(table, kOneLine) << '\n';
+  return text.str();
+}
+
+/// Of a table with headings, by which how it was read is kept; empty: it has none.
+std::string headings_of(const laser::TableShape& shape) {
+  const bool named = std::ranges::any_of(shape.headings, [](const std::string& heading) { return !heading.empty(); });
+  return named ? fmt::format("{}", fmt::join(shape.headings, "\t")) : std::string();
+}
+
+fs::path remembered_file(const std::string& headings) {
+  constexpr std::size_t kDigits = 16;
+  return configuration_file().parent_path() / "import" / "by_headings" /
+         (sha256_hex(headings).substr(0, kDigits) + ".toml");
+}
+
 /// The text holds the mark of the profile or, where it has none, two lines that begin as its rows.
 bool is_for(const fs::path& profile, std::string_view text) {
   ImportArguments arguments;
@@ -195,31 +231,55 @@ ImportArguments with_found_profile(std::string_view bytes, const std::string& fi
 Result<fs::path> save_profile(const std::string& name, const ImportArguments& arguments, bool force) {
   if (name.empty() || name.find_first_of("\"\\\n\r\t") != std::string::npos || name == "." || name == "..")
     return problem(ProblemKind::usage, "--save-profile: expected a name or a path, found \"" + name + "\"");
-  toml::table table;
-  for (const auto& [key, member] : kProfileKeys)
-    std::visit(
-        [&, name = key](auto of) {
-          if (arguments.*of == ImportArguments{}.*of) return;
-          if constexpr (std::is_same_v<decltype(of), std::optional<double> Answers::*>)
-            table.insert(name, *(arguments.*of));
-          else
-            table.insert(name, arguments.*of);
-        },
-        member);
-  if (table.empty())
+  const std::string text = profile_text(arguments);
+  if (text.empty())
     return problem(ProblemKind::usage,
                    "--save-profile: expected --columns or another import option to save, found none");
-  // A line break as \n: the library loses the first one behind three quotes.
-  constexpr auto kOneLine = toml::toml_formatter::default_flags &
-                            ~(toml::format_flags::allow_multi_line_strings | toml::format_flags::allow_literal_strings);
-  std::ostringstream text;
-  text << "# import profile of ecs laser import\n" << toml::toml_formatter(table, kOneLine) << '\n';
   const fs::path path = own_profile_file(name);
   ECS_DO(spared({path.string()}, force));
   std::error_code error;
   if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
-  ECS_DO(write_file(path, text.str()));
+  ECS_DO(write_file(path, text));
   return path;
+}
+
+std::optional<RememberedMapping> remembered_mapping(const laser::TableShape& shape) {
+  const std::string headings = headings_of(shape);
+  if (headings.empty()) return std::nullopt;
+  RememberedMapping kept{{}, {}, remembered_file(headings)};
+  std::error_code error;
+  if (!fs::exists(kept.kept_in, error)) return std::nullopt;
+  kept.options.profile = kept.kept_in.string();
+  auto options = with_profile(kept.options);
+  if (!options || options->headings != headings) return std::nullopt;
+  kept.options = std::move(*options);
+  kept.file = kept.options.used_for;
+  for (std::string* only_kept : {&kept.options.profile, &kept.options.headings, &kept.options.used_for})
+    only_kept->clear();
+  if (kept.options.skip == 0) kept.options.skip = laser::rows_of(shape).skip;
+  if (kept.options.rows == 0) kept.options.rows = static_cast<int>(laser::rows_of(shape).count);
+  return kept;
+}
+
+void remember_mapping(const std::string& file, const ImportArguments& options) {
+  const auto head = beginning_of_text(file, options.encoding);
+  const auto shape = head ? laser::table_shape(head->text) : std::nullopt;
+  const auto rules = laser::column_rules(options.columns);
+  const auto numbered = rules && shape ? laser::by_number(*rules, shape->headings) : std::nullopt;
+  if (!numbered || headings_of(*shape).empty()) return;
+  ImportArguments kept = options;
+  kept.headings = headings_of(*shape);
+  kept.columns = laser::rules_text(*numbered);
+  kept.used_for = fs::path(file).filename().string();
+  const bool from_heading =
+      std::ranges::any_of(*rules, [](const auto& rule) { return rule.column == 0 && !laser::is_word_rule(rule); });
+  const laser::SuggestedRows rows = laser::rows_of(*shape);
+  if (from_heading || kept.skip == rows.skip) kept.skip = 0;
+  if (kept.rows == static_cast<int>(rows.count)) kept.rows = 0;
+  const fs::path path = remembered_file(kept.headings);
+  std::error_code error;
+  fs::create_directories(path.parent_path(), error);
+  (void)write_file(path, profile_text(kept));
 }
 
 }  // namespace ecs::commissioning

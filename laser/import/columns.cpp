@@ -149,6 +149,38 @@ Result<std::vector<ColumnRule>> column_rules(std::string_view text) {
   return rules;
 }
 
+std::string rules_text(const std::vector<ColumnRule>& rules) {
+  std::string text;
+  for (const ColumnRule& rule : rules) {
+    std::string column = std::to_string(rule.column);
+    if (rule.columns > 1) column += fmt::format("..{}", rule.column + rule.columns - 1);
+    if (rule.column == 0) column = is_word_rule(rule) ? rule.heading : '"' + rule.heading + '"';
+    text += fmt::format("{}{}={}{}", text.empty() ? "" : ",", rule.field, column,
+                        rule.unit ? fmt::format("[{}]", rule.unit->name) : "");
+    if (rule.is_scaled) text += "*" + shortest(rule.factor);
+    if (rule.offset != 0.0) text += (rule.offset > 0.0 ? "+" : "") + shortest(rule.offset);
+  }
+  return text;
+}
+
+bool is_word_rule(const ColumnRule& rule) {
+  return is_word(rule, "approach", "motion") || is_word(rule, "approach", "none") || is_word(rule, "run", "motion") ||
+         is_word(rule, "rows", "in_motion");
+}
+
+std::optional<std::vector<ColumnRule>> by_number(std::vector<ColumnRule> rules,
+                                                 const std::vector<std::string>& headings) {
+  for (ColumnRule& rule : rules) {
+    if (rule.column > 0 || is_word_rule(rule)) continue;
+    const auto found = std::ranges::find_if(
+        headings, [&](const std::string& heading) { return lower(heading) == lower(trimmed(rule.heading)); });
+    if (found == headings.end()) return std::nullopt;
+    rule.column = static_cast<int>(found - headings.begin()) + 1;
+    rule.heading.clear();
+  }
+  return rules;
+}
+
 Result<ColumnMapping> column_mapping(std::string_view text) {
   ECS_TRY(rules, column_rules(text));
   ColumnMapping mapping;

@@ -67,8 +67,22 @@ struct ColumnMapping {
 /// brackets stands in double quotes. Every wrong rule is named.
 [[nodiscard]] Result<std::vector<ColumnRule>> column_rules(std::string_view text);
 
+/// A text that is read as the same rules.
+[[nodiscard]] std::string rules_text(const std::vector<ColumnRule>& rules);
+
+/// A word in place of a column: `approach=motion`, `approach=none`, `run=motion`, `rows=in_motion`.
+[[nodiscard]] bool is_word_rule(const ColumnRule& rule);
+
+/// Rules by heading as rules by number; nothing where one of the headings is not there.
+[[nodiscard]] std::optional<std::vector<ColumnRule>> by_number(std::vector<ColumnRule> rules,
+                                                               const std::vector<std::string>& headings);
+
 /// The rules of a mapping with `approach=motion`, `approach=none` and `run=motion` set apart.
 [[nodiscard]] Result<ColumnMapping> column_mapping(std::string_view text);
+
+/// The name of a sensor by the heading of its column: "t_air_degC" of "T Luft [°C]", "t_3_degC" of column 3 without
+/// one.
+[[nodiscard]] std::string sensor_named(std::string_view heading, std::size_t number);
 
 /// Reads "word date time any".
 [[nodiscard]] Result<std::vector<CellKind>> cell_kinds(std::string_view text);
@@ -93,6 +107,32 @@ struct TableShape {
       headings;  ///< of the line above the first row, if it has as many words, with a line of units
   std::string first_row;
 };
+
+/// The rows of a table that suggested options read.
+struct SuggestedRows {
+  int skip = 0;           ///< lines before the first row
+  std::size_t count = 0;  ///< 0: all
+};
+[[nodiscard]] SuggestedRows rows_of(const TableShape& shape);
+
+/// Import options for a table that nobody has described, as far as its columns look like a measurement.
+struct TableSuggestion {
+  SuggestedRows rows{};
+  std::string columns{};  ///< "x_mm=1[mm],reading=2[um],approach=motion"
+  bool actual = false;    ///< the readings are the positions reached
+  std::string axis{};     ///< "X", of readings at one position; empty: it follows from the columns
+  std::string parked{};   ///< "x=0"
+  std::string reads{};    ///< in words: "column 1 as targets and column 2 as errors"
+};
+
+/// The table in a text that no format reads.
+struct FoundTable {
+  TableShape shape;
+  std::string seems_to_be;  ///< a kind of file that holds no measurements: nothing is suggested; empty: not known
+  std::optional<TableSuggestion> suggestion;
+};
+/// Nothing if the text holds no table of at least two rows.
+[[nodiscard]] std::optional<FoundTable> found_table(std::string_view text);
 
 /// The rows like those of the longest stretch of rows: as many cells, at least half of them numbers. Comments and
 /// other lines between them do not end the table. Nothing if there is none.

@@ -73,7 +73,7 @@ bool are_positions(const TableColumn& column) {
 
 }  // namespace
 
-Rows rows_of(const TableShape& shape) {
+SuggestedRows rows_of(const TableShape& shape) {
   return {(shape.is_mixed ? shape.stretch_line : shape.first_row_line) - 1, shape.is_mixed ? shape.stretch_rows : 0};
 }
 
@@ -91,7 +91,7 @@ Columns columns_of(std::string_view text, const TableShape& shape) {
     column.meaning = meaning_of(column.heading, column.unit);
     columns.push_back(std::move(column));
   }
-  const Rows rows = rows_of(shape);
+  const SuggestedRows rows = rows_of(shape);
   const auto lines = lines_of(text);
   const auto last = std::min(lines.size(), static_cast<std::size_t>(shape.last_row_line));
   std::size_t taken = 0;

@@ -44,13 +44,6 @@ struct TableColumn {
 };
 using Columns = std::vector<TableColumn>;
 
-/// The rows that the suggested options would read.
-struct Rows {
-  int skip = 0;
-  std::size_t count = 0;  ///< 0: all
-};
-[[nodiscard]] Rows rows_of(const TableShape& shape);
-
 [[nodiscard]] bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words);
 
 /// Every column; numbers where each of its cells is one.
@@ -76,5 +69,9 @@ struct Rows {
 [[nodiscard]] bool go_both_ways(const TableColumn& targets);
 /// 0, 1, 2, ... or 1, 2, 3, ... again in each run: in place of a time, one a second.
 [[nodiscard]] bool counts_rows_of_runs(const TableColumn& column);
+
+/// The options for columns that look like a measurement: of a ball, of points, else the first pair of targets and
+/// positions reached, else of targets and errors, else readings over time.
+[[nodiscard]] std::optional<TableSuggestion> suggestion_for(const Columns& columns, const TableShape& shape);
 
 }  // namespace ecs::laser

@@ -215,6 +215,7 @@ class FilesPage final : public LaserPage {
             if (std::none_of(c.files.begin(), c.files.end(), [&](const auto& f) { return f.path == path; }))
               c.files.push_back({path, {}});
         });
+    host().ask_columns(taken);
   }
 
   ListPlace place_;

@@ -389,7 +389,19 @@ void LaserHost::ask_answers(const std::string& path, const std::string& field) {
   const auto& files = controller.choices().files;
   const auto choice = std::find_if(files.begin(), files.end(), [&](const auto& file) { return file.path == path; });
   if (choice == files.end()) return;
-  auto given = given_answers(choice->answers);
+  if (auto table = MappedTable::of_file(path, choice->answers)) return fill_mapping(std::move(*table), field);
+  fill_answers(path, choice->answers, field);
+}
+
+void LaserHost::set_answers(const std::string& path, const ImportArguments& answers) {
+  controller.change("missing data of a file", [&](LaserChoices& choices) {
+    for (LaserFileChoice& file : choices.files)
+      if (file.path == path) file.answers = answers;
+  });
+}
+
+void LaserHost::fill_answers(const std::string& path, const ImportArguments& known, const std::string& field) {
+  auto given = given_answers(known);
   std::vector<LaserField> fields;
   ImportArguments asked;
   for (cli::Argument& option : cli::fields_of<ImportArguments>().arguments_for(asked)) {
@@ -404,15 +416,57 @@ void LaserHost::ask_answers(const std::string& path, const std::string& field) {
     for (std::size_t k = 0; k < v.size(); ++k)
       if (std::string wrong = set_answer(answers, fields[k].name, v[k]); !wrong.empty()) return wrong;
     if (const auto sound = import_options(answers); !sound) return to_text(sound.error());
-    controller.change("missing data of a file", [&](LaserChoices& c) {
-      for (LaserFileChoice& file : c.files)
-        if (file.path == path) file.answers = answers;
-    });
+    set_answers(path, answers);
     return std::string();
   };
   LaserForm form("what " + name + " does not state", fields, take);
   if (!field.empty()) form.go_to(field);
   fill(std::move(form));
+}
+
+void LaserHost::fill_mapping(MappedTable table, const std::string& field) {
+  mapping_.emplace(
+      std::move(table), [this](const MappedTable& accepted) { take_mapping(accepted); },
+      [this](const MappedTable& so_far) { fill_answers(so_far.path(), so_far.answers(), {}); });
+  if (field == "parked") mapping_->go_to_parked();
+}
+
+void LaserHost::ask_columns(std::vector<std::string> paths) {
+  unmapped_ = std::move(paths);
+  while (!unmapped_.empty() && !mapping_) {
+    const std::string path = unmapped_.front();
+    unmapped_.erase(unmapped_.begin());
+    if (auto table = MappedTable::of_file(path, {})) fill_mapping(std::move(*table));
+  }
+}
+
+void LaserHost::after_mapping(bool accepted) {
+  mapping_.reset();
+  if (!accepted) unmapped_.clear();
+  if (!asking_.active()) ask_columns(std::move(unmapped_));
+}
+
+/// Keeps it for files with the same headings; those that wait for it are read so if that is confirmed.
+void LaserHost::take_mapping(const MappedTable& table) {
+  set_answers(table.path(), table.answers());
+  remember_mapping(table.path(), table.answers());
+  std::vector<MappedTable> alike;
+  for (const std::string& path : unmapped_)
+    if (auto other = MappedTable::of_file(path, {}); other && other->is_remembered_as(table))
+      alike.push_back(std::move(*other));
+  if (alike.empty()) return;
+  const std::string title =
+      fmt::format("Read {} more file{} the same way?", alike.size(), alike.size() == 1 ? "" : "s");
+  asking_.ask(
+      {title, "The headings are the same. n shows each of them first, where its axis can be changed.", "yes", "no"},
+      [this, alike] {
+        for (const MappedTable& other : alike) {
+          set_answers(other.path(), other.answers());
+          std::erase(unmapped_, other.path());
+        }
+        ask_columns(std::move(unmapped_));
+      },
+      [this] { ask_columns(std::move(unmapped_)); });
 }
 
 void LaserHost::unless_there(std::function<void()> save) {

@@ -13,7 +13,9 @@ const LaserStepRow kLaserStepRows[kLaserSteps] = {
     {"Files", "files of any instrument, several or a whole folder",
      "Step 1: add the instrument's files, of any format, several at once or a whole folder. Each file is read and "
      "identified. An error map is loaded unchanged, with the parameters saved in its folder. If a file does not state "
-     "its axis or sense, or is a plain table of columns, press Enter to supply these data. Press p to choose the "
+     "its axis or sense, press Enter to supply these data. A plain table of columns is shown with its first rows: give "
+     "each column a role and a unit, or accept the proposal with Enter. Files with the same headings are then proposed "
+     "to be read the same way. Press p to choose the "
      "parameters of the unit, which determine the components that the map needs.",
      laser_files_page},
     {"Lines", "measured lines, their positions and conditions",
@@ -200,12 +202,14 @@ void LaserScreen::draw(Canvas& canvas, const Area& area) const {
                        (aside == 0 ? "" : fmt::format(" Press o for another one: {} more.", aside)),
                    "continue it (or Enter)", "not now    b start again    d delete it"});
   }
+  if (host_->mapping_) host_->mapping_->draw(canvas, area);
   if (host_->form_) host_->form_->draw(canvas, area);
   draw_question(canvas, area, host_->asking_);
 }
 
 CellPosition LaserScreen::cursor(const Area& area) const {
   if (host_->asking_.active() || host_->controller.offered()) return {-1, -1};
+  if (host_->mapping_) return host_->mapping_->cursor(area);
   return host_->form_ ? host_->form_->cursor(area) : page().cursor(body_of(area));
 }
 
@@ -232,6 +236,10 @@ bool LaserScreen::on_lying_over(const Key& key) {
     (void)act_on(offered_keys_, key);
     return true;
   }
+  if (host_->mapping_) {
+    if (!host_->mapping_->on_key(key)) host_->after_mapping(key.name == Key::Name::enter);
+    return true;
+  }
   if (host_->form_) {
     if (!host_->form_->on_key(key)) host_->form_.reset();
     return true;
@@ -248,6 +256,7 @@ void LaserScreen::open(const std::vector<std::string>& paths, FileKind kind) {
   controller.change(fmt::format("{} files", paths.size()), [&](LaserChoices& choices) {
     for (const std::string& path : paths) choices.files.push_back({path, {}});
   });
+  host_->ask_columns(paths);
 }
 
 std::vector<KeyRow> LaserScreen::key_table() {
@@ -300,6 +309,7 @@ bool LaserScreen::advance() {
 std::vector<KeyHelp> LaserScreen::keys() const {
   if (host_->asking_.active()) return {{"y", "yes"}, {"n", "no"}};
   if (host_->controller.offered()) return helps_of(offered_keys_);
+  if (host_->mapping_) return host_->mapping_->keys();
   if (host_->form_) return {{"Enter", "accept"}, {"up/down", "field"}, {"Esc", "cancel"}};
   std::vector<KeyHelp> keys = page().keys();
   if (page().holds_keys()) return keys;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/screens/files/prompt.hpp"
+#include "app/screens/laser/mapping.hpp"
 #include "app/ui/cells.hpp"
 #include "app/ui/chart.hpp"
 #include "app/ui/screen.hpp"
@@ -108,8 +109,11 @@ class LaserHost {
   void fill(LaserForm form) { form_.emplace(std::move(form)); }
   /// The parameters file and the scope: asked from several steps.
   void ask_parameters();
-  /// What a file does not say, field by field. @param field  where to begin; empty: at the first
+  /// What a file does not say: the meaning of its columns where it is a table that no format describes, else field by
+  /// field. @param field  where to begin; empty: at the first
   void ask_answers(const std::string& path, const std::string& field = {});
+  /// The meaning of the columns of those of these files that no format describes, one after the other.
+  void ask_columns(std::vector<std::string> paths);
 
   /// At once where nothing is replaced by saving, else once that is confirmed.
   void unless_there(std::function<void()> save);
@@ -119,8 +123,16 @@ class LaserHost {
 
  private:
   friend class LaserScreen;
+  void fill_answers(const std::string& path, const ImportArguments& given, const std::string& field);
+  void fill_mapping(MappedTable table, const std::string& field = {});
+  void take_mapping(const MappedTable& table);
+  /// The form is done: the next file that waits, unless it was cancelled.
+  void after_mapping(bool accepted);
+  void set_answers(const std::string& path, const ImportArguments& answers);
   Asking asking_;
   std::optional<LaserForm> form_;
+  std::optional<MappingForm> mapping_;
+  std::vector<std::string> unmapped_;  ///< files whose columns are asked for next
   TaskRunner drawing_;
 };
 
@@ -195,7 +207,7 @@ class LaserScreen final : public Screen {
   [[nodiscard]] std::vector<KeyHelp> keys() const override;
   [[nodiscard]] std::string help() const override;
   [[nodiscard]] bool advance() override;
-  [[nodiscard]] bool typing() const override { return host_->form_.has_value() || page().typing(); }
+  [[nodiscard]] bool typing() const override { return host_->form_ || host_->mapping_ || page().typing(); }
   [[nodiscard]] CellPosition cursor(const Area& area) const override;
   [[nodiscard]] std::string unsaved() const override { return host_->controller.unsaved(); }
 

@@ -108,6 +108,8 @@ Result<Outcome> import(VerbContext& context, const FileImportRequest& request) {
   if (!request.output.empty()) {
     if (all.readings.empty()) return problem(ProblemKind::refused, "no readings to write");
     ECS_DO(write_set(request.output, all));
+    for (const std::string& file : request.import.columns.empty() ? std::vector<std::string>() : given.files)
+      remember_mapping(file, request.import);
   }
   return outcome_of(answer_cell(files, all, request.output, profile));
 }
