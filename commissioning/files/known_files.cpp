@@ -48,7 +48,9 @@ FileLook look_at_measurements(const fs::path& path) {
   else if (!file.format.empty())
     look.what = file.format + ": no readings";
   else
-    look.what = file.wants_answers ? "incomplete: select it, then press Enter to add data" : "not read";
+    look.what = file.wants_columns   ? "table: select it to assign its columns"
+                : file.wants_answers ? "incomplete: select it, then press Enter to add data"
+                                     : "not read";
   return look;
 }
 

@@ -15,6 +15,7 @@
 #include "base/text.hpp"
 #include "commissioning/laser_session/work.hpp"
 #include "commissioning/measurements/files.hpp"
+#include "commissioning/measurements/mapped_table.hpp"
 #include "commissioning/session/commands.hpp"
 #include "laser/analysis/pipeline.hpp"
 #include "laser/import/import.hpp"
@@ -267,6 +268,11 @@ LaserFile read_laser_file(const LaserFileChoice& choice) {
   LaserFile file;
   file.choice = choice;
   file.stamp = stamp_of(choice.path);
+  if (choice.answers.columns.empty() && MappedTable::of_file(choice.path, choice.answers)) {
+    file.problem = "A table that no format describes: press Enter to assign a role and a unit to its columns.";
+    file.wants_answers = file.wants_columns = true;
+    return file;
+  }
   ImportArguments answered;
   auto imported = read_measurements(choice.path, choice.answers, &answered);
   if (!imported) {

@@ -64,6 +64,7 @@ struct LaserFile {
   std::string sha256;
   std::string problem;             ///< why not
   bool wants_answers = false;      ///< it would be read with answers
+  bool wants_columns = false;      ///< … with the meaning of its columns
   bool is_map = false;             ///< no measurement, but an error map
   PerAxis<bool> position_known{};  ///< file or answers say where this axis stood
 };

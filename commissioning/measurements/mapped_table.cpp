@@ -282,9 +282,8 @@ std::string MappedTable::origin() const {
   if (source_ == Source::remembered)
     text = fmt::format("as {} was read, which has the same headings", remembered_->file);
   if (source_ == Source::guessed) text = "guessed from headings and values";
-  if (source_ == Source::none) text = "no guess: no columns look like positions and errors";
+  if (source_ == Source::none) text = "no guess";
   if (source_ == Source::none && found_.suggestion) text = "empty";
-  if (!found_.seems_to_be.empty()) text = "no guess: it seems to be " + found_.seems_to_be;
   return text;
 }
 
@@ -319,7 +318,9 @@ void MappedTable::set_field(std::size_t column, const std::string& field) {
     const std::string& cell = first_rows_.front()[column];
     if (!laser::seconds_in(cell) && laser::seconds_in(cell + " " + first_rows_.front()[column + 1])) rule.columns = 2;
   }
-  if (field == "approach" || field == "run") set_word(field, "");
+  const bool is_pass = field == kForward || field == kReverse;
+  if (field == "approach" || is_pass) set_word("approach", "");
+  if (field == "run" || is_pass) set_word("run", "");
   rule.unit = laser::unit_in_heading(heading(column));
   if (units_for(rule).empty()) rule.unit.reset();
   rules_.push_back(std::move(rule));
@@ -515,6 +516,10 @@ void MappedTable::next_value(MappingSetting setting, int by) {
       break;
     case MappingSetting::values:
       options_.values = next_of(kValues, options_.values, by);
+      for (ColumnRule& rule : rules_)  // errors are in um, positions in mm, where no heading says more
+        if (reads_value_in_units(laser::role_of(rule.field)) && !rule.is_scaled &&
+            !laser::unit_in_heading(heading(static_cast<std::size_t>(rule.column - 1))))
+          rule.unit = laser::unit_named(units_for(rule).front());
       break;
     case MappingSetting::approach:
       set_word("approach", next_of(kApproaches, word_of("approach"), by));
@@ -546,7 +551,10 @@ ImportArguments MappedTable::answers() const {
 /// What is wrong before anything is read; empty: nothing.
 std::string MappedTable::doubled() const {
   const bool any = std::ranges::any_of(rules_, [](const ColumnRule& rule) { return rule.column > 0; });
-  if (!any) return "No column has a role yet. Give one column the role of a position and another that of a reading.";
+  if (!any)
+    return fmt::format(
+        "{}No column has a role yet. Give one column the role of a position and another that of a reading.",
+        found_.seems_to_be.empty() ? "" : fmt::format("This seems to be {}. ", found_.seems_to_be));
   for (std::size_t i = 0; i < rules_.size(); ++i)
     for (std::size_t k = i + 1; k < rules_.size(); ++k)
       if (rules_[i].field == rules_[k].field)

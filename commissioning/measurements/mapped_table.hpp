@@ -50,7 +50,7 @@ class MappedTable {
   [[nodiscard]] std::string role_help(std::size_t column) const;
   /// With a factor and an offset; empty: the column has none.
   [[nodiscard]] std::string unit(std::size_t column) const;
-  /// Where the mapping comes from, and what the file seems to be otherwise; in words.
+  /// Where the mapping comes from, in words.
   [[nodiscard]] std::string origin() const;
 
   void next_role(std::size_t column, int by);

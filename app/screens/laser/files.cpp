@@ -175,7 +175,10 @@ class FilesPage final : public LaserPage {
     const LaserFile* file = file_read(work.files, choice);
     if (file == nullptr) return {fmt::format("{:<28} reading ...", name), Tone::faint};
     if (!file->set)
-      return {fmt::format("{:<28} {}", name, file->wants_answers ? "incomplete: press Enter to add data" : "not read"),
+      return {fmt::format("{:<28} {}", name,
+                          file->wants_columns   ? "table: press Enter to assign its columns"
+                          : file->wants_answers ? "incomplete: press Enter to add data"
+                                                : "not read"),
               Tone::bad};
     return {fmt::format("{:<28} {:<26} {}", name, file->format, file->summary), Tone::plain};
   }

@@ -458,7 +458,7 @@ void LaserHost::take_mapping(const MappedTable& table) {
   const std::string title =
       fmt::format("Read {} more file{} the same way?", alike.size(), alike.size() == 1 ? "" : "s");
   asking_.ask(
-      {title, "The headings are the same. n shows each of them first, where its axis can be changed.", "yes", "no"},
+      {title, "The headings are the same. Press n to see each of them first and to change its axis.", "yes", "no"},
       [this, alike] {
         for (const MappedTable& other : alike) {
           set_answers(other.path(), other.answers());

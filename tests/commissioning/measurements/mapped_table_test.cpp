@@ -196,6 +196,24 @@ TEST_CASE("binary files, single columns, empty files and known formats are no ta
   CHECK_FALSE(MappedTable::of_file((folder.path / "none.txt").string(), {}).has_value());
 }
 
+TEST_CASE(
+    "positions reached are in mm where no heading states a unit, and passes have their approach from their columns") {
+  const StateFolder folder;
+  MappedTable table =
+      table_of(folder.with("screw.txt", "0 0.001 0.002\n10 10.003 10.001\n20 20.002 20.000\n30 30.001 30.004\n"));
+  table.clear_role(2);
+  next_until(table, 1, "reading");
+  while (value(table, MappingSetting::values) != "errors") table.next_value(MappingSetting::values, +1);
+  CHECK(table.unit(1) == "um");
+  table.next_value(MappingSetting::values, +1);
+  CHECK(value(table, MappingSetting::values) == "positions reached");
+  CHECK(table.unit(1) == "mm");
+  next_until(table, 1, "forward 1");
+  next_until(table, 2, "reverse 1");
+  CHECK(table.answers().columns == "x_mm=1[mm],forward1=2[mm],reverse1=3[mm]");
+  CHECK(table.preview().lines.at(0) == "EXX: 8 readings, 1 run, forward and reverse; 0 to 30 mm");
+}
+
 TEST_CASE("a date and a time in two columns are one role") {
   const StateFolder folder;
   const std::string text =

@@ -99,7 +99,7 @@ TEST_CASE("a mapping is offered for the next file with these headings, and Esc l
   CHECK(contains(later.seen(), "as monday.txt was read"));
   CHECK(contains(later.seen(), "Y position"));
   REQUIRE(later.settles_after("\x1b"));
-  CHECK(contains(later.seen(), "incomplete: press Enter"));
+  CHECK(contains(later.seen(), "table: press Enter to assign its columns"));
   CHECK(contains(later.after("\n"), "as monday.txt was read"));
   CHECK(contains(later.after("\t"), "what tuesday.txt does not state"));
   CHECK(contains(later.seen(), "y_mm=1[mm],reading=2[um],approach=motion"));
