@@ -61,10 +61,7 @@ inline double within_table(const CurveUncertainty& u, const laser::MapTable& tab
       if (i == j) shared += (i == a.below ? 1.0 - a.part : a.part) * (j == b.below ? 1.0 - b.part : b.part);
   double sum = u.value * u.value * shared;
   if (a.below == b.below) sum += u.between * u.between * a.bow() * b.bow();
-  if (u.pass > 0.0) {
-    const double heavy_tails = u.degrees_of_freedom / (u.degrees_of_freedom - 2.0);  // variance of Student's t
-    sum += heavy_tails * u.pass * u.pass * product_of(shapes_at(travel_mm, a_mm), shapes_at(travel_mm, b_mm));
-  }
+  if (u.pass > 0.0) sum += u.pass * u.pass * product_of(shapes_at(travel_mm, a_mm), shapes_at(travel_mm, b_mm));
   return sum;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/random.hpp"
 #include "base/units.hpp"
@@ -14,7 +15,7 @@
 namespace ecs::volume {
 namespace {
 
-constexpr double kLeastDegreesOfFreedom = 3.0;  ///< below, Student's distribution has no variance
+constexpr double kLeastDegreesOfFreedom = 1.0;  ///< where a header states a scatter, but not how well it is known
 constexpr double kMadToSigma = 1.4826;          ///< of a normal distribution
 
 /// The error midway between two values, from the curvature that second differences show above their noise.
@@ -161,6 +162,20 @@ double linear_rms_um(const CompensatedMachine& machine, const UncertaintyBudget&
   return std::sqrt(sum / static_cast<double>(kSides.size() * grid.places()));
 }
 
+double effective_degrees_of_freedom(const CompensatedMachine& machine, const UncertaintyBudget& budget,
+                                    const Grid& grid) {
+  double per_freedom = 0.0;
+  for (std::size_t c = 0; c < kCurves; ++c) {
+    const CurveUncertainty& u = budget.curves[c];
+    if (u.pass == 0.0) continue;
+    UncertaintyBudget alone;
+    alone.curves[c] = {.component = u.component, .pass = u.pass};
+    per_freedom += std::pow(linear_rms_um(machine, alone, grid), 4) / u.degrees_of_freedom;
+  }
+  return per_freedom > 0.0 ? std::pow(linear_rms_um(machine, budget, grid), 4) / per_freedom
+                           : std::numeric_limits<double>::infinity();
+}
+
 std::vector<double> uncertainties_of(const laser::MapTable& table, const CompensatedMachine& machine,
                                      const UncertaintyBudget& budget) {
   const CurveUncertainty& u = budget.curves[index_of(table.component)];
@@ -233,10 +248,15 @@ MapDraws::MapDraws(const CompensatedMachine& machine, const UncertaintyBudget& b
     : machine_(machine),
       budget_(budget),
       kinematics_(errors_of_map(machine.map, machine.parameters, machine.tool_offset_mm).kinematics),
-      generator_(seed) {}
+      generator_(seed),
+      degrees_of_freedom_(effective_degrees_of_freedom(
+          machine, budget, grid_over(machine.travel_mm, kLinearPlaces, reference_of(machine.parameters)))) {}
 
 void MapDraws::next() {
-  NormalDraws normal;
+  double tails = 1.0;
+  if (std::isfinite(degrees_of_freedom_))
+    tails = std::sqrt(degrees_of_freedom_ / ChiSquaredDraws(degrees_of_freedom_)(generator_));
+  NormalDraws normal(0.0, tails);
   const auto shapes = [&](double size) {
     Shapes drawn{};
     for (double& one : drawn) one = size * normal(generator_);
@@ -246,8 +266,6 @@ void MapDraws::next() {
     Curve& curve = curves_[index_of(u.component)];
     curve.unmeasured = shapes(u.unmeasured);
     curve.per_m = u.per_m * normal(generator_);
-    double heavy_tails = 1.0;  // a few passes tell their own scatter badly: Student's t
-    if (u.pass > 0.0) heavy_tails = std::sqrt(u.degrees_of_freedom / ChiSquaredDraws(u.degrees_of_freedom)(generator_));
     const laser::MapTable* before = nullptr;
     for (std::size_t side = 0; side < kSides.size(); ++side) {
       const laser::MapTable* table = table_of(machine_.map, u.component, kSides[side]);
@@ -262,7 +280,7 @@ void MapDraws::next() {
       drawn.between.resize(table->position_mm.size());
       for (double& one : drawn.value) one = u.value * normal(generator_);
       for (double& one : drawn.between) one = u.between * normal(generator_);
-      drawn.pass = shapes(heavy_tails * u.pass);
+      drawn.pass = shapes(u.pass);
     }
   }
   for (std::size_t c = kCurves; c < kComponents; ++c)

@@ -35,7 +35,7 @@ struct CurveUncertainty {
   RepeatabilityFrom from = RepeatabilityFrom::nothing;
   double value = 0.0;               ///< of each table value, independent of the others
   double pass = 0.0;                ///< common to a table: a smooth shape along the travel
-  double degrees_of_freedom = 0.0;  ///< of `pass`
+  double degrees_of_freedom = 0.0;  ///< of `pass`, as an estimate
   double between = 0.0;             ///< midway between two values: the curvature that straight lines leave out
   double per_m = 0.0;       ///< by the distance from the reference, the same from both sides: instrument, temperature
   double unmeasured = 0.0;  ///< declared zero or missing: a smooth shape, the same from both sides
@@ -65,7 +65,14 @@ using Covariance = std::array<Vector3, kAxes>;  ///< [um²]
 [[nodiscard]] double linear_rms_um(const CompensatedMachine& machine, const UncertaintyBudget& budget,
                                    const Grid& grid);
 
-/// Drawing whole maps.
+/// Of the mean squared standard uncertainty over the places of a grid, to which each curve contributes an estimated
+/// `pass` (F. E. Satterthwaite, Biometrics Bull. 2 (1946) 110; GUM G.4.1, eq. G.2b). Infinite: nothing is an estimate.
+[[nodiscard]] double effective_degrees_of_freedom(const CompensatedMachine& machine, const UncertaintyBudget& budget,
+                                                  const Grid& grid);
+
+/// Drawing whole maps: normal, all of a map by one factor larger or smaller as Student's t with the effective degrees
+/// of freedom is. Were each curve drawn from a t of its own few degrees, the sum of many would be wider by √(ν/(ν −
+/// 2)), although estimates that are independent do not err together.
 class MapDraws {
  public:
   MapDraws(const CompensatedMachine& machine, const UncertaintyBudget& budget, std::uint64_t seed);
@@ -91,6 +98,7 @@ class MapDraws {
   const UncertaintyBudget& budget_;
   Kinematics kinematics_;
   std::mt19937_64 generator_;
+  double degrees_of_freedom_;
   std::array<Curve, kCurves> curves_{};
   ComponentValues squareness_{};
 };
