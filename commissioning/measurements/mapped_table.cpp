@@ -482,15 +482,18 @@ std::array<SettingWords, kMappingSettings> MappedTable::settings() const {
   const std::string letter = axis_letter();
   const char* const names[] = {"as accepted", "remembered", "guessed", "empty"};
   const std::string approach = word_of("approach");
+  const bool passes =
+      std::ranges::any_of(rules_, [](const ColumnRule& rule) { return laser::role_of(rule.field) == Role::pass; });
   return {{{"columns", names[static_cast<std::size_t>(source_)], origin()},
            {"axis", letter.empty() ? "?" : letter, "the axis that moved"},
            {"sense", shown(kSenses, options_.sense),
             "direction of the readings: EX EY EZ in length, EA EB EC rotations about X Y Z"},
            {"values", shown(kValues, options_.values),
             "meaning of the readings: error = actual - target; of positions reached the target is subtracted"},
-           {"approach", shown(kApproaches, approach == "none" ? "" : approach),
+           {"approach",
+            passes && approach.empty() ? "from the columns" : shown(kApproaches, approach == "none" ? "" : approach),
             "from the motion: rising positions are forward, falling ones reverse"},
-           {"runs", shown(kRuns, word_of("run")),
+           {"runs", passes && word_of("run").empty() ? "from the columns" : shown(kRuns, word_of("run")),
             "by repetition: each repeat at a target is a run; there and back: one run"},
            {"rows", shown(kRows, word_of("rows")), "in motion: only rows at more than half the usual speed"},
            {"parked", options_.parked, "position of the other axes, as in y=-1400,z=0 [mm]; empty: not known"}}};

@@ -102,16 +102,18 @@ void MappingForm::draw_settings(Canvas& canvas, const Layout& at) const {
   const auto settings = table_.settings();
   const int here = line_ - kUnitLine - 1;
   const int first = std::clamp(here - at.settings.rows + 1, 0, static_cast<int>(settings.size()));
-  for (int r = 0; r < at.settings.rows && first + r < static_cast<int>(settings.size()); ++r) {
-    const SettingWords& words = settings[static_cast<std::size_t>(first + r)];
-    const bool selected = first + r == here;
+  const int shown = std::min(at.settings.rows, static_cast<int>(settings.size()) - first);
+  const Area values = at.settings.right_of(kSettingNames);
+  for (int r = 0; r < shown; ++r) {
+    const int place = first + r;
+    const SettingWords& words = settings[static_cast<std::size_t>(place)];
+    const bool selected = place == here;
     canvas.text(at.settings, r, 0, selected ? ">" : " ", Tone::strong);
     canvas.text(at.settings, r, 1, words.name, Tone::faint);
-    const Area value = at.settings.right_of(kSettingNames);
-    if (first + r == static_cast<int>(MappingSetting::parked))
-      parked_.draw(canvas, value, r, 0, value.columns, selected);
+    if (place == static_cast<int>(MappingSetting::parked))
+      parked_.draw(canvas, values, r, 0, values.columns, selected);
     else
-      canvas.text(value, r, 0, words.value, selected ? Tone::selected : Tone::plain);
+      canvas.text(values, r, 0, words.value, selected ? Tone::selected : Tone::plain);
   }
 }
 

@@ -211,6 +211,7 @@ TEST_CASE(
   next_until(table, 1, "forward 1");
   next_until(table, 2, "reverse 1");
   CHECK(table.answers().columns == "x_mm=1[mm],forward1=2[mm],reverse1=3[mm]");
+  CHECK(value(table, MappingSetting::approach) == "from the columns");
   CHECK(table.preview().lines.at(0) == "EXX: 8 readings, 1 run, forward and reverse; 0 to 30 mm");
 }
 
