@@ -266,7 +266,8 @@ void remember_mapping(const std::string& file, const ImportArguments& options) {
   const auto shape = head ? laser::table_shape(head->text) : std::nullopt;
   const auto rules = laser::column_rules(options.columns);
   const auto numbered = rules && shape ? laser::by_number(*rules, shape->headings) : std::nullopt;
-  if (!numbered || headings_of(*shape).empty()) return;
+  const bool any = numbered && std::ranges::any_of(*numbered, [](const auto& rule) { return rule.column > 0; });
+  if (!any || headings_of(*shape).empty()) return;
   ImportArguments kept = options;
   kept.headings = headings_of(*shape);
   kept.columns = laser::rules_text(*numbered);

@@ -183,15 +183,14 @@ TEST_CASE("of a large file only the beginning is looked at, and the number of al
 
 TEST_CASE("binary files, single columns, empty files and known formats are no tables to assign columns of") {
   const StateFolder folder;
-  for (const auto& [name, content] :
-       {std::pair<const char*, std::string>{"binary.dat",
-                                            std::string("\x7f\x00\x01\x02\xff\x00", 6) + std::string(400, '\0')},
-        {"one.txt", "1\n2\n3\n4\n"},
-        {"empty.txt", ""},
-        {"words.txt", "the machine was cold\n"},
-        {"set.csv", "sense,axis,reading,x_mm\nEX,X,1.5,10\nEX,X,2.5,20\n"}}) {
-    CAPTURE(name);
-    CHECK_FALSE(MappedTable::of_file(folder.with(name, content), {}).has_value());
+  for (const auto& file : {std::pair<const char*, std::string>{
+                               "binary.dat", std::string("\x7f\x00\x01\x02\xff\x00", 6) + std::string(400, '\0')},
+                           {"one.txt", "1\n2\n3\n4\n"},
+                           {"empty.txt", ""},
+                           {"words.txt", "the machine was cold\n"},
+                           {"set.csv", "sense,axis,reading,x_mm\nEX,X,1.5,10\nEX,X,2.5,20\n"}}) {
+    CAPTURE(file.first);
+    CHECK_FALSE(MappedTable::of_file(folder.with(file.first, file.second), {}).has_value());
   }
   CHECK_FALSE(MappedTable::of_file((folder.path / "none.txt").string(), {}).has_value());
 }
