@@ -16,6 +16,7 @@
 #include "laser/csv_columns.hpp"
 #include "laser/groups.hpp"
 #include "laser/import/readers.hpp"
+#include "laser/units.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -249,27 +250,66 @@ void keep_at_rest(MeasurementSet& set, std::optional<double> at_rest_mm, bool av
   number_rows(set);
 }
 
+namespace {
+
+constexpr double kTurn_deg = 360.0;
+
+using Scan = std::vector<Reading*>;
+
+/// The way of the moving axis from one reading to another.
+double way_of(const Reading& from, const Reading& to) {
+  const double way = target_of(to) - target_of(from);
+  return from.rotary ? std::remainder(way, kTurn_deg) : way;
+}
+
+/// Slopes are kept where noise changes them by at most a tenth: regressions on them are then wrong by a hundredth.
+void take_slope(const Scan& scan) {
+  constexpr double kMostNoise = 0.1, kSlowest = 0.05;
+  const Reading& first = *scan.front();
+  if (is_rotation(first.sense) != first.rotary || direction_of(first.sense) != first.axis || scan.size() < 3) return;
+  const double in_um = first.rotary ? kUmPerMPerDegree : kUmPerMm;
+  std::vector<double> steps;
+  double bends = 0.0;  // of a wave too: at worst no slope is kept
+  for (std::size_t i = 1; i + 1 < scan.size(); ++i) {
+    if (const double way = std::abs(way_of(*scan[i], *scan[i + 1])); way > kSamePlace_mm) steps.push_back(way);
+    const double bend = (scan[i + 1]->error - 2.0 * scan[i]->error + scan[i - 1]->error) / in_um;
+    bends += bend * bend / 6.0 / static_cast<double>(scan.size() - 2);
+  }
+  const double usual = steps.empty() ? 0.0 : median_of(std::move(steps));
+  if (std::sqrt(bends / 2.0) > kMostNoise * usual || usual == 0.0) return;
+  for (std::size_t i = 1; i + 1 < scan.size(); ++i) {
+    const double way = way_of(*scan[i - 1], *scan[i + 1]);
+    const bool moves = std::abs(way) > 2.0 * kSlowest * usual;
+    scan[i]->extras[std::string(kReadingSlopeColumn)] =
+        moves ? 1.0 + (scan[i + 1]->error - scan[i - 1]->error) / in_um / way : 1.0;
+  }
+  for (Reading* const end : {scan.front(), scan.back()}) end->extras[std::string(kReadingSlopeColumn)] = 1.0;
+}
+
+}  // namespace
+
 void take_speed(MeasurementSet& set, double longest_interval_s) {
-  constexpr double kTurn_deg = 360.0, kSecondsPerMinute = 60.0;
+  constexpr double kSecondsPerMinute = 60.0;
   const auto has_speed = [](const Reading& reading) { return reading.extras.contains(speed_column(reading.rotary)); };
   if (std::ranges::any_of(set.readings, [&](const Reading& r) { return !r.time_s || has_speed(r); })) return;
-  std::map<std::tuple<Axis, bool, Sense>, std::vector<Reading*>> scans;
+  std::map<std::tuple<Axis, bool, Sense>, Scan> scans;
   for (Reading& reading : set.readings) scans[{reading.axis, reading.rotary, reading.sense}].push_back(&reading);
   std::vector<double> intervals_s;
   for (const auto& [of, scan] : scans)
     for (std::size_t i = 1; i < scan.size(); ++i) intervals_s.push_back(*scan[i]->time_s - *scan[i - 1]->time_s);
   if (intervals_s.empty() || median_of(std::move(intervals_s)) > longest_interval_s) return;
   bool any = false;
-  for (const auto& [of, scan] : scans)
+  for (const auto& [of, scan] : scans) {
+    take_slope(scan);
     for (std::size_t i = 0; i < scan.size(); ++i) {
       const Reading& before = *scan[i == 0 ? 0 : i - 1];
       const Reading& behind = *scan[std::min(i + 1, scan.size() - 1)];
-      const double way = target_of(behind) - target_of(before), time_s = *behind.time_s - *before.time_s;
+      const double time_s = *behind.time_s - *before.time_s;
       if (time_s <= 0.0) continue;
-      scan[i]->extras[std::string(speed_column(scan[i]->rotary))] =
-          (scan[i]->rotary ? std::remainder(way, kTurn_deg) : way) / time_s * kSecondsPerMinute;
+      scan[i]->extras[std::string(speed_column(scan[i]->rotary))] = way_of(before, behind) / time_s * kSecondsPerMinute;
       any = true;
     }
+  }
   if (!any) return;
   const std::string column(speed_column(set.readings.front().rotary));
   if (!set.columns.empty()) set.columns.push_back(column);

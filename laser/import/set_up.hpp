@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/axis.hpp"
@@ -49,8 +50,13 @@ void keep_at_rest(MeasurementSet& set, std::optional<double> at_rest_mm, bool av
 /// delay from lost motion. A note states how many readings were left out.
 void keep_in_motion(MeasurementSet& set);
 
+/// How far the reading channel moves while the axis moves by 1: what a delay or lost motion is multiplied by where the
+/// reading has waves of its own, for they are then read at another place.
+inline constexpr std::string_view kReadingSlopeColumn = "reading_slope";
+
 /// Gives each reading the speed of its moving axis (`speed_column`), from the positions and times of the readings of
-/// the same axis and sense before and behind it. Does nothing unless every reading has a time and the median interval
+/// the same axis and sense before and behind it, and of a position the slope of its channel (kReadingSlopeColumn) where
+/// the noise allows. Does nothing unless every reading has a time and the median interval
 /// is at most `longest_interval_s`.
 void take_speed(MeasurementSet& set, double longest_interval_s);
 /// Readings closer than this are of a scan: no axis moves, comes to rest and is read within it.

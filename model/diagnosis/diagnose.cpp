@@ -289,7 +289,64 @@ Diagnosis too_few(const Observations& data, const Base& base) {
   return diagnosis;
 }
 
-/// Adding what is likely beside what is proved, and the fall to expect; nothing where nothing is likely.
+/// Readings of a ball at one pose are left out together, each pose once, of many poses twenty parts; else as elsewhere.
+Parts parts_by_pose(const Observations& data) {
+  constexpr std::size_t kMostParts = 20;
+  if (data.through_chain.empty()) return parts_of(data);
+  Parts parts;
+  std::map<std::pair<Vector3, Vector3>, std::size_t> poses;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    parts.of.push_back(poses.try_emplace({data.position_mm[k], data.place_mm[k]}, poses.size()).first->second);
+  parts.count = std::min(poses.size(), kMostParts);
+  for (std::size_t& part : parts.of) part %= parts.count;
+  return parts;
+}
+
+/// Of a sum of effects of which readings left out speak against one member after the other, those members that predict
+/// readings left out best together, where that is at least half of what they explain of the fitted ones: alone each
+/// may do worse than none. Nothing for a single one: that has been judged already.
+/// @param before  the model with what is proved
+std::optional<ProposedAddition> proposed_group(const ReportInput& in, const LinearProblem& before,
+                                               const std::vector<RankedCandidate>& order) {
+  const Found& found = in.found;
+  const bool runs_differ = found.bad_run || found.noisy || found.odd_pass || found.step || found.wave;
+  if (found.taken_back.size() < 2 || runs_differ || !found.objection.empty()) return std::nullopt;
+  const Observations& data = in.regressors.data();
+  const CoreFit& core = in.base.core;
+  const Whitener whitener(data, core.noise, core.left_out);
+  const Parts parts = parts_by_pose(data);
+  const auto held_out = [&](const LinearProblem& of) {
+    return held_out_rms(data, core.noise, core.left_out, parts, of.columns, of.target);
+  };
+  const auto fitted = [&](const LinearProblem& of) { return rms_without(residual_of(of, whitener), core.left_out); };
+  const auto fall = [](double from, double to) { return from * from - to * to; };
+  ProposedAddition best;
+  best.held_out_rms_before_um = best.held_out_rms_um = held_out(before);
+  for (std::size_t set = 1; set < std::size_t{1} << found.taken_back.size(); ++set) {
+    LinearProblem with = before;
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < found.taken_back.size(); ++i) {
+      const Choice& choice = found.taken_back[i];
+      const EffectInstance effect = effect_of(found.families[choice.family].effect, choice);
+      const auto is_proved = [&](const RankedCandidate& one) {
+        return one.standing == Standing::proved && same_candidate(one.effect, effect);
+      };
+      if ((set >> i & 1U) == 0 || std::ranges::any_of(order, is_proved)) continue;
+      with = joined_with(with, columns_on(in.regressors, effect, choice));
+      names.push_back(to_text(effect));
+    }
+    if (names.size() < 2) continue;
+    const double held_out_um = held_out(with);
+    if (held_out_um >= best.held_out_rms_um) continue;
+    if (fall(best.held_out_rms_before_um, held_out_um) < kLeastCrossValidatedAlone * fall(fitted(before), fitted(with)))
+      continue;
+    best.effects = std::move(names);
+    best.held_out_rms_um = held_out_um;
+  }
+  return best.effects.empty() ? std::nullopt : std::optional(std::move(best));
+}
+
+/// Adding what is likely beside what is proved, and the fall to expect; a group where nothing is likely.
 std::optional<ProposedAddition> proposed_addition(const ReportInput& in, const std::vector<RankedCandidate>& order,
                                                   const FittedWith& with, const Parts& parts) {
   LinearProblem before = in.problem;
@@ -303,7 +360,7 @@ std::optional<ProposedAddition> proposed_addition(const ReportInput& in, const s
       after = joined_with(after, columns_on(in.regressors, ranked.effect, ranked.choice));
       add.effects.push_back(to_text(ranked.effect));
     }
-  if (add.effects.empty()) return std::nullopt;
+  if (add.effects.empty()) return proposed_group(in, before, order);
   const auto held_out = [&](const LinearProblem& of) {
     return held_out_rms(in.regressors.data(), with.noise, with.left_out, parts, of.columns, of.target);
   };

@@ -113,7 +113,7 @@ struct Dependence {
   std::string looks_like{};     ///< shape in words, where the data prove one and it is no effect; else ""
 };
 
-/// What is worth trying although it is not proved: all that is likely, added together beside what is proved.
+/// What is worth trying although not proved: all that is likely beside what is proved, else a group that predicts.
 struct ProposedAddition {
   std::vector<std::string> effects;                            ///< places, as `ecs model add` takes them
   double held_out_rms_before_um = 0.0, held_out_rms_um = 0.0;  ///< on readings left out, without and with them
@@ -162,7 +162,7 @@ struct Diagnosis {
   std::size_t candidates_tried = 0;
   std::vector<OwnTerm> own_terms;
   std::size_t noise_replicates = 0;     ///< that were searched
-  std::optional<ProposedAddition> add;  ///< where something is likely
+  std::optional<ProposedAddition> add;  ///< where something is likely, or a group predicts
   std::vector<LeftProperty> left;       ///< where structure is left
   std::optional<ProposedFormula> formula;
 };

@@ -176,6 +176,7 @@ void weigh(const Regressors& regressors, const Base& base, const Search& search,
       if (e_value && *e_value < kSpeaksAgainst && (!worst || *e_value < *found.groups[*worst].e_value)) worst = i;
     }
     if (!worst) break;
+    if (found.taken_back.empty()) found.taken_back = found.solution.chosen;
     found.solution = search.refined(others(found.solution.chosen, *worst), found.solution.own);
     stepwise.most_effects = found.solution.chosen.size();
     if (stepwise.most_effects == 0) continue;
@@ -518,6 +519,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
     const bool known_little = found.noise.pure.dof < kManyDegrees;
     if (round == 0) find_level(search, structure, replicates, options, found);
     found.solution = search.alone();
+    found.taken_back.clear();
     const StepwiseOptions stepwise{options.most_effects, found.entry_score,
                                    kLeastShare * n,      kLateShare * n,
                                    found.noise.pure.dof, known_little ? freedom_beside(alone, found.left_out) : 0.0};

@@ -57,7 +57,9 @@ struct Found {
   double entry_score = 0.0;
   double cross_validated_share = 1.0;  ///< share of what is above noise that is predicted in runs or at targets not
                                        ///< fitted to, the lesser
-  std::vector<Choice> closest;         ///< where nothing is found: the best of what was tried, best first
+  std::vector<Choice> taken_back;  ///< the best sum, where readings left out speak against a member of it: each member
+                                   ///< may speak for itself only together with the others
+  std::vector<Choice> closest;     ///< where nothing is found: the best of what was tried, best first
   /// That noise of any size looks like the best of them, where the readings tell little of the noise; of the effect
   /// that is named for this alone.
   std::optional<double> chance_of_closest;

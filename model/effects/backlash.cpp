@@ -1,5 +1,6 @@
 // Lost motion b·d/2: two levels, one for each approach (the reversal error of ISO 230-2).
 #include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/effects/separations.hpp"
 
 namespace ecs::model::effects {
@@ -21,7 +22,8 @@ EffectDefinition backlash() {
       .separated_by = separations::kAfterReversal,
       .traits = {.of_approach = true, .is_usual = true, .one_per_axis = true, .on_rotary_axes = true},
       .preference = 10,
-      .columns = [](const ReadingAt& at, std::span<double> row) { row[0] = at.approach() / 2.0; },
+      .columns = [](const ReadingAt& at,
+                    std::span<double> row) { row[0] = at.approach() / 2.0 * reading_slope(at.data, at.k); },
       .of_reversal = [](const Site& site) { return site.once(); },
   };
 }

@@ -1,6 +1,6 @@
 // Readings whose position and value are of different moments, because their channels are read one after the other or
-// the drive follows its set position late: the error is what the axis moves meanwhile, -T·v (of a position loop T is
-// the inverse of its velocity gain).
+// the drive follows its set position late: the error is what the reading channel moves meanwhile, -T·v·(1 + de/dp) (of a
+// position loop T is the inverse of its velocity gain).
 #include "base/units.hpp"
 #include "laser/units.hpp"
 #include "model/effects/definition.hpp"
@@ -32,7 +32,7 @@ EffectDefinition delay() {
       .check =
           "compare the sampling instants and filters of the two channels, and read the following error of the drive",
       .headline = "{where} read {delay_ms} late while the axis moves",
-      .parameters = {{"delay_ms", "ms", "of the reading behind the position"}},
+      .parameters = {{"delay_ms", "ms", "time by which the reading is late"}},
       .carrier = Carrier::set_up,
       .how = "read both channels at the same moment; readings at rest do not show it",
       .separated_by = {40, "Repeat the {axis} line both ways at a quarter of the speed, or read it at rest."},
@@ -42,7 +42,9 @@ EffectDefinition delay() {
       .columns =
           [](const ReadingAt& at, std::span<double> row) {
             const double in_um = at.data.rotary ? laser::kUmPerMPerDegree : kUmPerMm;
-            row[0] = at.data.axis[at.k] == *at.effect.axis ? -speed_per_min(at.data, at.k) / kMsPerMinute * in_um : 0.0;
+            row[0] = at.data.axis[at.k] == *at.effect.axis
+                         ? -speed_per_min(at.data, at.k) * reading_slope(at.data, at.k) / kMsPerMinute * in_um
+                         : 0.0;
           },
       .of_sense = [](const Site& site) { return site.once(is_own_position(site) && site.data.through_chain.empty()); },
   };

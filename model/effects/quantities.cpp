@@ -5,6 +5,7 @@
 
 #include "core/terms.hpp"
 #include "laser/analysis/normalise.hpp"
+#include "laser/import/set_up.hpp"
 #include "model/data/curve_basis.hpp"
 #include "model/data/sensor_history.hpp"
 
@@ -72,6 +73,11 @@ double reference_degC(const Observations& data, std::string_view column) {
 double speed_per_min(const Observations& data, std::size_t k) {
   const auto found = data.extras.find(laser::speed_column(data.rotary));
   return found == data.extras.end() ? kNotMeasured : found->second[k];
+}
+
+double reading_slope(const Observations& data, std::size_t k) {
+  const auto found = data.extras.find(laser::kReadingSlopeColumn);
+  return found == data.extras.end() || std::isnan(found->second[k]) ? 1.0 : found->second[k];
 }
 
 double air_deviation_ppm(const Observations& data, std::size_t k) {

@@ -26,6 +26,9 @@ inline constexpr double kReference_degC = 20.0;
 /// cell lacks.
 [[nodiscard]] double speed_per_min(const Observations& data, std::size_t k);
 
+/// How far the reading channel moves while the axis moves by 1, in readings of a scan; 1 where it is not known.
+[[nodiscard]] double reading_slope(const Observations& data, std::size_t k);
+
 /// Refractive index of the air in reading k less that of the air of the origin (20 degC, 1013.25 hPa, 50 %) [1e-6];
 /// kNotMeasured where a cell lacks.
 [[nodiscard]] double air_deviation_ppm(const Observations& data, std::size_t k);

@@ -166,7 +166,7 @@ std::string shown_name(const ParameterEstimate& parameter) {
 }
 
 std::string spoken_name(std::string_view shown, std::string_view unit) {
-  constexpr std::array<std::string_view, 7> kUnits{"um", "mm", "m", "s", "rad", "mrad", "deg"};
+  constexpr std::array<std::string_view, 8> kUnits{"um", "mm", "m", "s", "ms", "rad", "mrad", "deg"};
   std::string words;
   for (std::size_t at = 0; at <= shown.size();) {
     const std::size_t end = std::min(shown.find('_', at), shown.size());

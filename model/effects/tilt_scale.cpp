@@ -7,9 +7,10 @@
 namespace ecs::model::effects {
 namespace {
 
-/// The axis cannot make a whole turn; by its travel where the machine file gives it, else by the readings.
+/// The axis cannot make a whole turn: by its travel where the machine file gives it, else where the readings leave a
+/// quarter of a turn out, for an axis that turns fully is measured over all of it.
 bool is_arc(const Site& site) {
-  constexpr double kTurn_deg = 360.0;
+  constexpr double kTurn_deg = 360.0, kMostOfReadings_deg = 270.0;
   if (const auto& axis = site.data.machine.rotary[index_of(site.axis)])
     return axis->travel_deg[1] - axis->travel_deg[0] < kTurn_deg;
   double least = 0.0, greatest = 0.0;
@@ -18,7 +19,7 @@ bool is_arc(const Site& site) {
     least = k == 0 ? angle_deg : std::min(least, angle_deg);
     greatest = k == 0 ? angle_deg : std::max(greatest, angle_deg);
   }
-  return greatest - least < kTurn_deg;
+  return greatest - least <= kMostOfReadings_deg;
 }
 
 }  // namespace
@@ -32,8 +33,8 @@ EffectDefinition tilt_scale() {
       .cause = "ratio or scale of the encoder or gear of an axis that does not turn fully",
       .tells_apart = "grows in proportion to the angle, both ways from zero; a wave of one turn bends",
       .check = "compare the axis at its two ends with a clinometer, a polygon or a laser with angular optics",
-      .headline = "{where} with a scale error of {um_per_deg}",
-      .parameters = {{"um_per_deg", "um/deg", "error of a degree"}},
+      .headline = "{where} with a scale error of {um_per_degree}",
+      .parameters = {{"um_per_degree", "um/deg", "error of a degree"}},
       .carrier = Carrier::none,
       .how = "use a table of the control for this axis, since the unit has X, Y and Z only",
       .separated_by = {55, "Measure {axis} at both ends of its travel and in the middle."},

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "laser/import/set_up.hpp"
 #include "model/fit/statistics.hpp"
 
 namespace ecs::model {
@@ -365,7 +366,8 @@ std::vector<Variable> variables_of(const Observations& data) {
   add_condition(data, "pressure_hPa", data.pressure_hPa, scaled, out);
   add_condition(data, "humidity_pct", data.humidity_pct, scaled, out);
   for (const auto& [name, column] : data.sensors_degC) add_condition(data, name, column, scaled, out);
-  for (const auto& [name, column] : data.extras) add_condition(data, name, column, scaled, out);
+  for (const auto& [name, column] : data.extras)
+    if (name != laser::kReadingSlopeColumn) add_condition(data, name, column, scaled, out);  // made of the readings
   add_compensated(data, scaled, out);
   return out;
 }
