@@ -37,20 +37,27 @@ double stepped(double followed, double before_degC, double after_degC, double st
   return kept * followed + (mean - kept) * before_degC + (1.0 - mean) * after_degC;
 }
 
+/// @param lag_s  below 0: there and back again, so that nothing is late
 std::vector<double> low_pass(const SensorHistory& history, const std::vector<double>& degC, double lag_s) {
   std::vector<std::size_t> order;
   for (std::size_t k = 0; k < degC.size(); ++k)
     if (!std::isnan(degC[k]) && !std::isnan(history.time_s[k])) order.push_back(k);
   std::ranges::stable_sort(order, {},
                            [&](std::size_t k) { return std::make_tuple(history.clock[k], history.time_s[k]); });
-  std::vector<double> followed = degC;
-  for (std::size_t i = 1; i < order.size(); ++i) {
-    const std::size_t before = order[i - 1], now = order[i];
-    if (history.clock[before] == history.clock[now])
-      followed[now] =
-          stepped(followed[before], degC[before], degC[now], history.time_s[now] - history.time_s[before], lag_s);
-  }
-  return followed;
+  const auto passed = [&](const std::vector<double>& input) {
+    std::vector<double> followed = input;
+    for (std::size_t i = 1; i < order.size(); ++i) {
+      const std::size_t before = order[i - 1], now = order[i];
+      if (history.clock[before] == history.clock[now])
+        followed[now] = stepped(followed[before], input[before], input[now],
+                                std::abs(history.time_s[now] - history.time_s[before]), std::abs(lag_s));
+    }
+    return followed;
+  };
+  const std::vector<double> late = passed(degC);
+  if (lag_s > 0.0) return late;
+  std::ranges::reverse(order);
+  return passed(late);
 }
 
 /// The readings are a part of what is in their history: a plan has conditions of its own.
@@ -83,7 +90,7 @@ std::shared_ptr<const SensorHistory> sensor_history_of(const Observations& data)
 std::vector<double> followed_degC(const Observations& data, std::string_view sensor, double lag_s) {
   const auto column = data.sensors_degC.find(sensor);
   if (column == data.sensors_degC.end()) return std::vector<double>(data.size(), kNotMeasured);
-  if (!(lag_s > 0.0) || data.time_s.empty()) return column->second;
+  if (lag_s == 0.0 || data.time_s.empty()) return column->second;
   if (!is_part_of_history(data, sensor)) return low_pass(*sensor_history_of(data), column->second, lag_s);
   const std::vector<double> of_all = low_pass(*data.history, data.history->sensors_degC.find(sensor)->second, lag_s);
   std::vector<double> followed;

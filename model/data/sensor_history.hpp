@@ -24,8 +24,8 @@ struct SensorHistory {
 [[nodiscard]] std::shared_ptr<const SensorHistory> sensor_history_of(const Observations& data);
 
 /// Temperature of what follows a sensor with this time constant, in each reading: τ dF/dt = T − F, with F = T at the
-/// first reading of each clock (a steady state) and T on a straight line from reading to reading. At once where the
-/// time constant is 0 or the reading has no time; kNotMeasured where the sensor was not read.
+/// first reading of each clock (a steady state) and T on a straight line from reading to reading. At once where the lag
+/// is 0 or the reading has no time; kNotMeasured where the sensor was not read. Below 0: as smooth, but not late.
 [[nodiscard]] std::vector<double> followed_degC(const Observations& data, std::string_view sensor, double lag_s);
 
 }  // namespace ecs::model

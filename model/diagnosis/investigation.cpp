@@ -2,6 +2,7 @@
 #include "model/diagnosis/investigation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 
@@ -134,23 +135,36 @@ void settle_groups(const Search& search, Found& found) {
 /// Evidence from which a lag is claimed: without one it is reached once in twenty data sets at most.
 constexpr double kShowsLag = 20.0;
 
-/// Effects that follow a sensor late, at once instead where readings that they were not fitted to do not show the lag.
+/// Whether readings that the effects were not fitted to show the lag of one, beside its temperature without a lag: as
+/// it was read, and as smooth as the lag makes it, which takes noise of the sensor away too.
+bool shows_lag(const Regressors& regressors, const Base& base, const Search& search, const Found& found,
+               const Choice& late, const Solution& at_once) {
+  const EffectInstance& effect = search.families()[late.family].effect;
+  const LinearProblem without =
+      joined(base, search, search.solution(others(at_once.chosen, at_once.chosen.size() - 1), at_once.own));
+  return std::ranges::all_of(std::array{0.0, -late.nonlinear}, [&](double lag_s) {
+    const MatrixXd columns = beside(without.columns, regressors.columns(effect, lag_s).of);
+    return e_value_of({regressors, found.noise, found.left_out}, columns, without.target, effect,
+                      NullHypothesis::noise_or_wander)
+               .value_or(0.0) >= kShowsLag;
+  });
+}
+
+/// Effects that follow a sensor late, at once instead where the readings do not show the lag.
 void drop_lags_not_shown(const Regressors& regressors, const Base& base, const Search& search, Found& found) {
   for (std::size_t i = 0; i < found.solution.chosen.size(); ++i) {
-    const EffectInstance& late = found.families[found.solution.chosen[i].family].effect;
-    if (!late.traits().has_lag || late.parameters.contains(std::string(kLag))) continue;
+    const Choice late = found.solution.chosen[i];
+    const EffectInstance& effect = found.families[late.family].effect;
+    if (!effect.traits().has_lag || !is_searched(effect)) continue;
     const auto at_once = std::ranges::find_if(found.families, [&](const Family& other) {
-      return same_candidate(other.effect, late) && other.effect.parameters.contains(std::string(kLag));
+      return same_candidate(other.effect, effect) && !is_searched(other.effect);
     });
     if (at_once == found.families.end()) continue;
     const Solution rest = search.solution(others(found.solution.chosen, i), found.solution.own);
     std::vector<Choice> chosen = rest.chosen;
     chosen.push_back(search.choice_at(rest.space, static_cast<std::size_t>(at_once - found.families.begin()), 0.0));
     Solution without_lag = search.refined(chosen, found.solution.own);
-    const LinearProblem beside_it = joined(base, search, without_lag);
-    const auto e_value = e_value_of({regressors, found.noise, found.left_out}, beside_it.columns, beside_it.target,
-                                    late, NullHypothesis::noise_or_wander);
-    if (e_value.value_or(0.0) >= kShowsLag) continue;
+    if (shows_lag(regressors, base, search, found, late, without_lag)) continue;
     found.solution = std::move(without_lag);
     return drop_lags_not_shown(regressors, base, search, found);  // one lag fewer
   }

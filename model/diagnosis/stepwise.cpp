@@ -420,9 +420,11 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       if (!solution.own.empty())  // the model's own terms may take another place beside the rival
         other.gain = std::max(other.gain, group.member.gain + solution.space.chi2() -
                                               search.refined(with(rest.chosen, other), rest.own).space.chi2());
+      // a lag that nothing but this rival asks for: no further behind than a set of 99 % reaches
+      const bool is_late = instance(other).traits().has_lag && is_searched(instance(other));
       const bool same_fit = is_alike(search, group.member, other) &&
                             other.gain >= group.member.gain - kIndistinguishable &&
-                            other.score() >= group.member.score() - kRivalScoreMargin;
+                            other.score() >= group.member.score() - (is_late ? kIndistinguishable : kRivalScoreMargin);
       const bool same_evidence = other.parameters <= group.member.parameters &&
                                  other.gain >= group.member.gain - kSimplerMargin &&
                                  other.score() >= group.member.score() - kIndistinguishable;

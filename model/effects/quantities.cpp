@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/terms.hpp"
 #include "laser/analysis/normalise.hpp"
@@ -222,16 +223,25 @@ double assumed_time_constant(const Observations& plan, const EffectInstance&, co
   return std::max(last_s / kTimesAssumed, kLeastTime_s);
 }
 
+/// Independent values have a mean square of successive differences of twice their variance (von Neumann 1941); half of
+/// that is no course in time that anything could follow late.
+constexpr double kMostScatter = 1.0;
+
+/// Its temperature takes a course while it is measured.
 bool changes_in_time(const Observations& data, const EffectInstance& effect) {
   if (data.time_s.empty()) return false;
-  const std::vector<double> degC = late_degC(data, effect, 0.0);
-  double least = 1e300, greatest = -1e300;
-  for (const double one : degC) {
-    if (std::isnan(one)) continue;
-    least = std::min(least, one);
-    greatest = std::max(greatest, one);
+  std::vector<double> degC = late_degC(data, effect, 0.0);
+  std::erase_if(degC, [](double one) { return std::isnan(one); });
+  if (degC.size() < 2) return false;
+  const auto [least, greatest] = std::ranges::minmax_element(degC);
+  if (*greatest - *least < kLeastChange_degC) return false;
+  const double mean = std::accumulate(degC.begin(), degC.end(), 0.0) / static_cast<double>(degC.size());
+  double differences = 0.0, deviations = 0.0;
+  for (std::size_t k = 0; k < degC.size(); ++k) {
+    deviations += (degC[k] - mean) * (degC[k] - mean);
+    if (k > 0) differences += (degC[k] - degC[k - 1]) * (degC[k] - degC[k - 1]);
   }
-  return greatest - least >= kLeastChange_degC;
+  return differences < kMostScatter * deviations;
 }
 
 }  // namespace

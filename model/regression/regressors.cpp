@@ -308,7 +308,7 @@ Columns Regressors::motion_columns(const EffectInstance& effect, double searched
   }
   columns.of = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(definition.column_count()));
   Eigen::RowVectorXd row(columns.of.cols());
-  const bool is_late = definition.traits.has_lag && searched > 0.0;
+  const bool is_late = definition.traits.has_lag && searched != 0.0;
   const std::vector<double> late = is_late ? late_degC(motions_, effect, searched) : std::vector<double>{};
   for (const std::size_t k : acting.rows) {
     fill_row({motions_, k, effect, searched, late}, {row.data(), static_cast<std::size_t>(row.size())});
