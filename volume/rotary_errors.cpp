@@ -65,6 +65,7 @@ class RotaryReader {
       if (!u || *u < 0.0 || *u > kLargestError)
         return row_.wrong("u", "a standard uncertainty in um or um/m, 0 or more");
     }
+    if (row_.has("with") && !row_.text("with").empty() && !take_ties(*component)) return;
     component->is_location ? take_location(*component, *error, u) : take_motion(*component, *error, u);
   }
 
@@ -88,6 +89,29 @@ class RotaryReader {
     errors_.location[rotary][component.sense] = error;
     errors_.location_u[rotary][component.sense] = u;
     errors_.location_given[rotary][component.sense] = true;
+  }
+
+  bool take_ties(const RotaryComponent& component) {
+    if (!component.is_location) {
+      row_.wrong("with", "nothing: only location errors are stated with others");
+      return false;
+    }
+    for (const std::string_view one : split(row_.text("with"), ' ')) {
+      const auto colon = std::min(one.find(':'), one.size());
+      const auto other = component_in(one.substr(0, colon));
+      const auto by = number_in(one.substr(std::min(colon + 1, one.size())));
+      if (!other || !other->is_location || !chain_.has(other->joint) || !by || std::abs(*by) > kLargestError ||
+          place_of(*other) == place_of(component)) {
+        row_.wrong("with", "another location error of the machine and a factor, such as YOC:-1");
+        return false;
+      }
+      errors_.ties.push_back({place_of(component), place_of(*other), *by});
+    }
+    return true;
+  }
+
+  static std::array<std::size_t, 2> place_of(const RotaryComponent& location) {
+    return {index_of(location.joint) - kAxes, location.sense};
   }
 
   void take_motion(const RotaryComponent& component, double error, std::optional<double> u) {
@@ -257,18 +281,26 @@ Result<RotaryErrors> measured_rotary_errors(const laser::MeasurementSet& set) {
 
 std::string rotary_csv(const RotaryErrors& errors, const std::string& machine) {
   std::string text = machine.empty() ? "" : fmt::format("# machine: {}\n", shown_line(machine));
-  text += "component,approach,p_deg,error,u\n";
+  text += errors.ties.empty() ? "component,approach,p_deg,error,u\n" : "component,approach,p_deg,error,u,with\n";
   const auto u_text = [](const std::optional<double>& u) { return u ? fmt::format("{:.4f}", *u) : std::string(); };
+  const auto with_text = [&](std::size_t r, std::size_t s) {
+    std::string with;
+    for (const LocationTie& tie : errors.ties)
+      if (tie.of == std::array{r, s})
+        with += fmt::format("{}{}:{:.6g}", with.empty() ? "" : " ", location_name(tie.other[0], tie.other[1]), tie.by);
+    return errors.ties.empty() ? with : "," + with;
+  };
   for (std::size_t r = 0; r < kAxes; ++r)
     for (std::size_t s = 0; s < kSenseNames.size(); ++s)
       if (errors.location[r][s] != 0.0 || errors.location_given[r][s])
-        text += fmt::format("{}O{},,,{:.4f},{}\n", "XYZABC"[s], "ABC"[r], errors.location[r][s],
-                            u_text(errors.location_u[r][s]));
+        text += fmt::format("{},,,{:.4f},{}{}\n", location_name(r, s), errors.location[r][s],
+                            u_text(errors.location_u[r][s]), with_text(r, s));
   for (const RotaryTable& table : errors.tables)
     for (std::size_t i = 0; i < table.p_deg.size(); ++i)
-      text += fmt::format("{},{},{:.6g},{:.4f},{}\n", rotary_name(table.joint, table.sense),
+      text += fmt::format("{},{},{:.6g},{:.4f},{}{}\n", rotary_name(table.joint, table.sense),
                           static_cast<int>(table.approach), table.p_deg[i], table.error[i],
-                          u_text(table.u.empty() ? std::nullopt : std::optional(table.u[i])));
+                          u_text(table.u.empty() ? std::nullopt : std::optional(table.u[i])),
+                          errors.ties.empty() ? "" : ",");
   return text;
 }
 

@@ -28,6 +28,13 @@ struct RotaryTable {
   std::vector<double> u;                  ///< standard uncertainties of them; empty: not stated
 };
 
+/// Two location errors of which a measurement tells only a sum: where `of` is larger by 1 than stated, `other` is
+/// larger by `by`. Both as places in RotaryErrors::location.
+struct LocationTie {
+  std::array<std::size_t, 2> of{}, other{};
+  double by = 0.0;
+};
+
 struct RotaryErrors {
   std::vector<RotaryTable> tables;
   /// Of A, B, C: place (XO., YO., ZO.) and direction (AO., BO., CO.) of its axis line at its pivot [um, um/m].
@@ -35,6 +42,7 @@ struct RotaryErrors {
   /// Standard uncertainties of them, where they are stated.
   std::array<std::array<std::optional<double>, 6>, kAxes> location_u{};
   std::array<std::array<bool, 6>, kAxes> location_given{};
+  std::vector<LocationTie> ties;  ///< the uncertainty of `other` includes what `of` adds to it
 };
 
 /// The two values of a table between which an angle is, with their weights; of sum 1.
@@ -62,8 +70,9 @@ struct TableWeights {
 [[nodiscard]] std::string location_name(std::size_t rotary, std::size_t sense);
 
 /// CSV with the columns component, approach (1|-1|0 = both), p_deg, error [um, um/m], and u, its standard uncertainty,
-/// where that is known; location errors with an empty p_deg. Every bad row is reported: a name that is no error of a
-/// rotary axis, an axis that `chain` does not have, an angle beyond 3600 or twice.
+/// where that is known; location errors with an empty p_deg. Column `with` of a location error: "YOC:-1", where it is
+/// larger by 1, YOC is larger by -1; several with a space between. Every bad row is reported: a name that is no error
+/// of a rotary axis, an axis that `chain` does not have, an angle beyond 3600 or twice.
 [[nodiscard]] Result<RotaryErrors> parse_rotary_errors(std::string_view text, const std::string& file_name,
                                                        const kinematics::JointChain& chain);
 [[nodiscard]] Result<RotaryErrors> read_rotary_errors(const std::filesystem::path& file,

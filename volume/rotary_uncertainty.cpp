@@ -114,6 +114,7 @@ void for_each_place(const Grid& grid, const Each& each) {
 
 RotaryBudget rotary_budget_of(const RotaryAxes& rotary, const UncertaintySettings& settings) {
   RotaryBudget budget;
+  budget.ties = rotary.errors.ties;
   for (const kinematics::ChainJoint& one : rotary.machine.chain) {
     if (!is_rotary(one.joint)) continue;
     const std::size_t r = index_of(one.joint) - kAxes;
@@ -136,6 +137,12 @@ RotaryBudget rotary_budget_of(const RotaryAxes& rotary, const UncertaintySetting
       if (!given) motion.unmeasured = settings.declared_zero;
       budget.motions.push_back(std::move(motion));
     }
+  }
+  const auto stated = budget.location;
+  for (const LocationTie& tie : budget.ties) {
+    double& own = budget.location[tie.other[0]][tie.other[1]];
+    const double of_tie = tie.by * stated[tie.of[0]][tie.of[1]];
+    own = std::sqrt(std::max(0.0, own * own - of_tie * of_tie));
   }
   return budget;
 }
@@ -166,10 +173,17 @@ Covariance covariance_at(const CompensatedMachine& machine, const UncertaintyBud
     const Vector3 gain = less(gain_of(here, c, position_mm), at_reference(c));
     add_product(sum, gain, gain, budget.squareness_um_per_m[c] * budget.squareness_um_per_m[c]);
   }
+  const auto of_location = [&](std::size_t r, std::size_t s) {
+    return less(gain_at(here.gain[kAxes + r][s], position_mm), gain_at(there.gain[kAxes + r][s], reference_mm));
+  };
   for (std::size_t r = 0; r < kAxes; ++r)
     for (std::size_t s = 0; s < kSenseNames.size(); ++s) {
-      const Vector3 gain =
-          less(gain_at(here.gain[kAxes + r][s], position_mm), gain_at(there.gain[kAxes + r][s], reference_mm));
+      Vector3 gain = of_location(r, s);
+      for (const LocationTie& tie : rotary.ties)
+        if (tie.of == std::array{r, s}) {
+          const Vector3 other = of_location(tie.other[0], tie.other[1]);
+          for (std::size_t d = 0; d < kAxes; ++d) gain[d] += tie.by * other[d];
+        }
       add_product(sum, gain, gain, rotary.location[r][s] * rotary.location[r][s]);
     }
   for (const MotionUncertainty& u : rotary.motions) {
@@ -196,6 +210,9 @@ RotaryErrors RotaryDraws::next() {
   for (std::size_t r = 0; r < kAxes; ++r)
     for (std::size_t s = 0; s < kSenseNames.size(); ++s)
       drawn.location[r][s] = budget_.location[r][s] * normal(generator_);
+  const auto alone = drawn.location;
+  for (const LocationTie& tie : budget_.ties)
+    drawn.location[tie.other[0]][tie.other[1]] += tie.by * alone[tie.of[0]][tie.of[1]];
   for (const MotionUncertainty& u : budget_.motions) {
     if (u.unmeasured > 0.0) {
       TurnShapes size{};

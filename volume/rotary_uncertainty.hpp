@@ -21,7 +21,8 @@ struct MotionUncertainty {
 
 struct RotaryBudget {
   std::vector<MotionUncertainty> motions;
-  std::array<std::array<double, 6>, kAxes> location{};  ///< of A, B, C: XO. … CO.
+  std::array<std::array<double, 6>, kAxes> location{};  ///< of A, B, C: XO. … CO., without what ties add
+  std::vector<LocationTie> ties{};
 };
 
 /// What the file of errors states; values without a statement get the roughness of their table, or

@@ -63,6 +63,40 @@ volume::RotaryTable& table_for(volume::RotaryErrors& errors, kinematics::Joint j
   return errors.tables.emplace_back(volume::RotaryTable{joint, sense, side, angles_deg, nothing, nothing});
 }
 
+std::array<std::size_t, 2> place_of(const model::EffectInstance& location) {
+  return {index_of(*location.axis), static_cast<std::size_t>(*location.sense)};
+}
+
+/// Of s = k + e the readings show s alone. Where k (with its noise) and e are normal about 0 and independent, e / s has
+/// Cauchy's distribution, its middle at 1/(1 + q²) and its scale q/(1 + q²), q the ratio of their standard deviations
+/// (G. Marsaglia, J. Amer. Statist. Assoc. 60 (1965) 193). For every q, |e| > 6.4 |s| has a probability below 5 %; it
+/// is largest near q = 1. Half of that is the standard uncertainty of which the double covers e.
+constexpr double kUncertaintyOfShare = 3.2;
+
+/// A location error that is not told from what was fitted: 0, and each of the two as uncertain as their shares of the
+/// sum are, while the sum keeps its certainty by the tie.
+void add_exchangeable(FittedRotary& out, const model::Exchangeable& one) {
+  const auto of = place_of(one.effect);
+  const double u = kUncertaintyOfShare * one.stands_for;
+  out.errors.location_u[of[0]][of[1]] = u;
+  out.errors.location_given[of[0]][of[1]] = true;
+  std::string others;
+  for (const model::Exchangeable::Share& share : one.shares) {
+    const auto other = place_of(share.of);
+    if (!out.errors.location_given[other[0]][other[1]]) continue;
+    auto& u_of_other = out.errors.location_u[other[0]][other[1]];
+    u_of_other = std::hypot(u_of_other.value_or(0.0), share.by * u);
+    out.errors.ties.push_back({of, other, -share.by});
+    others += fmt::format("{}{}", others.empty() ? "" : ", ", place_text(share.of));
+  }
+  const std::string_view unit = is_rotation(*one.effect.sense) ? "um/m" : "um";
+  out.not_told.push_back(fmt::format(
+      "{}: these readings cannot distinguish it from the effect fitted instead, of which it would be {:.2g} {}. Any "
+      "share of that may be its own: it is written as 0 with a standard uncertainty of {:.2g} {}{}",
+      place_text(one.effect), one.stands_for, unit, u, unit,
+      others.empty() ? "" : fmt::format(", which is included in that of {}; their sum keeps its own", others)));
+}
+
 }  // namespace
 
 Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& fit,
@@ -104,15 +138,7 @@ Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& 
       }
     }
   }
-  for (const model::Exchangeable& one : model::exchangeable_locations(data, fitted.effects)) {
-    const std::size_t r = index_of(*one.effect.axis), s = static_cast<std::size_t>(*one.effect.sense);
-    out.errors.location_u[r][s] = one.stands_for;
-    out.errors.location_given[r][s] = true;
-    out.not_told.push_back(
-        fmt::format("{}: these readings cannot distinguish it from the effect fitted instead; written as 0 with a "
-                    "standard uncertainty of {:.2g} {}, its value if that effect were the cause",
-                    place_text(one.effect), one.stands_for, is_rotation(*one.effect.sense) ? "um/m" : "um"));
-  }
+  for (const model::Exchangeable& one : model::exchangeable_locations(data, fitted.effects)) add_exchangeable(out, one);
   if (any) return out;
   return problem(
       ProblemKind::refused,

@@ -19,9 +19,10 @@ struct FittedRotary {
 };
 
 /// Error motions every 5 deg over the travel of the machine file, else over a turn; of a wave the standard uncertainty
-/// is that of its amplitude. A location error that the readings do not tell from the fitted place of ball or tool is 0
-/// with the size that place has as its standard uncertainty. Refused: nothing of the model is an error of a rotary
-/// axis.
+/// is that of its amplitude. A location error that the readings do not tell from what was fitted (another location
+/// error, the place of ball or tool) is 0; its standard uncertainty and that of the other location error cover every
+/// share that each may have of the sum, and a tie keeps the sum as certain as it is. Refused: nothing of the model is
+/// an error of a rotary axis.
 [[nodiscard]] Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& fit,
                                                  const std::optional<params::Machine>& machine,
                                                  const model::Observations& data);

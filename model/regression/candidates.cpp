@@ -56,6 +56,7 @@ std::vector<Exchangeable> exchangeable_locations(const Observations& data, const
   const Regressors regressors(data);
   Eigen::MatrixXd known(static_cast<Eigen::Index>(data.size()), 0);
   Eigen::VectorXd values(0);
+  std::vector<const EffectInstance*> owner;  // of each column
   for (const EffectInstance& one : fitted) {
     if (!acts_on_ball(one)) continue;
     const Eigen::MatrixXd columns = regressors.columns(one, 0.0).of;
@@ -65,6 +66,7 @@ std::vector<Exchangeable> exchangeable_locations(const Observations& data, const
     known.rightCols(columns.cols()) = columns;
     values.conservativeResize(values.size() + own.size());
     values.tail(own.size()) = own;
+    owner.resize(static_cast<std::size_t>(values.size()), &one);
   }
   if (known.cols() == 0) return list;
   const PivotedQr qr(known);
@@ -74,10 +76,13 @@ std::vector<Exchangeable> exchangeable_locations(const Observations& data, const
     const Eigen::VectorXd column = regressors.columns(one, 0.0).of.col(0);
     const Eigen::VectorXd share = qr.solve(column);
     if ((column - known * share).norm() > kLeastOwnShare * column.norm()) continue;
-    Exchangeable found{one, 0.0};
-    for (Eigen::Index j = 0; j < share.size(); ++j)
-      if (std::abs(share(j)) * known.col(j).norm() > kLeastOwnShare * column.norm())
-        found.stands_for = std::max(found.stands_for, std::abs(values(j) / share(j)));
+    Exchangeable found{one};
+    for (Eigen::Index j = 0; j < share.size(); ++j) {
+      if (std::abs(share(j)) * known.col(j).norm() <= kLeastOwnShare * column.norm()) continue;
+      found.stands_for = std::max(found.stands_for, std::abs(values(j) / share(j)));
+      const EffectInstance& of = *owner[static_cast<std::size_t>(j)];
+      if (of.definition().place == Place::location) found.shares.push_back({of, share(j)});
+    }
     list.push_back(std::move(found));
   }
   return list;

@@ -29,6 +29,12 @@ namespace ecs::model {
 struct Exchangeable {
   EffectInstance effect;
   double stands_for = 0.0;  ///< um, um/m: size at which it would do what fitted values of the model do in its place
+  /// By how much a fitted location error would be larger if this one were 1 and not in the model.
+  struct Share {
+    EffectInstance of;
+    double by = 0.0;
+  };
+  std::vector<Share> shares{};
 };
 /// Location errors, zeros of axes apart, that are not in the model and that the readings do not tell from its effects.
 /// None without readings of a ball.

@@ -53,6 +53,41 @@ TEST_CASE("every wrong row of a file of rotary errors is reported with line, col
   CHECK(contains(refused("component,approach,error\nEXC,1,1\n"), "p_deg"));
 }
 
+TEST_CASE("location errors known by their sum are written and read with what each adds to the other") {
+  const std::string text =
+      "component,approach,p_deg,error,u,with\nYOA,,,0.0000,12.0000,YOC:-1 XOC:0.25\nXOC,,,1.0000,3.2000,\n"
+      "YOC,,,7.0000,12.1000,\nEXC,0,0,1.0000,0.5000,\n";
+  const RotaryErrors errors = must(parse_rotary_errors(text, "rotary.csv", chain()));
+  REQUIRE(errors.ties.size() == 2);
+  CHECK(errors.ties[0].of == std::array<std::size_t, 2>{0, 1});
+  CHECK(errors.ties[0].other == std::array<std::size_t, 2>{2, 1});
+  CHECK(errors.ties[0].by == -1.0);
+  CHECK(rotary_csv(errors, "") == text);
+  const std::string all = refused(
+      "component,approach,p_deg,error,u,with\nYOA,,,0,1,YOC\nYOC,,,0,1,YOC:1\nXOC,,,0,1,XOB:1\nEXC,0,0,1,1,YOC:1\n");
+  check_holds(all,
+              {"rotary.csv:2:11: with: expected another location error of the machine and a factor, such as YOC:-1",
+               "rotary.csv:3:11", "rotary.csv:4:11", "rotary.csv:5:13: with: expected nothing"});
+}
+
+TEST_CASE("where only a sum is known, a place at which both act alike is as certain as the sum") {
+  CompensatedMachine machine = stated_rotary_machine("XYACTZ");
+  machine.rotary->errors.location_u[0][1] = 30.0;  // YOA
+  machine.rotary->errors.location_u[2][1] = std::hypot(30.0, 0.5);
+  machine.rotary->errors.ties = {{{0, 1}, {2, 1}, -1.0}};
+  UncertaintySettings settings;
+  settings.declared_zero = 0.0;
+  RotaryBudget only = rotary_budget_of(*machine.rotary, settings);
+  only.motions.clear();
+  CHECK(only.location[2][1] == Approx(0.5));
+  const auto at = [&](const kinematics::Angles& angles_deg) {
+    const Covariance c = covariance_at(machine, {}, only, {100.0, 50.0, 20.0}, angles_deg, 1);
+    return std::sqrt(c[0][0] + c[1][1] + c[2][2]);
+  };
+  CHECK(at({0.0, 0.0, 180.0}) == Approx(1.0));  // turned by C alone: the sum, seen from both sides of the axis
+  CHECK(at({90.0, 0.0, 0.0}) > 30.0);           // turned by A: by one of the two
+}
+
 TEST_CASE("linear propagation and draws agree at every place and angle, on chains of all kinds") {
   for (const char* chain : {"XYACTZ", "XTYZCB", "XYCTZB", "TXYZA"}) {
     CAPTURE(chain);
@@ -65,6 +100,10 @@ TEST_CASE("linear propagation and draws agree at every place and angle, on chain
       if (table.sense == Sense::EX)
         for (std::size_t i = 0; i < table.p_deg.size(); ++i) table.u.push_back(1.0 + 0.1 * static_cast<double>(i));
     rotary.errors.location_u[2][3] = 4.0;
+    const auto r = rotary.travel_deg[1] ? 1U : 0U;  // and two that are known by their sum
+    rotary.errors.location_u[r][2] = 6.0;
+    rotary.errors.location_u[2][0] = 6.1;
+    rotary.errors.ties.push_back({{r, 2}, {2, 0}, -1.0});
     const UncertaintyBudget budget = budget_of(machine, {});
     const RotaryBudget turns = rotary_budget_of(rotary, {});
     const Grid grid = grid_over(machine.travel_mm, 8, reference_of(machine.parameters));
