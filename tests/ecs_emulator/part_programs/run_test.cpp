@@ -201,7 +201,7 @@ TEST_CASE("a program longer than the look-ahead runs through at its feed") {
   CHECK(result.took_s < 5.5);
 }
 
-TEST_CASE("the circle of thesis 7.4 is commanded as a circle, both ways round, and nothing of it is lost") {
+TEST_CASE("the circle of thesis 7.3 is commanded as a circle, both ways round, and nothing of it is lost") {
   Simulation simulation(mill(), TrueErrors(), 1);
   const Folder folder;
   ProgramOrder order{.trace = folder / "trace.csv", .trace_period_s = 0.01};

@@ -1,4 +1,4 @@
-; The circle of thesis 7.4: diameter 250 mm in the XZ plane, centre X-2000 Z-500, once in each sense.
+; The circle of thesis 7.3: diameter 250 mm in the XZ plane, centre X-2000 Z-500, once in each sense.
 ; Approach and exit are quarter circles of radius 25 mm that join the circle without a corner.
 ; ecs-emulator run --machine machine.toml circle_xz.nc --trace circle.csv
 > G90G18
