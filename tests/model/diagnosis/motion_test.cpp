@@ -16,6 +16,7 @@ struct Made {
   double delay_ms = 0.0, lost_motion_deg = 0.0;
   double wave_deg = 8.0, harmonic_deg = 0.65, noise_deg = 0.05;
   double acceleration_deg_s2 = 50.0;  ///< of each stroke; 0: full speed from its first reading to its last
+  int cycles = 1;                     ///< there and back; of a single one a drift in time explains lost motion too
   unsigned seed = 1;
 };
 
@@ -41,8 +42,8 @@ std::string scan_text(const Made& made) {
   std::mt19937_64 random(made.seed);
   NormalDraws noise(0.0, made.noise_deg);
   std::string text = "stamp;set;actual\n";
-  for (int i = 0; i < 700; ++i) {
-    const double t_s = kInterval_s * i, side = t_s < kRest_s + kStroke_s ? 0.5 : -0.5;
+  for (int i = 0; i < 700 * made.cycles; ++i) {
+    const double t_s = kInterval_s * (i % 700), side = t_s < kRest_s + kStroke_s ? 0.5 : -0.5;
     const double seen_deg = angle_deg(t_s - made.delay_ms / 1000.0) + side * made.lost_motion_deg;
     text += fmt::format("{};{:.6f};{:.6f}\n", 132900081483250000 + std::int64_t{400000} * i, angle_deg(t_s),
                         seen_deg + made.wave_deg * std::sin(4.0 * kRad * seen_deg + 0.4) +
@@ -103,14 +104,14 @@ TEST_CASE(
 TEST_CASE("lost motion in a scan is an error of reversal and no delay, because slower readings show it in full") {
   for (const unsigned seed : {31U, 32U}) {
     const Diagnosis found =
-        diagnosed(scan({.lost_motion_deg = 1.2, .wave_deg = 0.0, .harmonic_deg = 0.0, .seed = seed}));
+        diagnosed(scan({.lost_motion_deg = 1.2, .wave_deg = 0.0, .harmonic_deg = 0.0, .cycles = 2, .seed = seed}));
     INFO(summary_of(found));
     const Candidate* const lost = in_answer(found, "backlash:C:EC");
     REQUIRE(lost);
     CHECK(lost->parameters.front().value == Approx(1.2 * 1e6 * std::numbers::pi / 180.0).epsilon(0.03));
     CHECK_FALSE(in_answer(found, "delay:C:EC"));
   }
-  const Diagnosis beside_wave = diagnosed(scan({.lost_motion_deg = 1.2, .seed = 33}));
+  const Diagnosis beside_wave = diagnosed(scan({.lost_motion_deg = 1.2, .cycles = 2, .seed = 33}));
   INFO(summary_of(beside_wave));
   CHECK_FALSE(in_answer(beside_wave, "delay:C:EC"));
 }
