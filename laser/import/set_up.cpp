@@ -262,28 +262,27 @@ double way_of(const Reading& from, const Reading& to) {
   return from.rotary ? std::remainder(way, kTurn_deg) : way;
 }
 
-/// Slopes are kept where noise changes them by at most a tenth: regressions on them are then wrong by a hundredth.
+/// From the readings before and behind, where noise changes it by at most a tenth, so that regressions on it are wrong
+/// by a hundredth; else it is 1.
 void take_slope(const Scan& scan) {
-  constexpr double kMostNoise = 0.1, kSlowest = 0.05;
+  constexpr double kMostNoise = 0.1;
   const Reading& first = *scan.front();
   if (is_rotation(first.sense) != first.rotary || direction_of(first.sense) != first.axis || scan.size() < 3) return;
   const double in_um = first.rotary ? kUmPerMPerDegree : kUmPerMm;
-  std::vector<double> steps;
-  double bends = 0.0;  // of a wave too: at worst no slope is kept
-  for (std::size_t i = 1; i + 1 < scan.size(); ++i) {
-    if (const double way = std::abs(way_of(*scan[i], *scan[i + 1])); way > kSamePlace_mm) steps.push_back(way);
-    const double bend = (scan[i + 1]->error - 2.0 * scan[i]->error + scan[i - 1]->error) / in_um;
-    bends += bend * bend / 6.0 / static_cast<double>(scan.size() - 2);
-  }
-  const double usual = steps.empty() ? 0.0 : median_of(std::move(steps));
-  if (std::sqrt(bends / 2.0) > kMostNoise * usual || usual == 0.0) return;
-  for (std::size_t i = 1; i + 1 < scan.size(); ++i) {
+  std::vector<double> bends;  // third differences: noise, for waves bend slowly
+  for (std::size_t i = 1; i + 2 < scan.size(); ++i)
+    bends.push_back(
+        std::abs(scan[i + 2]->error - 3.0 * scan[i + 1]->error + 3.0 * scan[i]->error - scan[i - 1]->error) / in_um);
+  if (bends.empty()) return;
+  constexpr double kMedianOfNormal = 0.6745, kThirdDifference = 20.0;  // variance of 1, -3, 3, -1
+  const double noise = median_of(std::move(bends)) / kMedianOfNormal / std::sqrt(kThirdDifference);
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    double& slope = scan[i]->extras[std::string(kReadingSlopeColumn)] = 1.0;
+    if (i == 0 || i + 1 == scan.size()) continue;
     const double way = way_of(*scan[i - 1], *scan[i + 1]);
-    const bool moves = std::abs(way) > 2.0 * kSlowest * usual;
-    scan[i]->extras[std::string(kReadingSlopeColumn)] =
-        moves ? 1.0 + (scan[i + 1]->error - scan[i - 1]->error) / in_um / way : 1.0;
+    if (std::abs(way) > kSamePlace_mm && std::sqrt(2.0) * noise <= kMostNoise * std::abs(way))
+      slope += (scan[i + 1]->error - scan[i - 1]->error) / in_um / way;
   }
-  for (Reading* const end : {scan.front(), scan.back()}) end->extras[std::string(kReadingSlopeColumn)] = 1.0;
 }
 
 }  // namespace
