@@ -1,6 +1,6 @@
 // Readings whose position and value are of different moments, because their channels are read one after the other or
-// the drive follows its set position late: the error is what the reading channel moves meanwhile, -T·v·(1 + de/dp) (of a
-// position loop T is the inverse of its velocity gain).
+// the drive follows its set position late: the error is what the reading channel moves meanwhile, -T·v·(1 + de/dp) (of
+// a position loop T is the inverse of its velocity gain).
 #include "base/units.hpp"
 #include "laser/units.hpp"
 #include "model/effects/definition.hpp"
