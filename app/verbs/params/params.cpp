@@ -1,6 +1,8 @@
 // `ecs params show, check, set, diff, new`: what works on parameter files; show and diff also look into a unit. `send`
 // and `receive`: the parameters between file and unit.
 
+#include <optional>
+
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
@@ -211,6 +213,37 @@ Result<Outcome> check_file(VerbContext& context, const CheckRequest& request) {
       findings.empty() ? kDone : kDoesNotHold);
 }
 
+// --- scale
+struct ScaleRequest {
+  std::optional<double> lines, counts;
+  double pitch_mm = 0.0, gear = 1.0;
+  static Fields<ScaleRequest> fields() {
+    using R = ScaleRequest;
+    return {{"--lines", &R::lines, "lines per turn of an incremental encoder; the unit counts four times as many",
+             Range{1, 1e6}},
+            {"--counts", &R::counts, "counts per turn of a resolver, in place of --lines", Range{1, 1e8}},
+            {"--pitch-mm", &R::pitch_mm, "travel per turn of the screw, mm", Range{1e-3, 1e4}, Need::required},
+            {"--gear", &R::gear, "turns of the screw per turn of the transducer", Range{1e-4, 1e4}}};
+  }
+};
+
+Result<Outcome> scale(VerbContext&, const ScaleRequest& request) {
+  if (request.lines.has_value() == request.counts.has_value())
+    return problem(ProblemKind::usage, "params scale: give either --lines of an encoder or --counts of a resolver");
+  constexpr double kCountsPerLine = 4.0, kUmPerMm = 1000.0;
+  const double counts_per_turn = request.lines ? kCountsPerLine * *request.lines : *request.counts;
+  const double um_per_count = kUmPerMm * request.pitch_mm * request.gear / counts_per_turn;
+  UnitParameters checked;
+  const std::string value = fmt::format("{:.9g}", um_per_count);
+  ECS_DO(params::set(checked, "axis.X.position_scale_um_per_count", value));
+  return outcome_of(
+      record_cell("{counts_per_turn} counts per turn, {um_per_turn} um per turn: {um_per_count} um per count\n"
+                  "set it with `{set}`; make it negative if the axis counts down while its coordinate increases",
+                  "counts_per_turn"_is(counts_per_turn), "um_per_turn"_is(kUmPerMm * request.pitch_mm * request.gear),
+                  "um_per_count"_is(um_per_count, value),
+                  "set"_shown("ecs params set FILE axis.X.position_scale_um_per_count=" + value)));
+}
+
 struct SendRequest {
   std::string file;
   bool force = false, other_machine = false, accept_incomplete = false;
@@ -288,6 +321,8 @@ extern const std::vector<Action> kParameters{
     action("params new", "create initial parameters for a machine file",
            "ecs params new --machine machine.toml -o mill-parameters.toml", new_file,
            {.logged = Logged::when_written, .kind = "parameters"}),
+    action("params scale", "compute the travel per position count from encoder, screw and gear",
+           "ecs params scale --lines 2500 --pitch-mm 10", scale),
     action("params send", "check a parameter file and send it to the unit; the map in the unit is kept",
            "ecs params send mill-parameters.toml --link rtu:/dev/ttyUSB0:115200", send, {.link = Link::writes}),
     action("params receive", "read the unit's parameters into a file",
