@@ -2,6 +2,7 @@
 // Does not live here: least squares and noise (shared_noise.hpp).
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -9,6 +10,9 @@
 #include "modules/lengths/shared_noise.hpp"
 
 namespace ecs::model {
+
+inline constexpr int kLeastFreedom = 10;  ///< readings more than unknowns
+inline constexpr int kVolumePlaces = 5;   ///< along each axis
 
 /// A zero that was taken again within a run: the readings from a line on are a run of their own.
 struct ZeroJump {
@@ -23,6 +27,13 @@ struct MisplacedStation {
   std::size_t set_up = 0;
   Vector3 off_mm{};   ///< from where the file puts it
   double u_mm = 0.0;  ///< standard uncertainty of the distance
+};
+
+/// Form that the curves cannot follow because their knots are too far apart.
+struct FinerForm {
+  /// What it adds to the standard uncertainty, mean over the travel [um, um/m]; empty: the lengths do not tell.
+  std::array<std::optional<double>, kComponents> u{};
+  std::optional<double> volume_um;  ///< the same of the error vector, over the volume
 };
 
 struct FittedLengths {
@@ -42,7 +53,22 @@ struct FittedLengths {
   std::vector<ZeroJump> jumps;
   std::optional<MisplacedStation> misplaced;
   int degrees_of_freedom = 0;
+  FinerForm finer;
 };
+
+/// Where the curves of an axis are reported: both ends, the knots and the middles between them.
+[[nodiscard]] std::vector<double> reported_mm(const MachineCurves& curves, Axis axis);
+
+/// Columns and lengths whitened side by side; what is known beforehand as rows below.
+/// @param known  of each unknown 1/variance before anything is measured, or 0
+[[nodiscard]] Eigen::MatrixXd whitened_lengths(const SharedNoise& shared, const Eigen::MatrixXd& columns,
+                                               const Eigen::VectorXd& lengths_um, const Eigen::VectorXd& known,
+                                               const ScatterVariances& variances);
+
+/// By the same lengths with about twice as many knots.
+/// @param settings  of the curves of `fitted`
+/// @param known     as in whitened_lengths(), of the unknowns of `fitted`
+[[nodiscard]] FinerForm finer_form(const FittedLengths& fitted, CurveSettings settings, const Eigen::VectorXd& known);
 
 /// Fills in what the unknowns mean: curves, squareness, set-ups, the volume; what is not determined, and why.
 void report_on(const FittedLengths& fitted, Identification& out);

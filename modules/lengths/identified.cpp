@@ -117,8 +117,8 @@ constexpr double kPartner = 0.05;  ///< share of a combination from which a comp
 /// Standard uncertainty [um, um/m] that is as good as not determined: poses a micrometre off their sphere or plane show
 /// what they should not, so little that it is uncertain by millimetres.
 constexpr double kAsGoodAsNothing = 1000.0;
-constexpr int kVolumePlaces = 5;  ///< along each axis
 constexpr double kLeastRepeats = 10.0;
+constexpr double kOfForm = 2.0;             ///< coverage factor of form finer than the knots
 constexpr double kStationByTape_mm = 10.0;  ///< a station farther off than this was not measured, or typed wrongly
 
 class LengthReport {
@@ -149,8 +149,11 @@ class LengthReport {
       const Eigen::MatrixXd weight =
           volume_weight(fitted_.curves, {fitted_.test.tools.front().offset_mm}, kVolumePlaces);
       const auto m = fitted_.curves.size();
-      out.volume_um = std::sqrt(std::max(0.0, (weight * covariance_.topLeftCorner(m, m)).trace()));
-      out.volume_U_um = *out.volume_um * coverage_factor(fitted_.certainty.degrees_of_freedom(weight, 0));
+      const double noise = std::sqrt(std::max(0.0, (weight * covariance_.topLeftCorner(m, m)).trace()));
+      const double k = coverage_factor(fitted_.certainty.degrees_of_freedom(weight, 0));
+      const double finer = fitted_.finer.volume_um.value_or(0.0);
+      out.volume_um = std::hypot(noise, finer);
+      out.volume_U_um = std::hypot(k * noise, kOfForm * finer);
     }
     compare_repeats(out);
   }
@@ -193,25 +196,24 @@ class LengthReport {
     const auto& block = fitted_.curves.block(component);
     out.acts = fitted_.curves.acts(component);
     if (!out.acts || block.size() == 0) return out;
-    const std::size_t a = index_of(moving_axis(component));
-    const int points = 2 * fitted_.curves.intervals(moving_axis(component)) + 1;
+    out.position_mm = reported_mm(fitted_.curves, moving_axis(component));
+    const auto points = static_cast<Eigen::Index>(out.position_mm.size());
+    out.u_finer = fitted_.finer.u[index_of(component)].value_or(0.0);
     const Eigen::MatrixXd own = covariance_.block(block.first, block.first, block.size(), block.size());
     Eigen::MatrixXd rows(points, block.size()), squares = Eigen::MatrixXd::Zero(block.size(), block.size());
     out.determined = largest_u_[index_of(component)] <= kAsGoodAsNothing;
-    for (int i = 0; i < points; ++i) {
-      const double p = std::lerp(fitted_.curves.machine().travel_mm[a][0], fitted_.curves.machine().travel_mm[a][1],
-                                 i / (points - 1.0));
-      out.position_mm.push_back(p);
+    for (Eigen::Index i = 0; i < points; ++i) {
+      const double p = out.position_mm[static_cast<std::size_t>(i)];
       rows.row(i) = fitted_.curves.value_row(component, p, 0).transpose();
       for (const int side : {1, -1}) {
         const Eigen::VectorXd row = fitted_.curves.value_row(component, p, side);
         if (is_free(fitted_.solution, row, block.first)) out.determined = false;
         const double value = row.dot(fitted_.solution.x.segment(block.first, block.size()));
-        const double u = std::sqrt(std::max(0.0, row.dot(own * row)));
+        const double noise = std::sqrt(std::max(0.0, row.dot(own * row)));
         (side > 0 ? out.forward : out.reverse).push_back(value);
         const double k = coverage_factor(fitted_.certainty.degrees_of_freedom(row, block.first));
-        (side > 0 ? out.u_forward : out.u_reverse).push_back(u);
-        (side > 0 ? out.U_forward : out.U_reverse).push_back(k * u);
+        (side > 0 ? out.u_forward : out.u_reverse).push_back(std::hypot(noise, out.u_finer));
+        (side > 0 ? out.U_forward : out.U_reverse).push_back(std::hypot(k * noise, kOfForm * out.u_finer));
         squares += row * row.transpose();
       }
     }
@@ -223,7 +225,8 @@ class LengthReport {
       return out;
     }
     out.degrees_of_freedom = freedom_of(squares, block.first);
-    state_for_map(out, rows * own * rows.transpose());
+    state_for_map(
+        out, rows * own * rows.transpose() + out.u_finer * out.u_finer * Eigen::MatrixXd::Identity(points, points));
     return out;
   }
 
@@ -269,9 +272,11 @@ class LengthReport {
       return out;
     }
     out.um_per_m = fitted_.solution.x(block.first);
-    out.u_um_per_m = std::sqrt(covariance_(block.first, block.first));
+    const double noise = std::sqrt(covariance_(block.first, block.first));
+    const double finer = fitted_.finer.u[index_of(component)].value_or(0.0);
+    out.u_um_per_m = std::hypot(noise, finer);
     out.degrees_of_freedom = freedom_of(Eigen::MatrixXd::Ones(1, 1), block.first);
-    out.U_um_per_m = coverage_factor(out.degrees_of_freedom) * out.u_um_per_m;
+    out.U_um_per_m = std::hypot(coverage_factor(out.degrees_of_freedom) * noise, kOfForm * finer);
     return out;
   }
 
@@ -358,6 +363,14 @@ class LengthReport {
 };
 
 }  // namespace
+
+std::vector<double> reported_mm(const MachineCurves& curves, Axis axis) {
+  const auto& [low, high] = curves.machine().travel_mm[index_of(axis)];
+  const int steps = 2 * curves.intervals(axis);
+  std::vector<double> places;
+  for (int i = 0; i <= steps; ++i) places.push_back(std::lerp(low, high, static_cast<double>(i) / steps));
+  return places;
+}
 
 std::optional<double> repeats_of(const LengthTest& test) {
   std::map<std::tuple<std::size_t, std::size_t, Vector3, PerAxis<int>>, std::map<int, double>> poses;

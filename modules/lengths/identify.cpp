@@ -17,7 +17,6 @@
 namespace ecs::model {
 namespace {
 
-constexpr int kLeastFreedom = 10;  ///< readings more than unknowns
 constexpr double kBeyondTravel_mm = 0.5;
 constexpr int kLinearisations = 4;
 constexpr double kOutlierLevel = 0.01;  ///< chance to find one among all readings of normal noise
@@ -30,6 +29,16 @@ constexpr double kNoNoise_um = 1e-4;     ///< residuals below are rounding: ther
 constexpr double kMostIntervals = 12.0;
 /// Where the search for the variances begins: a good instrument on a common machine [um², (um/m)²].
 constexpr ScatterVariances kCommonScatter{0.04, 1.0, 0.25, 0.02, 0.02};
+
+/// Of each unknown before anything is measured 1/variance: of scales, and of the length of a ball bar.
+Eigen::VectorXd known_of(const FittedLengths& fitted, const IdentifySettings& settings) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(fitted.nuisance.end);
+  if (settings.scale_um_per_m > 0.0)
+    for (const auto& [set_up, column] : fitted.nuisance.scale)
+      out(column) = 1.0 / (settings.scale_um_per_m * settings.scale_um_per_m);
+  if (fitted.nuisance.bar) out(*fitted.nuisance.bar) = 1.0 / (*fitted.test.bar_um * *fitted.test.bar_um);
+  return out;
+}
 
 class LengthFit {
  public:
@@ -47,15 +56,7 @@ class LengthFit {
   }
 
  private:
-  /// Of each unknown before anything is measured: of scales, and of the length of a ball bar.
-  [[nodiscard]] Eigen::VectorXd precision() const {
-    Eigen::VectorXd out = Eigen::VectorXd::Zero(fitted_.nuisance.end);
-    if (settings_.scale_um_per_m > 0.0)
-      for (const auto& [set_up, column] : fitted_.nuisance.scale)
-        out(column) = 1.0 / (settings_.scale_um_per_m * settings_.scale_um_per_m);
-    if (fitted_.nuisance.bar) out(*fitted_.nuisance.bar) = 1.0 / (*fitted_.test.bar_um * *fitted_.test.bar_um);
-    return out;
-  }
+  [[nodiscard]] Eigen::VectorXd precision() const { return known_of(fitted_, settings_); }
 
   void linearise_about(const Eigen::VectorXd& x) {
     fitted_.linear = linearised(fitted_.test, fitted_.curves, fitted_.nuisance, x);
@@ -66,18 +67,8 @@ class LengthFit {
       y_(i) += fitted_.test.readings[static_cast<std::size_t>(i)].deviation_um;
   }
 
-  /// Columns and lengths whitened; what is known beforehand as rows below.
   [[nodiscard]] Eigen::MatrixXd whitened(const SharedNoise& shared) const {
-    const auto n = y_.size(), p = fitted_.nuisance.end;
-    const Eigen::VectorXd known = precision();
-    Eigen::MatrixXd both(n, p + 1);
-    both << fitted_.linear.columns, y_;
-    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(n + (known.array() > 0.0).count(), p + 1);
-    out.topRows(n) = shared.whitened(both, fitted_.variances);
-    Eigen::Index row = n;
-    for (Eigen::Index j = 0; j < p; ++j)
-      if (known(j) > 0.0) out(row++, j) = std::sqrt(known(j));
-    return out;
+    return whitened_lengths(shared, fitted_.linear.columns, y_, precision(), fitted_.variances);
   }
 
   void solve() {
@@ -381,6 +372,20 @@ Problem too_few(const LengthTest& test, IdentifySettings settings, MachineCurves
 
 }  // namespace
 
+Eigen::MatrixXd whitened_lengths(const SharedNoise& shared, const Eigen::MatrixXd& columns,
+                                 const Eigen::VectorXd& lengths_um, const Eigen::VectorXd& known,
+                                 const ScatterVariances& variances) {
+  const auto n = lengths_um.size(), p = columns.cols();
+  Eigen::MatrixXd both(n, p + 1);
+  both << columns, lengths_um;
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(n + (known.array() > 0.0).count(), p + 1);
+  out.topRows(n) = shared.whitened(both, variances);
+  Eigen::Index row = n;
+  for (Eigen::Index j = 0; j < p; ++j)
+    if (known(j) > 0.0) out(row++, j) = std::sqrt(known(j));
+  return out;
+}
+
 PerAxis<double> knots_for(const LengthTest& test, const LengthMachine& machine,
                           const PerAxis<std::optional<double>>& asked) {
   PerAxis<double> out{};
@@ -421,7 +426,9 @@ Result<Identification> identify(const LengthTest& test, const params::Machine& m
   const auto unknowns = made.size() + nuisance_of(test, 0).end;
   if (static_cast<Eigen::Index>(test.readings.size()) < unknowns + kLeastFreedom)
     return tl::unexpected(too_few(test, settings, std::move(made), out.knots_mm));
-  report_on(LengthFit(test, settings, std::move(made)).run(), out);
+  FittedLengths fitted = LengthFit(test, settings, std::move(made)).run();
+  if (fitted.degrees_of_freedom >= kLeastFreedom) fitted.finer = finer_form(fitted, curves, known_of(fitted, settings));
+  report_on(fitted, out);
   out.contradictions = contradicted_zeros(test, settings, known, std::move(curves));
   out.notes.insert(out.notes.end(), out.contradictions.begin(), out.contradictions.end());
   return out;

@@ -31,6 +31,7 @@ struct IdentifiedCurve {
   std::vector<double> forward, reverse;      ///< error [um, um/m]
   std::vector<double> u_forward, u_reverse;  ///< standard uncertainties (k = 1)
   std::vector<double> U_forward, U_reverse;  ///< 95 %: Student's t with the degrees of freedom of each value
+  double u_finer = 0.0;                      ///< of it, form finer than the knots (k = 1)
   double degrees_of_freedom = 0.0;           ///< of the mean of their squares
   double value = 0.0;                        ///< as the header of a map states it: of each value on its own
   double pass = 0.0;                         ///< and common to the table

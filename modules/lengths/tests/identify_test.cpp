@@ -261,6 +261,55 @@ TEST_CASE("uncertainties hold: with white noise values lie within the stated 95 
   CHECK(static_cast<double>(inside) / static_cast<double>(all) < 0.995);
 }
 
+/// Three stations, one tool, lines of 13 targets: Y every 33 mm, knots 100 mm apart.
+MadeLengths of_many_targets() {
+  MadeLengths lengths("XYTZ");
+  for (auto& knots : lengths.test.knots_mm) knots = 100.0;
+  lengths.test.tools = {{"A", {0, 0, 0}}};
+  for (const Vector3& place : {Vector3{-150, -130, -260}, Vector3{640, -120, -240}, Vector3{620, 510, -250}}) {
+    lengths.test.set_ups.push_back(
+        {"S" + std::to_string(lengths.test.set_ups.size()), model::LengthInstrument::tracker, place, 0});
+    lengths.volume(lengths.test.set_ups.size() - 1, 0, 13);
+  }
+  return lengths;
+}
+
+TEST_CASE("waves of 2.7 knots, which the curves cannot follow, are in U: a fit with more knots shows them") {
+  MadeLengths lengths = of_many_targets();
+  double inside = 0.0, inside_without = 0.0, all = 0.0;
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    MadeComponents made(60 + seed);
+    made.wave = {Component::EXY, 3.0, 270.0 / 400.0, 1.5 * seed};
+    lengths.measure(made, 0.3, seed);
+    const Identification found = identified(lengths, {});
+    const IdentifiedCurve& curve = found.curves[index_of(Component::EXY)];
+    for (std::size_t i = 1; i < curve.position_mm.size(); ++i) {
+      const double off = curve.forward[i] - made.value(Component::EXY, curve.position_mm[i] / 400.0, 1);
+      const double without = std::sqrt(std::pow(curve.U_forward[i], 2) - std::pow(2.0 * curve.u_finer, 2));
+      inside += std::abs(off) <= curve.U_forward[i] ? 1.0 : 0.0;
+      inside_without += std::abs(off) <= without ? 1.0 : 0.0;
+      all += 1.0;
+    }
+  }
+  CHECK(inside >= 0.9 * all);
+  CHECK(inside_without < 0.8 * all);
+}
+
+TEST_CASE("where the knots are close enough, the comparison with more knots adds little") {
+  MadeLengths lengths = of_many_targets();
+  double added2 = 0.0, noise2 = 0.0;
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    lengths.measure(MadeComponents(60 + seed), 0.3, seed);
+    for (const IdentifiedCurve& curve : identified(lengths, {}).curves) {
+      if (!curve.acts) continue;
+      added2 += curve.u_finer * curve.u_finer;
+      for (const double u : curve.u_forward)
+        noise2 += (u * u - curve.u_finer * curve.u_finer) / static_cast<double>(curve.u_forward.size());
+    }
+  }
+  CHECK(added2 < 0.35 * noise2);
+}
+
 TEST_CASE("angles that scatter at every stop are told from translations, and uncertainties count their levers") {
   MadeLengths lengths("XYTZ");
   lengths.stations(7);

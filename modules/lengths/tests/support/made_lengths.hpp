@@ -1,6 +1,9 @@
 // Machines whose components are known, and lengths computed from them by the term table of core/ alone.
 #pragma once
 
+#include <cmath>
+#include <numbers>
+#include <optional>
 #include <random>
 
 #include "base/random.hpp"
@@ -36,12 +39,27 @@ struct MadeComponents {
   std::array<std::array<double, 4>, kCurves> form{};
   std::array<double, 3> square{};
   bool reversal = true;
+  /// Of one component, beside its form: a wave, zero at the datum and without slope.
+  struct Wave {
+    Component of = Component::EXY;
+    double um = 0.0, parts = 1.0, phase_rad = 0.0;  ///< amplitude; length as a part of the travel
+    [[nodiscard]] double at(double part) const {
+      const double per_part = 2.0 * std::numbers::pi / parts;
+      const auto wave = [&](double p) { return std::sin(per_part * p + phase_rad); };
+      // least squares: 12 ∫ (p − 1/2) wave dp
+      const double ends = -0.5 * (std::cos(per_part + phase_rad) + std::cos(phase_rad)) / per_part +
+                          (wave(1.0) - wave(0.0)) / (per_part * per_part);
+      return um * (wave(part) - wave(0.0) - 12.0 * ends * part);
+    }
+  };
+  std::optional<Wave> wave;
 
   [[nodiscard]] double value(Component c, double part, int approach) const {
     if (is_squareness(c)) return square[index_of(c) - kCurves];
     const auto& f = form[index_of(c)];
     const double even = is_straightness(c) ? f[0] * part * (1.0 - part) : f[0] * part + f[1] * part * part * part;
-    return even + (reversal ? 0.5 * approach * (0.3 * f[2] + 0.2 * f[3] * (2.0 * part - 1.0)) : 0.0);
+    const double fine = wave && wave->of == c ? wave->at(part) : 0.0;
+    return even + fine + (reversal ? 0.5 * approach * (0.3 * f[2] + 0.2 * f[3] * (2.0 * part - 1.0)) : 0.0);
   }
   [[nodiscard]] Vector3 error_um(const params::Machine& machine, const Vector3& p, const PerAxis<int>& approach,
                                  const Vector3& tool) const {
