@@ -25,7 +25,7 @@ ecs_folder(volume base core kinematics laser laser/map fmt::fmt)
 ecs_folder(model/data base core kinematics laser laser/import laser/map laser/standards params fmt::fmt)
 ecs_folder(model/diagnosis base base/linear laser model/data model/effects model/fit model/regression
            PkgConfig::Eigen3 fmt::fmt)
-ecs_folder(model/effects core laser laser/analysis model/data PkgConfig::Eigen3 fmt::fmt)
+ecs_folder(model/effects base core laser laser/analysis model/data PkgConfig::Eigen3 fmt::fmt)
 ecs_folder(model/fit base base/linear core laser laser/import laser/map model/data model/effects model/regression
            params PkgConfig::Eigen3 fmt::fmt)
 ecs_folder(model/planning base base/linear laser laser/writers model/data model/diagnosis model/effects model/fit

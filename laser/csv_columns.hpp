@@ -40,6 +40,9 @@ inline constexpr std::array<std::string_view, kAxes> kAngleColumns{"a_deg", "b_d
 }
 /// The column of the speed of the moving axis at the moment of the reading, negative in reverse.
 [[nodiscard]] constexpr std::string_view speed_column(bool rotary) { return rotary ? "speed_deg_min" : "speed_mm_min"; }
+/// How far the reading channel moves while the axis moves by 1: what a delay or lost motion is multiplied by where the
+/// reading has waves of its own, for they are then read at another place.
+inline constexpr std::string_view kReadingSlopeColumn = "reading_slope";
 inline constexpr std::array<std::string_view, 3> kNeededColumns{"axis", "sense", "reading"};
 /// Needed and known columns that are neither positions nor optional numbers.
 inline constexpr std::array<std::string_view, 6> kOtherColumns{"axis",     "sense", "reading",

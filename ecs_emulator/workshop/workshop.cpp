@@ -328,8 +328,9 @@ Answer power(const Workshop& workshop, Arguments& arguments) {
   if (state == "cycle") workshop.simulation->come_to_rest();
   if (state != "off" && !(state == "on" && workshop.unit->powered())) workshop.unit->power(true);
   if (state != "off" && !workshop.unit->powered())
-    return problem(ProblemKind::output, "the unit does not start, because the file of its battery memory cannot be written: "
-                                      "make room on the disk, then switch the unit on again");
+    return problem(ProblemKind::output,
+                   "the unit does not start, because the file of its battery memory cannot be written: "
+                   "make room on the disk, then switch the unit on again");
   workshop.simulation->idle_tick();
   return state_of(workshop);
 }

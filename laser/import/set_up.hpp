@@ -50,10 +50,6 @@ void keep_at_rest(MeasurementSet& set, std::optional<double> at_rest_mm, bool av
 /// delay from lost motion. A note states how many readings were left out.
 void keep_in_motion(MeasurementSet& set);
 
-/// How far the reading channel moves while the axis moves by 1: what a delay or lost motion is multiplied by where the
-/// reading has waves of its own, for they are then read at another place.
-inline constexpr std::string_view kReadingSlopeColumn = "reading_slope";
-
 /// Gives each reading the speed of its moving axis (`speed_column`), from the positions and times of the readings of
 /// the same axis and sense before and behind it, and of a position the slope of its channel (kReadingSlopeColumn) where
 /// the noise allows. Does nothing unless every reading has a time and the median interval

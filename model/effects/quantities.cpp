@@ -6,7 +6,7 @@
 
 #include "core/terms.hpp"
 #include "laser/analysis/normalise.hpp"
-#include "laser/import/set_up.hpp"
+#include "laser/csv_columns.hpp"
 #include "model/data/curve_basis.hpp"
 #include "model/data/sensor_history.hpp"
 

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "laser/import/set_up.hpp"
+#include "laser/csv_columns.hpp"
 #include "model/fit/statistics.hpp"
 
 namespace ecs::model {

@@ -112,8 +112,7 @@ TEST_CASE_FIXTURE(Bench,
   }
 }
 
-TEST_CASE_FIXTURE(Bench,
-                  "a unit whose supply failed within a commit stays off until its battery memory can be kept") {
+TEST_CASE_FIXTURE(Bench, "a unit whose supply failed within a commit stays off until its battery memory can be kept") {
   bool disk_full = true;
   unit.on_commit([&] { return !disk_full; });
   const auto image = flat_image(1.0);
