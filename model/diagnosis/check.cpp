@@ -89,7 +89,7 @@ Result<void> check_e_values(const Model& model, const Observations& data, const 
   std::vector<EffectInstance> own;
   for (const std::size_t i : base.own) own.push_back(model.effects[i]);
   const Search search(regressors, Whitener(data, noise, left_out), base.columns, base.target,
-                      others_than(own, all_candidates(model, regressors)), own);
+                      candidates_beside(model, own, all_candidates(model, regressors)), own);
   check_number(check, "candidates_tried", static_cast<double>(claim.candidates_tried),
                static_cast<double>(search.candidates()));
   const bool wanders = is_wandering(data, noise, left_out, all.columns, all.target);

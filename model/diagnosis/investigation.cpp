@@ -509,16 +509,23 @@ std::vector<EffectInstance> others_than(const std::vector<EffectInstance>& own,
   return candidates;
 }
 
+std::vector<EffectInstance> candidates_beside(const Model& model, const std::vector<EffectInstance>& own,
+                                              const std::vector<EffectInstance>& candidates) {
+  std::vector<EffectInstance> beside = others_than(own, candidates);
+  std::erase_if(beside, [&](const EffectInstance& one) {
+    return one.traits().has_lag && is_searched(one) &&
+           std::ranges::any_of(model.effects, [&](const EffectInstance& term) { return same_candidate(term, one); });
+  });
+  return beside;
+}
+
 Found searched(const Model& model, const Regressors& regressors, const Base& base,
                const std::vector<EffectInstance>& candidates, const DiagnoseOptions& options) {
   const Observations& data = regressors.data();
   std::vector<EffectInstance> own;
   for (const std::size_t i : base.own) own.push_back(model.effects[i]);
-  std::vector<EffectInstance> others_than_own = others_than(base.at_limit, others_than(own, candidates));
-  std::erase_if(others_than_own, [&](const EffectInstance& one) {  // a term of the model has the lag that it has
-    return one.traits().has_lag && is_searched(one) &&
-           std::ranges::any_of(model.effects, [&](const EffectInstance& term) { return same_candidate(term, one); });
-  });
+  const std::vector<EffectInstance> others_than_own =
+      others_than(base.at_limit, candidates_beside(model, own, candidates));
   Found found;
   found.left_out = base.core.left_out;
   found.noise = noise_beside(data, base, found.left_out);

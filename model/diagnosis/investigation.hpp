@@ -105,6 +105,10 @@ inline constexpr int kMostRounds = 2;
 [[nodiscard]] std::vector<EffectInstance> others_than(const std::vector<EffectInstance>& own,
                                                       std::vector<EffectInstance> candidates);
 
+/// The same, and without a lag for a term of the model: that one has the lag that it has.
+[[nodiscard]] std::vector<EffectInstance> candidates_beside(const Model& model, const std::vector<EffectInstance>& own,
+                                                            const std::vector<EffectInstance>& candidates);
+
 [[nodiscard]] Found searched(const Model& model, const Regressors& regressors, const Base& base,
                              const std::vector<EffectInstance>& candidates, const DiagnoseOptions& options);
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -291,9 +293,22 @@ std::vector<std::string> cancelling_effects(const Observations& data, const Fit&
   return any_free ? names : std::vector<std::string>();
 }
 
-/// Noise does not bring the means at the targets so near to any model: P(F < 1e-9) is 3e-5 with one degree of freedom
-/// and less with more; positions minus their own means give about 1e-20.
-constexpr double kMeansAreTargets = 1e-9;
+/// Every target was repeated, and its readings have the mean zero to the last digits: positions less their own mean.
+bool are_off_their_means(const Observations& data) {
+  constexpr double kLastDigits = 1e-6;
+  std::map<std::tuple<Channel, Axis, Vector3, int>, std::pair<double, std::size_t>> sums;
+  double largest = 0.0;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    auto& [sum, count] = sums[{data.channel(k), data.axis[k], data.position_mm[k], data.approach[k]}];
+    sum += data.reading[k];
+    ++count;
+    largest = std::max(largest, std::abs(data.reading[k]));
+  }
+  return std::ranges::all_of(sums, [&](const auto& one) {
+    const auto& [sum, count] = one.second;
+    return count > 1 && std::abs(sum) < kLastDigits * largest;
+  });
+}
 
 /// Why readings whose residual looks like noise do not show that nothing is missing, as a sentence; "" where they do.
 /// @param fit  of the model as it is
@@ -312,7 +327,7 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
         "the residual is {:.3g} {}, and repeats show that it is not noise (lack of fit: F = {:.3g}, p = {:.1g}): "
         "measure at more positions",
         rms_um, in.found.noise.pure.unit, lack_of_fit->F, lack_of_fit->p);
-  if (lack_of_fit && lack_of_fit->F < kMeansAreTargets)
+  if (are_off_their_means(data))
     return "every target is the mean of its own readings, so they show how well a position repeats (`ecs test poses` "
            "compares ways of approach), but not where it should be: give the nominal positions";
   if (rms_um > kMostOfNoise * in.found.noise.pure.noise_um)

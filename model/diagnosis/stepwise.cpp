@@ -420,15 +420,18 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       if (!solution.own.empty())  // the model's own terms may take another place beside the rival
         other.gain = std::max(other.gain, group.member.gain + solution.space.chi2() -
                                               search.refined(with(rest.chosen, other), rest.own).space.chi2());
-      // a lag that nothing but this rival asks for: no further behind than a set of 99 % reaches
-      const bool is_late = instance(other).traits().has_lag && is_searched(instance(other));
+      // a lag that nothing but this rival asks for is no reason to doubt an effect that needs none
+      const auto is_late = [&](const Choice& one) {
+        return instance(one).traits().has_lag && is_searched(instance(one));
+      };
+      const bool asks_for_lag = is_late(other) && !is_late(group.member) && other.score() < group.member.score();
       const bool same_fit = is_alike(search, group.member, other) &&
                             other.gain >= group.member.gain - kIndistinguishable &&
-                            other.score() >= group.member.score() - (is_late ? kIndistinguishable : kRivalScoreMargin);
+                            other.score() >= group.member.score() - kRivalScoreMargin;
       const bool same_evidence = other.parameters <= group.member.parameters &&
                                  other.gain >= group.member.gain - kSimplerMargin &&
                                  other.score() >= group.member.score() - kIndistinguishable;
-      if (same_fit || same_evidence)
+      if (!asks_for_lag && (same_fit || same_evidence))
         group.rivals.push_back(other);
       else if (other.score() >= entry_score && group.weaker.size() < kMostWeaker)
         group.weaker.push_back(other);

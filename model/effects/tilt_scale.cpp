@@ -10,9 +10,9 @@ namespace {
 /// The axis cannot make a whole turn: by its travel where the machine file gives it, else where the readings leave a
 /// quarter of a turn out, for an axis that turns fully is measured over all of it.
 bool is_arc(const Site& site) {
-  constexpr double kTurn_deg = 360.0, kMostOfReadings_deg = 270.0;
+  constexpr double kWholeTurn_deg = 360.0, kMostOfReadings_deg = 270.0;
   if (const auto& axis = site.data.machine.rotary[index_of(site.axis)])
-    return axis->travel_deg[1] - axis->travel_deg[0] < kTurn_deg;
+    return axis->travel_deg[1] - axis->travel_deg[0] < kWholeTurn_deg;
   double least = 0.0, greatest = 0.0;
   for (std::size_t k = 0; k < site.data.size(); ++k) {
     const double angle_deg = site.data.position_mm[k][index_of(site.axis)];

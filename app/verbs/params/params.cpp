@@ -321,12 +321,12 @@ extern const std::vector<Action> kParameters{
     action("params new", "create initial parameters for a machine file",
            "ecs params new --machine machine.toml -o mill-parameters.toml", new_file,
            {.logged = Logged::when_written, .kind = "parameters"}),
-    action("params scale", "compute the travel per position count from encoder, screw and gear",
-           "ecs params scale --lines 2500 --pitch-mm 10", scale),
     action("params send", "check a parameter file and send it to the unit; the map in the unit is kept",
            "ecs params send mill-parameters.toml --link rtu:/dev/ttyUSB0:115200", send, {.link = Link::writes}),
     action("params receive", "read the unit's parameters into a file",
            "ecs params receive -o from-unit.toml --link rtu:/dev/ttyUSB0:115200", receive,
-           {.link = Link::reads, .logged = Logged::when_written, .kind = "transfer"})};
+           {.link = Link::reads, .logged = Logged::when_written, .kind = "transfer"}),
+    action("params scale", "compute the travel per position count from encoder, screw and gear",
+           "ecs params scale --lines 2500 --pitch-mm 10", scale)};
 
 }  // namespace ecs::app
