@@ -54,7 +54,7 @@ std::vector<double> low_pass(const SensorHistory& history, const std::vector<dou
     }
     return followed;
   };
-  const std::vector<double> late = passed(degC);
+  std::vector<double> late = passed(degC);
   if (lag_s > 0.0) return late;
   std::ranges::reverse(order);
   return passed(late);

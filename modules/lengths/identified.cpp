@@ -86,9 +86,7 @@ std::string what_is_missing(Component component, const LengthTest& test, const M
                     seen, letter_of(axis), seen);
     if (!looked) {
       lacks.push_back(no_look);
-    } else if (!term.has_lever) {
-      some_lever_changes = true;
-    } else if (levers.size() < 2) {
+    } else if (term.has_lever && levers.size() < 2) {
       const char lever = letter_of(term.lever);
       lacks.push_back(term.uses_coordinate
                           ? fmt::format("every length that looks along {} while {} moves has the same {} and tool "
