@@ -114,7 +114,7 @@ class Fuzz(UploadRun):
 
         where = rng.choice((0x100000, 0x200000, 0x048000, 0x0F0000, 0x111F00))
         length, coded, key = rng.choice((2, 234, 468, 7680)), rng.randrange(2), host.secret_key
-        host.windows += rng.randrange(2)
+        host.windows = (host.windows + rng.randrange(2)) & 0xFFFFFFFF
         host.open_window = (host.windows, where + 234 * rng.randrange(4), length, self.token)
         window = [0] + host.asker() + modbus.long(host.windows) + modbus.long(host.open_window[1]) + modbus.long(
             length) + modbus.long(self.token) + [coded]
