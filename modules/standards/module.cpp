@@ -5,7 +5,8 @@
 
 namespace ecs::app {
 
-extern const std::vector<Action> kTestsOfHeat, kTestsOfPaths, kTestsOfPoses, kTestsOfSpindle, kTestsOverTime;
+extern const std::vector<Action> kTestsOfHeat, kTestsOfPaths, kTestsOfPoses, kTestsOfSpindle, kTestsOverTime,
+    kWarmUpProgram;
 
 const Module& standards_module() {
   static const Module module{.menus = {{"test", "PROCESS LASER DATA: tests of the ISO 230 standards"}},
@@ -13,7 +14,8 @@ const Module& standards_module() {
                                        {"laser", &kTestsOfPaths},
                                        {"laser", &kTestsOfPoses},
                                        {"laser", &kTestsOfSpindle},
-                                       {"laser", &kTestsOverTime}},
+                                       {"laser", &kTestsOverTime},
+                                       {"laser", &kWarmUpProgram}},
                              .advice = {{name_of(FileKind::circle_test), "use `ecs test circle {}`"},
                                         {name_of(FileKind::ball_bar), "use `ecs test circle TRACE --other {}`"},
                                         {kReversalOnCircle, "ecs test circle shows the remaining circle there"},
