@@ -51,6 +51,7 @@ struct FittedZeros {
 /// Lengths less those of a machine with these errors; what the instrument does not state is fitted (Gauss and Newton).
 FittedZeros fitted_zeros(const LengthTest& test, const std::vector<Vector3d>& errors_um,
                          const NuisanceColumns& nuisance) {
+  std::map<std::size_t, Vector3d> first_mm;  // of a placement of points
   constexpr int kSteps = 5;  // stations are millimetres off at distances of hundreds: quadratic convergence
   const auto n = static_cast<Index>(test.readings.size());
   FittedZeros fit{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(nuisance.end), 0};
@@ -61,6 +62,16 @@ FittedZeros fitted_zeros(const LengthTest& test, const std::vector<Vector3d>& er
       const LengthSetUp& set_up = test.set_ups[r.set_up];
       const Vector3d& error_um = errors_um[static_cast<std::size_t>(i)];
       double length_um = 0.0;
+      if (set_up.instrument == LengthInstrument::points) {
+        const Vector3d point_mm = eigen(point_of(test, r));
+        const PlacementRows rigid =
+            placement_rows(r.along, point_mm, first_mm.emplace(r.set_up, point_mm).first->second);
+        const Index station = nuisance.station.at({r.set_up, r.tool}), turn = nuisance.rotation.at(r.set_up);
+        columns.row(i).segment<3>(station) = rigid.translation;
+        columns.row(i).segment<3>(turn) = rigid.rotation;
+        fit.residual_um(i) = r.deviation_um - eigen(r.along).dot(error_um) - columns.row(i).dot(fit.unknowns);
+        continue;
+      }
       if (set_up.instrument == LengthInstrument::interferometer) {
         length_um = eigen(set_up.place).dot(error_um);
       } else {

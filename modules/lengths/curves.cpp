@@ -198,12 +198,22 @@ NuisanceColumns nuisance_of(const LengthTest& test, Eigen::Index first) {
     if (test.set_ups[r.set_up].instrument != LengthInstrument::interferometer &&
         out.station.emplace(std::pair(r.set_up, r.tool), out.end).second)
       out.end += 3;
-    const bool of_bar = test.bar_um && test.set_ups[r.set_up].instrument == LengthInstrument::ball_bar;
-    if (of_bar && !out.bar) out.bar = out.end++;
-    if (out.zero.emplace(std::tuple(r.set_up, r.run, r.tool), of_bar ? *out.bar : out.end).second && !of_bar) ++out.end;
+    if (test.set_ups[r.set_up].instrument == LengthInstrument::points) {
+      if (out.rotation.emplace(r.set_up, out.end).second) out.end += 3;
+    } else {
+      const bool of_bar = test.bar_um && test.set_ups[r.set_up].instrument == LengthInstrument::ball_bar;
+      if (of_bar && !out.bar) out.bar = out.end++;
+      if (out.zero.emplace(std::tuple(r.set_up, r.run, r.tool), of_bar ? *out.bar : out.end).second && !of_bar)
+        ++out.end;
+    }
     if (out.scale.emplace(r.set_up, out.end).second) ++out.end;
   }
   return out;
+}
+
+PlacementRows placement_rows(const Vector3& along, const Eigen::Vector3d& point_mm, const Eigen::Vector3d& from_mm) {
+  const Eigen::Vector3d lever_m = (point_mm - from_mm) / kMmPerM;
+  return {-eigen(along).transpose(), lever_m.cross(eigen(along)).transpose()};
 }
 
 Linearised linearised(const LengthTest& test, const MachineCurves& curves, const NuisanceColumns& nuisance,
@@ -218,7 +228,17 @@ Linearised linearised(const LengthTest& test, const MachineCurves& curves, const
     const Eigen::Vector3d point = eigen(point_of(test, r));
     Eigen::Vector3d along;
     double metres = 0.0;
-    if (set_up.instrument == LengthInstrument::interferometer) {
+    if (set_up.instrument == LengthInstrument::points) {
+      along = eigen(r.along);
+      const auto first = first_point.emplace(std::pair(r.set_up, std::size_t{0}), point).first->second;
+      metres = (point - first).dot(along) / kMmPerM;
+      const Eigen::Index station = nuisance.station.at({r.set_up, r.tool}), turn = nuisance.rotation.at(r.set_up);
+      const PlacementRows rigid = placement_rows(r.along, point, first);
+      out.columns.row(i).segment(station, 3) = rigid.translation;
+      out.columns.row(i).segment(turn, 3) = rigid.rotation;
+      out.nominal_um(i) = along.dot(error * values.head(curves.size())) +
+                          rigid.translation * values.segment(station, 3) + rigid.rotation * values.segment(turn, 3);
+    } else if (set_up.instrument == LengthInstrument::interferometer) {
       along = eigen(set_up.place);
       const auto first = first_point.emplace(std::pair(r.set_up, r.tool), point).first->second;
       metres = (point - first).dot(along) / kMmPerM;
@@ -235,10 +255,15 @@ Linearised linearised(const LengthTest& test, const MachineCurves& curves, const
     }
     out.direction.row(i) = along.transpose();
     out.columns.row(i).head(curves.size()) = along.transpose() * error;
-    const Eigen::Index zero = nuisance.zero.at({r.set_up, r.run, r.tool}), scale = nuisance.scale.at(r.set_up);
-    out.columns(i, zero) = 1.0;
+    const Eigen::Index scale = nuisance.scale.at(r.set_up);
     out.columns(i, scale) = metres;
-    out.nominal_um(i) += values(zero) + metres * values(scale);
+    double zero_um = 0.0;
+    if (set_up.instrument != LengthInstrument::points) {
+      const Eigen::Index zero = nuisance.zero.at({r.set_up, r.run, r.tool});
+      out.columns(i, zero) = 1.0;
+      zero_um = values(zero);
+    }
+    out.nominal_um(i) += zero_um + metres * values(scale);
   }
   return out;
 }

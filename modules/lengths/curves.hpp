@@ -112,11 +112,13 @@ struct VolumePlace {
                                             int count);
 
 /// Columns of what belongs to the measurement: of each set-up and tool a correction of the station [mm → um], of each
-/// set-up, run and tool a zero [um], of each set-up a scale [um/m] of known standard deviation.
+/// set-up, run and tool a zero [um], of each set-up a scale [um/m] of known standard deviation. A placement of points
+/// has a translation in place of the station and the zeros, and a rotation.
 struct NuisanceColumns {
   std::map<std::pair<std::size_t, std::size_t>, Eigen::Index> station;     ///< by set-up and tool: first of three
   std::map<std::tuple<std::size_t, int, std::size_t>, Eigen::Index> zero;  ///< by set-up, run and tool
   std::map<std::size_t, Eigen::Index> scale;                               ///< by set-up
+  std::map<std::size_t, Eigen::Index> rotation;  ///< by set-up of points: first of three [um/m]
   std::optional<Eigen::Index> bar;  ///< in place of the zeros of ball bars, where the length of the bar is known
   Eigen::Index first = 0;           ///< behind the machine's unknowns
   Eigen::Index end = 0;
@@ -129,6 +131,14 @@ struct Linearised {
   Eigen::VectorXd nominal_um;  ///< deviation at the values given
   Eigen::MatrixXd direction;   ///< unit vectors, a row each
 };
+/// How the translation [um] and the rotation [um/m] of a placement change a deviation.
+/// @param from_mm  the point about which it turns
+struct PlacementRows {
+  Eigen::RowVector3d translation, rotation;
+};
+[[nodiscard]] PlacementRows placement_rows(const Vector3& along, const Eigen::Vector3d& point_mm,
+                                           const Eigen::Vector3d& from_mm);
+
 /// @param values  of all unknowns; zeros to begin with
 [[nodiscard]] Linearised linearised(const LengthTest& test, const MachineCurves& curves,
                                     const NuisanceColumns& nuisance, const Eigen::VectorXd& values);

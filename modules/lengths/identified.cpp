@@ -51,15 +51,21 @@ std::string what_is_missing(Component component, const LengthTest& test, const M
   if (is_squareness(component)) {
     for (const Term& term : curves.terms())
       if (term.component == component)
-        return fmt::format("{} is not determined: no length is inclined in the plane {}{}: add diagonals of that face",
-                           name, letter_of(term.observed), letter_of(term.lever));
+        return has_points(test)
+                   ? fmt::format(
+                         "{0} is not determined: no placement has both deviations along {1} at several {2} and "
+                         "deviations along {2} at several {1}: add such points",
+                         name, letter_of(term.observed), letter_of(term.lever))
+                   : fmt::format(
+                         "{} is not determined: no length is inclined in the plane {}{}: add diagonals of that face",
+                         name, letter_of(term.observed), letter_of(term.lever));
     return name + " is not determined";
   }
   const Axis axis = moving_axis(component);
   const auto moving = while_moving(test, axis);
   if (moving.empty())
-    return fmt::format("{} is not determined: {} is at one position in every set-up: add lengths while {} moves", name,
-                       letter_of(axis), letter_of(axis));
+    return fmt::format("{} is not determined: {} is at one position in every set-up: add {} while {} moves", name,
+                       letter_of(axis), has_points(test) ? "points" : "lengths", letter_of(axis));
   std::set<double> places;
   for (const std::size_t i : moving) places.insert(test.readings[i].position_mm[index_of(axis)]);
   const auto needed = static_cast<std::size_t>(curves.block(component).even) + 1;
@@ -82,16 +88,20 @@ std::string what_is_missing(Component component, const LengthTest& test, const M
       levers.insert(std::llround(lever_mm / kSameLever_mm));
     }
     const std::string no_look =
-        fmt::format("no length looks along {} while {} moves: add a diagonal inclined to {}, or lengths from a station",
-                    seen, letter_of(axis), seen);
+        has_points(test)
+            ? fmt::format("no deviation along {} is given while {} moves: measure it", seen, letter_of(axis))
+            : fmt::format(
+                  "no length looks along {} while {} moves: add a diagonal inclined to {}, or lengths from a station",
+                  seen, letter_of(axis), seen);
     if (!looked) {
       lacks.push_back(no_look);
     } else if (term.has_lever && levers.size() < 2) {
       const char lever = letter_of(term.lever);
       lacks.push_back(term.uses_coordinate
-                          ? fmt::format("every length that looks along {} while {} moves has the same {} and tool "
-                                        "(lever {:.0f} mm): add lines at another {} or with another tool",
-                                        seen, letter_of(axis), lever, lever_mm, lever)
+                          ? fmt::format("every {} along {} while {} moves has the same {} and tool (lever {:.0f} mm): "
+                                        "add {} at another {} or with another tool",
+                                        has_points(test) ? "deviation" : "length that looks", seen, letter_of(axis),
+                                        lever, lever_mm, has_points(test) ? "points" : "lines", lever)
                           : fmt::format("only a tool offset along {} levers it into {}, and every length has the same "
                                         "({:.0f} mm): add a second tool length",
                                         lever, seen, lever_mm));
@@ -104,8 +114,10 @@ std::string what_is_missing(Component component, const LengthTest& test, const M
   std::string text = name + " is not determined";
   if (!some_lever_changes && !lacks.empty()) return fmt::format("{}: {}", text, fmt::join(lacks, "; "));
   if (!together_with.empty())
-    text += fmt::format(": these lengths determine it only together with {}", letters_in(together_with));
-  text += ": add lines at other offsets, in other directions or with a tool of another length";
+    text += fmt::format(": these {} determine it only together with {}", has_points(test) ? "points" : "lengths",
+                        letters_in(together_with));
+  text += has_points(test) ? ": add points at other offsets, placements in other planes or a tool of another length"
+                           : ": add lines at other offsets, in other directions or with a tool of another length";
   return text;
 }
 
@@ -296,6 +308,10 @@ class LengthReport {
             one.station_correction_mm[a] =
                 fitted_.solution.x(station->second + static_cast<Eigen::Index>(a)) / kUmPerMm;
       }
+      if (const auto turn = fitted_.nuisance.rotation.find(s); turn != fitted_.nuisance.rotation.end()) {
+        const Eigen::Vector3d um_per_m = fitted_.solution.x.segment(turn->second, 3);
+        one.turned_um_per_m = Vector3{um_per_m(0), um_per_m(1), um_per_m(2)};
+      }
       if (one.readings > 0) one.rms_um = std::sqrt(squares / static_cast<double>(one.readings));
       out.set_ups.push_back(one);
     }
@@ -304,6 +320,7 @@ class LengthReport {
   /// Stations that lie far from where the file puts them.
   void report_stations(Identification& out) const {
     for (const auto& [of, first] : fitted_.nuisance.station) {
+      if (has_points(fitted_.test)) break;  // an artefact lies as it lies
       const Eigen::Vector3d off_mm = fitted_.solution.x.segment(first, 3) / kUmPerMm;
       if (off_mm.norm() <= kStationByTape_mm) continue;
       out.notes.push_back(
@@ -371,9 +388,9 @@ std::vector<double> reported_mm(const MachineCurves& curves, Axis axis) {
 }
 
 std::optional<double> repeats_of(const LengthTest& test) {
-  std::map<std::tuple<std::size_t, std::size_t, Vector3, PerAxis<int>>, std::map<int, double>> poses;
+  std::map<std::tuple<std::size_t, std::size_t, Vector3, PerAxis<int>, Vector3>, std::map<int, double>> poses;
   for (const LengthReading& r : test.readings)
-    poses[{r.set_up, r.tool, r.position_mm, r.approach}][r.run] = r.deviation_um;
+    poses[{r.set_up, r.tool, r.position_mm, r.approach, r.along}][r.run] = r.deviation_um;
   std::map<std::tuple<std::size_t, std::size_t, int, int>, std::vector<double>> differences;
   for (const auto& [pose, runs] : poses)
     for (auto a = runs.begin(); a != runs.end(); ++a)

@@ -178,7 +178,8 @@ class LengthFit {
     for (std::size_t i = 0; i < test.readings.size(); ++i) {
       const LengthReading& r = test.readings[i];
       const bool known_bar = test.bar_um && test.set_ups[r.set_up].instrument == LengthInstrument::ball_bar;
-      if (!known_bar) runs[{r.set_up, r.run, r.tool}].push_back(static_cast<Eigen::Index>(i));
+      if (!known_bar && test.set_ups[r.set_up].instrument != LengthInstrument::points)
+        runs[{r.set_up, r.run, r.tool}].push_back(static_cast<Eigen::Index>(i));
     }
     double greatest = std::max(outlier_limit(), fitted_.sigmas.cwiseAbs().maxCoeff());
     const std::vector<Eigen::Index>* where = nullptr;
@@ -234,7 +235,7 @@ class LengthFit {
     if (fitted_.single_um < kLeastNoise_um || fitted_.degrees_of_freedom < kLeastFreedom) return;
     double least_ln_p = std::log(kOutlierLevel / static_cast<double>(test.set_ups.size()));
     for (std::size_t s = 0; s < test.set_ups.size(); ++s) {
-      if (test.set_ups[s].instrument == LengthInstrument::interferometer) continue;
+      if (test.set_ups[s].instrument == LengthInstrument::interferometer || has_points(test)) continue;
       Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(n, 3);
       for (Eigen::Index i = 0; i < n; ++i) {
         const LengthReading& r = test.readings[static_cast<std::size_t>(i)];

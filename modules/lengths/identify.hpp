@@ -50,8 +50,9 @@ struct IdentifiedSquareness {
 struct IdentifiedSetUp {
   std::string name;
   std::size_t readings = 0;
-  Vector3 station_correction_mm{};  ///< of the first tool; 0 for an interferometer
-  double rms_um = 0.0;              ///< of the residuals
+  Vector3 station_correction_mm{};         ///< of the first tool; 0 for an interferometer; of points the translation
+  std::optional<Vector3> turned_um_per_m;  ///< of points: rotation of the placement about its first point
+  double rms_um = 0.0;                     ///< of the residuals
 };
 
 struct LengthOutlier {

@@ -17,6 +17,7 @@ namespace {
 constexpr std::array<std::string_view, 9> kLengthColumns{"set_up", "run",        "tool",       "x_mm",      "y_mm",
                                                          "z_mm",   "approach_x", "approach_y", "approach_z"};
 constexpr std::string_view kDeviation = "deviation_um";
+constexpr std::array<std::string_view, kAxes> kDeviations{"deviation_x_um", "deviation_y_um", "deviation_z_um"};
 /// Across the line of an interferometer, over its length: 1 mm a metre costs 0.5 um/m of cosine error.
 constexpr double kOffLine_mm = 0.01, kOffLine_per_mm = 1e-3;
 constexpr double kNearest_mm = 10.0;
@@ -28,9 +29,10 @@ struct InstrumentWord {
   LengthInstrument instrument;
   std::string_view word;
 };
-constexpr std::array<InstrumentWord, 3> kInstrumentWords{{{LengthInstrument::interferometer, "interferometer"},
+constexpr std::array<InstrumentWord, 4> kInstrumentWords{{{LengthInstrument::interferometer, "interferometer"},
                                                           {LengthInstrument::tracker, "tracker"},
-                                                          {LengthInstrument::ball_bar, "ball_bar"}}};
+                                                          {LengthInstrument::ball_bar, "ball_bar"},
+                                                          {LengthInstrument::points, "points"}}};
 
 std::vector<std::string> words_in(std::string_view text) {
   std::vector<std::string> words;
@@ -53,16 +55,24 @@ std::optional<Vector3> vector_in(const std::vector<std::string>& words, std::siz
 class LengthReader {
  public:
   LengthReader(const laser::CsvTable& table, laser::Findings& findings, LengthTest& test, bool plan)
-      : table_(table), findings_(findings), test_(test), plan_(plan) {}
+      : table_(table),
+        findings_(findings),
+        test_(test),
+        plan_(plan),
+        points_(std::ranges::any_of(kDeviations, [&](auto column) { return place_of(table, column).has_value(); })) {}
 
   void read() {
+    if (plan_ && points_) return findings_.add(0, 0, "expected a plan of lengths, found deviations of points");
+    if (!plan_ && !points_ && !place_of(table_, kDeviation))
+      return findings_.add(table_.header_line, 0, "expected a column deviation_um, found none");
     for (const laser::MetadataEntry& entry : table_.metadata) take(entry);
     if (test_.tools.empty())
       findings_.add(0, 0, "expected a line `# tool: NAME X Y Z` with the offset of the reflector in mm, found none");
     if (test_.set_ups.empty())
       findings_.add(0, 0,
-                    "expected a line `# set_up: NAME interferometer DX DY DZ`, `# set_up: NAME tracker X Y Z` or "
-                    "`# set_up: NAME ball_bar X Y Z`, found none");
+                    points_ ? "expected a line `# set_up: NAME points`, found none"
+                            : "expected a line `# set_up: NAME interferometer DX DY DZ`, `# set_up: NAME tracker X Y "
+                              "Z` or `# set_up: NAME ball_bar X Y Z`, found none");
     for (const laser::CsvRow& row : table_.rows) take(row);
     if (findings_.empty()) check();
   }
@@ -108,11 +118,25 @@ class LengthReader {
       test_.tools.push_back({words[0], *offset});
   }
 
+  /// "NAME points", in a file of deviations; there nothing else.
+  void take_placement(const std::vector<std::string>& words, const std::string& value) {
+    if (words.size() != 2 || words[1] != word_of(LengthInstrument::points) || !is_name(words[0]))
+      findings_.add(
+          0, 0,
+          fmt::format("set_up: expected NAME points in a file with deviation_x_um, found {}", laser::in_quotes(value)));
+    else if (find(test_.set_ups, words[0]))
+      findings_.add(0, 0, fmt::format("set_up: {} is described twice", words[0]));
+    else
+      test_.set_ups.push_back({words[0], LengthInstrument::points, {}, 0});
+  }
+
   void take_set_up(const std::vector<std::string>& words, const std::string& value) {
+    if (points_) return take_placement(words, value);
     const auto place = vector_in(words, 2);
     const auto kind = std::find_if(kInstrumentWords.begin(), kInstrumentWords.end(),
                                    [&](const auto& one) { return words.size() > 1 && one.word == words[1]; });
-    if (!place || kind == kInstrumentWords.end() || !is_name(words[0])) {
+    if (!place || kind == kInstrumentWords.end() || kind->instrument == LengthInstrument::points ||
+        !is_name(words[0])) {
       findings_.add(0, 0,
                     fmt::format("set_up: expected NAME, one of interferometer, tracker, ball_bar, and three numbers "
                                 "(direction, or station in mm), found {}",
@@ -189,20 +213,35 @@ class LengthReader {
       reading.position_mm[a] = mm.value_or(0.0);
       reading.approach[a] = side.value_or(1.0) < 0.0 ? -1 : 1;
     }
-    if (!plan_) {
-      const auto deviation = number(row, kDeviation);
-      whole = whole && deviation;
-      reading.deviation_um = deviation.value_or(0.0);
-      if (std::abs(reading.deviation_um) > kLargestDeviation_um)
-        findings_.add(row.line, row.fields[*place_of(table_, kDeviation)].column,
-                      fmt::format("deviation_um: expected measured minus nominal length, at most {:g} um, found {:g}",
-                                  kLargestDeviation_um, reading.deviation_um));
+    const auto add = [&](std::optional<double> deviation_um) {
+      if (!whole || !deviation_um) return;
+      reading.set_up = *set_up;
+      reading.tool = *tool;
+      reading.run = static_cast<int>(*run);
+      reading.deviation_um = *deviation_um;
+      test_.readings.push_back(reading);
+    };
+    if (plan_) return add(0.0);
+    if (!points_) return add(deviation(row, kDeviation));
+    bool any = false;
+    for (std::size_t a = 0; a < kAxes; ++a) {
+      const auto place = place_of(table_, kDeviations[a]);
+      if (!place || trimmed(row.fields[*place].text).empty()) continue;
+      any = true;
+      reading.along = {};
+      reading.along[a] = 1.0;
+      add(deviation(row, kDeviations[a]));
     }
-    if (!whole) return;
-    reading.set_up = *set_up;
-    reading.tool = *tool;
-    reading.run = static_cast<int>(*run);
-    test_.readings.push_back(reading);
+    if (!any) findings_.add(row.line, 0, "expected a deviation along one axis or more, found none");
+  }
+
+  std::optional<double> deviation(const laser::CsvRow& row, std::string_view column) {
+    const auto um = number(row, column);
+    if (um && std::abs(*um) > kLargestDeviation_um)
+      findings_.add(row.line, row.fields[*place_of(table_, column)].column,
+                    fmt::format("{}: expected measured minus nominal {}, at most {:g} um, found {:g}", column,
+                                points_ ? "coordinate" : "length", kLargestDeviation_um, *um));
+    return um;
   }
 
   void check() {
@@ -216,6 +255,10 @@ class LengthReader {
     for (const LengthReading& reading : test_.readings) {
       if (reading.set_up != s) continue;
       const Vector3 point = point_of(test_, reading);
+      if (set_up.instrument == LengthInstrument::points) {
+        first = &reading;
+        break;
+      }
       if (set_up.instrument != LengthInstrument::interferometer) {
         if (std::hypot(point[0] - set_up.place[0], point[1] - set_up.place[1], point[2] - set_up.place[2]) <
             kNearest_mm)
@@ -252,12 +295,18 @@ class LengthReader {
   laser::Findings& findings_;
   LengthTest& test_;
   bool plan_ = false;
+  bool points_ = false;  ///< deviations along the axes, of points
 };
 
 }  // namespace
 
 std::string_view word_of(LengthInstrument instrument) {
   return kInstrumentWords[static_cast<std::size_t>(instrument)].word;
+}
+
+bool has_points(const LengthTest& test) {
+  return std::ranges::any_of(test.set_ups,
+                             [](const LengthSetUp& one) { return one.instrument == LengthInstrument::points; });
 }
 
 Vector3 point_of(const LengthTest& test, const LengthReading& reading) {
@@ -269,7 +318,9 @@ Vector3 point_of(const LengthTest& test, const LengthReading& reading) {
 Result<LengthTest> parse_lengths(std::string_view text, const std::string& file_name, bool plan) {
   laser::Findings findings(file_name);
   std::vector<std::string_view> needed(kLengthColumns.begin(), kLengthColumns.end());
-  if (!plan) needed.push_back(kDeviation);
+  const bool points =
+      std::ranges::any_of(kDeviations, [&](auto column) { return text.find(column) != std::string_view::npos; });
+  if (!plan && !points) needed.push_back(kDeviation);
   ECS_TRY(table, laser::parse_csv_table(text, file_name, needed, findings));
   LengthTest test;
   test.source = file_name;
@@ -290,14 +341,24 @@ std::string to_csv(const LengthTest& test, bool plan) {
     text +=
         fmt::format("# tool: {} {:g} {:g} {:g}\n", tool.name, tool.offset_mm[0], tool.offset_mm[1], tool.offset_mm[2]);
   for (const LengthSetUp& set_up : test.set_ups)
-    text += fmt::format("# set_up: {} {} {:.9g} {:.9g} {:.9g}\n", set_up.name, word_of(set_up.instrument),
-                        set_up.place[0], set_up.place[1], set_up.place[2]);
-  text += fmt::format("{}{}\n", fmt::join(kLengthColumns, ","), plan ? "" : fmt::format(",{}", kDeviation));
+    text += set_up.instrument == LengthInstrument::points
+                ? fmt::format("# set_up: {} {}\n", set_up.name, word_of(set_up.instrument))
+                : fmt::format("# set_up: {} {} {:.9g} {:.9g} {:.9g}\n", set_up.name, word_of(set_up.instrument),
+                              set_up.place[0], set_up.place[1], set_up.place[2]);
+  const bool points = has_points(test);
+  text += fmt::format("{}{}\n", fmt::join(kLengthColumns, ","),
+                      points ? fmt::format(",{}", fmt::join(kDeviations, ","))
+                      : plan ? std::string()
+                             : fmt::format(",{}", kDeviation));
   for (const LengthReading& r : test.readings) {
     text += fmt::format("{},{},{},{:.10g},{:.10g},{:.10g},{},{},{}", test.set_ups[r.set_up].name, r.run,
                         test.tools[r.tool].name, r.position_mm[0], r.position_mm[1], r.position_mm[2], r.approach[0],
                         r.approach[1], r.approach[2]);
-    text += plan ? "\n" : fmt::format(",{:.4f}\n", r.deviation_um);
+    if (points)
+      for (const double part : r.along) text += part == 0.0 ? std::string(",") : fmt::format(",{:.4f}", r.deviation_um);
+    else if (!plan)
+      text += fmt::format(",{:.4f}", r.deviation_um);
+    text += "\n";
   }
   return text;
 }

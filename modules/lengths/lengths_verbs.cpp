@@ -21,6 +21,7 @@
 #include "base/json_fwd.hpp"
 #include "base/process.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "laser/map/csv.hpp"
@@ -147,12 +148,12 @@ laser::ErrorMap map_of(const LengthsWork& work, const LengthsArguments& argument
     header.sources.push_back({std::string(name_of(square.component)), file, sha256});
     header.uncertainty.push_back({square.component, square.u_um_per_m, 0.0, freedom_in_map(square.degrees_of_freedom)});
   }
-  header.processing.push_back(
-      fmt::format("identified from {} lengths of {} set-ups: {} unknowns, knots {:.0f}, {:.0f}, {:.0f} mm, reversal of "
-                  "degree {}, {} readings excluded, residual {:.3f} um",
-                  work.found.readings, work.test.set_ups.size(), work.found.unknowns, work.found.knots_mm[0],
-                  work.found.knots_mm[1], work.found.knots_mm[2], arguments.settings.reversal_degree,
-                  work.found.outliers.size(), work.found.residual_um));
+  header.processing.push_back(fmt::format(
+      "identified from {} {} of {} set-ups: {} unknowns, knots {:.0f}, {:.0f}, {:.0f} mm, reversal of "
+      "degree {}, {} readings excluded, residual {:.3f} um",
+      work.found.readings, model::has_points(work.test) ? "deviations of points" : "lengths", work.test.set_ups.size(),
+      work.found.unknowns, work.found.knots_mm[0], work.found.knots_mm[1], work.found.knots_mm[2],
+      arguments.settings.reversal_degree, work.found.outliers.size(), work.found.residual_um));
   header.processing.insert(header.processing.end(), work.found.contradictions.begin(), work.found.contradictions.end());
   return map;
 }
@@ -161,7 +162,8 @@ cli::Fields<LengthsArguments> LengthsArguments::fields() {
   using A = LengthsArguments;
   using S = model::IdentifySettings;
   using cli::Is, cli::Need, cli::Range;
-  return {{"LENGTHS", &A::file, "measured lengths (.csv, modules/lengths/README.md)", Need::required},
+  return {{"LENGTHS", &A::file, "measured lengths, or deviations of points (.csv, modules/lengths/README.md)",
+           Need::required},
           {"--machine", &A::machine, "machine file: chain, travels, datum", Need::required},
           {"--params", &A::params, "parameters of the unit to be compensated"},
           {"-o,--output", &A::output, "map CSV to write; needs --params", Is::output},
@@ -356,7 +358,23 @@ Cell square_cell(const model::IdentifiedSquareness& square) {
                      "U"_is(number(square.U_um_per_m)), "degrees_of_freedom"_is(freedom_of(square), 1));
 }
 
+/// A placement of points.
+Cell placement_cell(const model::IdentifiedSetUp& set_up) {
+  const auto three = [](const Vector3& v, double unit) {
+    return fmt::format("{:.2f}, {:.2f}, {:.2f}", v[0] * unit, v[1] * unit, v[2] * unit);
+  };
+  const Vector3 shift_mm{-set_up.station_correction_mm[0], -set_up.station_correction_mm[1],
+                         -set_up.station_correction_mm[2]};
+  return record_cell(
+      "  set-up {name}: {readings} deviations, residual {rms_um} um rms, the points lie {shift} um (X, Y, Z) from the "
+      "stated place, turned by {turn} um/m\n",
+      "name"_is(set_up.name), "readings"_is(set_up.readings), "rms_um"_is(set_up.rms_um, 3),
+      "translation_mm"_is(Json(shift_mm)), "shift"_shown(three(shift_mm, kUmPerMm)),
+      "rotation_um_per_m"_is(Json(*set_up.turned_um_per_m)), "turn"_shown(three(*set_up.turned_um_per_m, 1.0)));
+}
+
 Cell set_up_cell(const model::IdentifiedSetUp& set_up) {
+  if (set_up.turned_um_per_m) return placement_cell(set_up);
   return record_cell(
       "  set-up {name}: {readings} readings, residual {rms_um} um rms, station at {shown} mm (X, Y, Z) from the stated "
       "place\n",
@@ -413,7 +431,7 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
   const std::string none = found.whole() ? "map not written: give --params and -o map.csv\n"
                                          : "map not written: some components are not determined\n";
   return record_cell(
-      "{file}: {readings} lengths, {unknowns} unknowns, {degrees_of_freedom} degrees of freedom\n"
+      "{file}: {readings} {what}, {unknowns} unknowns, {degrees_of_freedom} degrees of freedom\n"
       "{components}{squareness}{without_effect}{not_determined}"
       "  scatter of a single reading {residual_um} um, of repeated poses {repeat_um} um\n"
       "  parts of the scatter: each reading {white_um} um; each stop {stop_um} um and {stop_um_per_m} um/m of length; "
@@ -422,8 +440,9 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
       "  error vector over the volume: U = {volume_U_um} um (root mean square, 95 %)\n"
       "{set_ups}{outliers}{notes}{map}{params_out}",
       "file"_is(work.test.source), "machine"_is(work.machine_name), "readings"_is(found.readings),
-      "unknowns"_is(found.unknowns), "degrees_of_freedom"_is(found.degrees_of_freedom),
-      "knots_mm"_is(Json(found.knots_mm)), "determined"_is(found.whole()),
+      "what"_shown(model::has_points(work.test) ? "deviations" : "lengths"), "unknowns"_is(found.unknowns),
+      "degrees_of_freedom"_is(found.degrees_of_freedom), "knots_mm"_is(Json(found.knots_mm)),
+      "determined"_is(found.whole()),
       "components"_is(list_cell(acting, curve_cell,
                                 fmt::format("  {:<4} {:<38} {:<4} {:>8} {:>8} {:>8}\n", "", "component", "unit",
                                             "largest", "reversal", "U (95 %)"))),
@@ -555,7 +574,7 @@ Result<Outcome> plan_the_lengths(VerbContext&, const LengthsPlanAsked& a) {
 
 extern const std::vector<Action> kLengths{
     action("lengths fit",
-           "identify the 21 components from lengths alone, with uncertainties; shows which are determined",
+           "identify the 21 components from lengths or points, with uncertainties; shows which are determined",
            "ecs lengths fit lengths.csv --machine machine.toml --params parameters.toml -o map.csv --params-out "
            "measured.toml",
            fit_lengths),

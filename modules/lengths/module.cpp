@@ -56,7 +56,8 @@ FormEntry lengths_entry() {
        .title = "LENGTHS",
        .asks = "Which lengths, of which machine?",
        .about = "All 21 components of a three-axis machine from lengths alone: along the beam of an interferometer, "
-                "from a tracking interferometer or the ball of a ball bar. Shows each component with its expanded "
+                "from a tracking interferometer or the ball of a ball bar; or from deviations of points. Shows each "
+                "component with its expanded "
                 "uncertainty (95 %), the scatter and the set-ups, the components that are not determined and the "
                 "lengths that would determine them. Press s to save the map, and the parameters with the squareness. "
                 "For a plan, the planned lengths are listed. PLAN OF LENGTHS makes a plan.",
@@ -82,7 +83,7 @@ std::vector<FormEntry> lengths_forms() { return {lengths_entry(), plan_entry()};
 
 const Module& lengths_module() {
   constexpr const char* kLengthsSought =
-      "tracker tracking interferometer ball bar diagonal multilateration squareness identify 21";
+      "tracker tracking interferometer ball bar diagonal multilateration squareness identify 21 points grid ball plate";
   constexpr const char* kPlanSought =
       "tracker tracking interferometer ball bar diagonal multilateration fewest minutes";
   static const Module module{
