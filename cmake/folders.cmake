@@ -61,8 +61,8 @@ ecs_folder(commissioning/files base commissioning/laser_session commissioning/me
 ecs_folder(commissioning/laser_session base base/cli commissioning/link commissioning/maps commissioning/measurements
            commissioning/plot commissioning/session core laser laser/analysis laser/import laser/map laser/writers
            params fmt::fmt)
-ecs_folder(commissioning/link base commissioning/session protocol/client protocol/line protocol/registers
-           Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
+ecs_folder(commissioning/link base commissioning/session commissioning/unit core protocol/client protocol/line
+           protocol/registers Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
 ecs_folder(commissioning/maps base base/cli commissioning/link commissioning/measurements commissioning/models
            commissioning/session commissioning/unit core laser laser/map model/effects model/fit params
            protocol/client fmt::fmt)
@@ -106,10 +106,10 @@ ecs_folder(app/screens/model app/cli app/plot app/screens/files app/ui base comm
 ecs_folder(app/screens/parameters app/screens/files app/ui base commissioning/link commissioning/parameters
            commissioning/session fmt::fmt)
 ecs_folder(app/screens/unit app/cli app/plot app/screens/files app/screens/utility app/ui base commissioning/link
-           commissioning/plot commissioning/session commissioning/unit core fmt::fmt)
+           commissioning/plot commissioning/session commissioning/unit core params fmt::fmt)
 ecs_folder(app/screens/utility app/plot app/screens/files app/screens/forms app/ui base commissioning/link
            commissioning/memory commissioning/plot commissioning/session commissioning/unit commissioning/utility core
-           fmt::fmt)
+           params fmt::fmt)
 ecs_folder(app/ui app/names base commissioning/plot commissioning/session PkgConfig::ncursesw PkgConfig::utf8proc
            fmt::fmt)
 ecs_folder(app/verbs app/cli app/plot base base/cli commissioning/link commissioning/measurements commissioning/volume
@@ -126,4 +126,5 @@ ecs_folder(app/verbs/model app/cli app/plot base commissioning/measurements comm
 ecs_folder(app/verbs/params app/cli base commissioning/parameters commissioning/session commissioning/unit params
            fmt::fmt)
 ecs_folder(app/verbs/unit app/cli base commissioning/link commissioning/unit fmt::fmt)
-ecs_folder(app/verbs/utility app/cli base commissioning/session commissioning/unit core protocol/registers fmt::fmt)
+ecs_folder(app/verbs/utility app/cli base commissioning/session commissioning/unit core params protocol/registers
+           fmt::fmt)

@@ -270,6 +270,11 @@ A file may begin with `[identity]`: `machine` and `serial_number`, texts that id
 Missing keys have their default; `params check`, `params send` and `map send` list them. The last line is
 `# end of parameters`: without it, or without any key of a present axis, the end of the file may be missing, and it is not sent. Squareness
 is given as *error*; maps contain compensation.
+
+With `configuration.measurement_system = "imperial"`, positions and speeds of the axes are in inches (0.00001 in) and in/min on the on-line monitor (`ecs monitor`
+and its screen), on SET AXIS POSITION (also the position that is typed there) and the other screens with a table of the axes, and in `ecs report --params`: travels, positions of measured lines,
+ranges of maps and the axes of the graphs. Errors, compensation and resolutions remain in µm. Files, CSV, JSON, arguments of commands, recorded datum sequences and
+`utility status` remain in mm, whichever system is set.
 )";
 
 std::string cell(std::string text) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "commissioning/session/message.hpp"
+#include "commissioning/unit/transfer.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -152,6 +153,7 @@ void UnitConnection::look() {
   if (const auto sample = unit_link_->client().monitor()) {
     failures_ = 0;
     take(*sample);
+    if (watchers_ > 0 && wants_system_.exchange(false)) look_at_measurement_system();
     if (watchers_ > 0 && Clock::now() >= next_inputs_) look_at_inputs();
   } else {
     ++failures_;
@@ -165,6 +167,14 @@ void UnitConnection::look_at_inputs() {
   const auto inputs = unit_link_->client().live_inputs();
   const std::lock_guard lock(mutex_);
   state_.inputs = inputs ? std::optional(*inputs) : std::nullopt;
+  ++changes_;
+}
+
+/// A unit without parameters, or with a corrupt memory, shows mm.
+void UnitConnection::look_at_measurement_system() {
+  const auto parameters = receive_parameters(unit_link_->client());
+  const std::lock_guard lock(mutex_);
+  state_.measurement_system = parameters ? parameters->measurement_system : MeasurementSystem::metric;
   ++changes_;
 }
 
@@ -188,6 +198,7 @@ Result<void> UnitConnection::opened() {
   unit_link_ = std::move(*line);
   failures_ = 0;
   next_inputs_ = {};
+  wants_system_ = true;
   const std::lock_guard lock(mutex_);
   state_.link = unit_link_->name();
   state_.where = where_of(unit_link_->client());

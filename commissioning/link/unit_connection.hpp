@@ -19,6 +19,7 @@
 #include "commissioning/link/unit_link.hpp"
 #include "commissioning/session/commands.hpp"
 #include "commissioning/session/task_runner.hpp"
+#include "core/parameters.hpp"
 #include "protocol/registers/unit_data.hpp"
 
 namespace ecs::commissioning {
@@ -39,8 +40,9 @@ struct WatchedUnit {
   std::uint64_t failed = 0;                           ///< looks that brought none
   std::uint64_t times_lost = 0;                       ///< links that had to be opened again
   double per_second = 0.0;                            ///< samples, over the last two seconds
-  protocol::LinkStatistics statistics;                ///< of the open link
-  std::string problem;                                ///< why there is no link now; empty: there is one
+  MeasurementSystem measurement_system = MeasurementSystem::metric;  ///< of its parameters; without any: metric
+  protocol::LinkStatistics statistics;                               ///< of the open link
+  std::string problem;                                               ///< why there is no link now; empty: there is one
 };
 
 /// With what was sampled.
@@ -115,9 +117,11 @@ class UnitConnection {
   [[nodiscard]] Lent lend() { return Lent(*this); }
 
   /// While a token lives, samples come as fast as the link carries them (at most forty a second), else one a second.
+  /// With every new token the measurement system of the unit's parameters is read.
   class Watching {
    public:
     explicit Watching(std::shared_ptr<UnitConnection> connection) : connection_(std::move(connection)) {
+      connection_->wants_system_ = true;
       ++connection_->watchers_;
     }
     ~Watching() { --connection_->watchers_; }
@@ -148,6 +152,7 @@ class UnitConnection {
   void run(const std::stop_token& stop);
   void look();
   void look_at_inputs();
+  void look_at_measurement_system();
   [[nodiscard]] Result<void> opened();
   [[nodiscard]] Result<void> same_unit(const std::optional<protocol::Identity>& shown);
   void close();
@@ -171,6 +176,7 @@ class UnitConnection {
 
   std::atomic<int> waiting_{0};  ///< pieces of work that want the link
   std::atomic<int> watchers_{0};
+  std::atomic<bool> wants_system_{false};  ///< the measurement system is to be read
   std::mutex control_mutex_;
   JobControl* control_ = nullptr;  ///< of the work on the link
   std::atomic<bool> cancelled_{false};

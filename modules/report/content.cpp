@@ -416,6 +416,11 @@ void complete_header(const ReportArguments& arguments, ReportContent& content) {
 
 }  // namespace
 
+const params::PositionUnit& position_unit_of(const ReportContent& content) {
+  return params::position_unit(content.parameters ? content.parameters->file.parameters.measurement_system
+                                                  : MeasurementSystem::metric);
+}
+
 std::string header_value(const ReportContent& content, std::string_view key) {
   for (const auto& [name, value] : content.header)
     if (name == key) return value;

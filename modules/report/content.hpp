@@ -26,6 +26,7 @@
 #include "params/check.hpp"
 #include "params/machine.hpp"
 #include "params/parameters_toml.hpp"
+#include "params/position_unit.hpp"
 #include "protocol/registers/unit_data.hpp"
 
 namespace ecs::app {
@@ -166,6 +167,9 @@ struct ReportContent {
 /// Reads everything. Files that are missing or unfit among the measurements leave their rows; any other unreadable file
 /// is a problem, and files of different machines are refused, with every one that differs.
 [[nodiscard]] Result<ReportContent> report_content(VerbContext& context, const ReportArguments& arguments);
+
+/// In which positions of the machine are shown; mm where no parameters were given.
+[[nodiscard]] const params::PositionUnit& position_unit_of(const ReportContent& content);
 
 /// The value of a header entry; empty if there is none.
 [[nodiscard]] std::string header_value(const ReportContent& content, std::string_view key);

@@ -76,14 +76,16 @@ std::string slope_text(const TableRow& row) {
                      method == laser::SlopeMethod::end_points ? "end points" : "least squares");
 }
 
-std::string how_measured(const TableRow& row) {
+std::string how_measured(const TableRow& row, const params::PositionUnit& shown_in) {
   const MeasuredPhase& phase = row.before ? *row.before : *row.after;
   const auto lines = lines_in(phase.readings.before);
   std::vector<std::string> parts;
   if (!lines.empty()) {
     const LineSummary& line = lines.front();
-    if (const std::string parked = parked_text(line.group); !parked.empty())
-      parts.push_back(fmt::format("{} moves, {} mm", letter_of(row.planned.axis), worded(parked)));
+    laser::Group group = line.group;
+    for (double& parked_mm : group.parked_mm) parked_mm /= shown_in.mm;
+    if (const std::string parked = parked_text(group); !parked.empty())
+      parts.push_back(fmt::format("{} moves, {} {}", letter_of(row.planned.axis), worded(parked), shown_in.length));
     parts.push_back(fmt::format("{}, {}{}", counted(line.targets, "target", "targets"),
                                 counted(line.runs, "run", "runs"), line.forward && line.reverse ? " both ways" : ""));
   }
@@ -124,9 +126,9 @@ Markup component(const ReportContent& content, const TableRow& row, const std::s
                                 verdict == RowVerdict::above || verdict == RowVerdict::missing ? "class=\"badge open\""
                                                                                                : "class=\"badge\""));
   if (row.before || row.after) {
-    body += paragraph_of(how_measured(row), "class=\"how\"");
+    body += paragraph_of(how_measured(row, position_unit_of(content)), "class=\"how\"");
     body += unmeasured(content, row);
-    body += figure_of_row(row) + iso_table(row);
+    body += figure_of_row(row, position_unit_of(content)) + iso_table(row);
     if (const auto steps = processing_of(content, row); !steps.empty())
       body += paragraph_of(fmt::format("In the map: {}.", fmt::join(steps, "; ")), "class=\"how\"");
   } else {

@@ -21,27 +21,32 @@ std::string optional_mm(const std::optional<double>& value) {
   return value ? plain_number(*value) : std::string("\u2013");
 }
 
-std::string line_text(const params::MachineAxis& axis) {
+std::string from_to(double from_mm, double to_mm, const params::PositionUnit& shown_in) {
+  return fmt::format("{} … {}", plain_number(from_mm / shown_in.mm), plain_number(to_mm / shown_in.mm));
+}
+
+std::string line_text(const params::MachineAxis& axis, const params::PositionUnit& shown_in) {
   std::vector<std::string> parts;
   for (const Axis other : kAllAxes)
     if (const auto& at = axis.measurement_line_mm[index_of(other)])
-      parts.push_back(fmt::format("{} {}", letter_of(other), plain_number(*at)));
+      parts.push_back(fmt::format("{} {}", letter_of(other), plain_number(*at / shown_in.mm)));
   return parts.empty() ? "\u2013" : fmt::format("{}", fmt::join(parts, ", "));
 }
 
-Markup axes_table(const params::Machine& machine) {
+Markup axes_table(const params::Machine& machine, const params::PositionUnit& shown_in) {
   TableMarkup table(
-      columns("axis|>travel [mm]|>datum [mm]|transducer|>resolution [µm]|>screw pitch [mm]|>scale pitch "
-              "[mm]|>expansion [µm/(m\u00a0K)]|measured at [mm]"));
+      columns(fmt::format("axis|>travel [{0}]|>datum [{0}]|transducer|>resolution [µm]|>screw pitch [mm]|>scale pitch "
+                          "[mm]|>expansion [µm/(m\u00a0K)]|measured at [{0}]",
+                          shown_in.length)));
   for (const Axis axis : kAllAxes) {
     const auto& a = machine.axes[index_of(axis)];
     if (!a) continue;
     table.row({element("strong", std::string(1, letter_of(axis))),
-               text(fmt::format("{} … {}", plain_number(a->travel_mm[0]), plain_number(a->travel_mm[1]))),
-               text(plain_number(a->datum_mm)), text(a->transducer == Transducer::encoder ? "encoder" : "resolver"),
+               text(from_to(a->travel_mm[0], a->travel_mm[1], shown_in)), text(plain_number(a->datum_mm / shown_in.mm)),
+               text(a->transducer == Transducer::encoder ? "encoder" : "resolver"),
                text(plain_number(a->resolution_um)), text(optional_mm(a->screw_pitch_mm)),
                text(optional_mm(a->scale_pitch_mm)), text(optional_mm(a->expansion_um_per_m_degC)),
-               text(line_text(*a))});
+               text(line_text(*a, shown_in))});
   }
   return table.markup();
 }
@@ -128,10 +133,15 @@ Markup surroundings_table(const std::vector<Measured>& phases, const std::vector
   return table.markup();
 }
 
-Markup set_up_table(const std::vector<Measured>& phases, const std::vector<Environment>& recorded) {
-  std::vector<TableColumn> columns{{"measurement"},         {"phase"},      {"date"},
-                                   {"instrument"},          {"runs", true}, {"targets", true},
-                                   {"from … to [mm]", true}};
+Markup set_up_table(const std::vector<Measured>& phases, const std::vector<Environment>& recorded,
+                    const params::PositionUnit& shown_in) {
+  std::vector<TableColumn> columns{{"measurement"},
+                                   {"phase"},
+                                   {"date"},
+                                   {"instrument"},
+                                   {"runs", true},
+                                   {"targets", true},
+                                   {fmt::format("from … to [{}]", shown_in.length), true}};
   for (const Environment& one : recorded) columns.push_back({fmt::format("{} [{}]", one.title, one.unit), true});
   TableMarkup table(columns, "dense");
   for (const Measured& one : phases) {
@@ -144,7 +154,7 @@ Markup set_up_table(const std::vector<Measured>& phases, const std::vector<Envir
       const LineSummary& line = lines.front();
       cells.push_back(text(fmt::format("{}{}", line.runs, line.forward && line.reverse ? " × 2" : "")));
       cells.push_back(text(fmt::format("{}", line.targets)));
-      cells.push_back(text(fmt::format("{} … {}", plain_number(line.first_mm), plain_number(line.last_mm))));
+      cells.push_back(text(from_to(line.first_mm, line.last_mm, shown_in)));
     }
     for (const Environment& env : recorded) cells.push_back(text(recorded_text(*one.set, env.column)));
     table.row(cells);
@@ -152,9 +162,10 @@ Markup set_up_table(const std::vector<Measured>& phases, const std::vector<Envir
   return table.markup();
 }
 
-Markup conditions_tables(const std::vector<Measured>& phases, const std::vector<Environment>& recorded) {
-  if (recorded.size() <= kBesideSetUp) return set_up_table(phases, recorded);
-  Markup tables = set_up_table(phases, {});
+Markup conditions_tables(const std::vector<Measured>& phases, const std::vector<Environment>& recorded,
+                         const params::PositionUnit& shown_in) {
+  if (recorded.size() <= kBesideSetUp) return set_up_table(phases, recorded, shown_in);
+  Markup tables = set_up_table(phases, {}, shown_in);
   for (std::size_t at = 0; at < recorded.size(); at += kAcross) {
     const auto from = recorded.begin() + static_cast<std::ptrdiff_t>(at);
     const auto to = recorded.begin() + static_cast<std::ptrdiff_t>(std::min(recorded.size(), at + kAcross));
@@ -206,13 +217,13 @@ ReportSection machine_section(const ReportContent& content) {
             "no machine file was given: travels, transducers and measurement lines are not stated"};
   return {"machine", "Machine",
           facts_of({{"name", content.machine->name}, {"chain", content.machine->configuration}}) +
-              axes_table(*content.machine)};
+              axes_table(*content.machine, position_unit_of(content))};
 }
 
 ReportSection conditions_section(const ReportContent& content) {
   const auto phases = phases_in(content);
   const auto recorded = recorded_in(phases);
-  Markup body = conditions_tables(phases, recorded);
+  Markup body = conditions_tables(phases, recorded, position_unit_of(content));
   if (const std::string missing = not_recorded(recorded); !missing.empty()) body += absence(missing);
   body += common_metadata(phases);
   return {"conditions", "Conditions of the measurements", std::move(body)};
@@ -308,15 +319,16 @@ Markup findings_of(const std::vector<params::Finding>& findings) {
 
 // --- map
 
-Markup tables_of(const laser::ErrorMap& map) {
-  TableMarkup table(columns("component||approach|>from [mm]|>to [mm]|>points|>smallest|>largest|unit"));
+Markup tables_of(const laser::ErrorMap& map, const params::PositionUnit& shown_in) {
+  TableMarkup table(columns(
+      fmt::format("component||approach|>from [{0}]|>to [{0}]|>points|>smallest|>largest|unit", shown_in.length)));
   for (const laser::MapTable& t : map.tables) {
     if (t.position_mm.empty()) continue;
     const auto [least, most] = std::minmax_element(t.compensation.begin(), t.compensation.end());
     table.row({element("strong", name_of(t.component)), text(laser::description_of(t.component)),
-               text(commissioning::word_for(t.approach)), text(plain_number(t.position_mm.front())),
-               text(plain_number(t.position_mm.back())), text(fmt::format("{}", t.position_mm.size())), cell(*least, 2),
-               cell(*most, 2), text(unit_text(unit_of(t.component)))});
+               text(commissioning::word_for(t.approach)), text(plain_number(t.position_mm.front() / shown_in.mm)),
+               text(plain_number(t.position_mm.back() / shown_in.mm)), text(fmt::format("{}", t.position_mm.size())),
+               cell(*least, 2), cell(*most, 2), text(unit_text(unit_of(t.component)))});
   }
   return table.markup();
 }
@@ -373,7 +385,7 @@ ReportSection map_section(const ReportContent& content) {
                           {"date of the map", header.date},
                           {"configuration", header.configuration},
                           {"squareness", squareness_text(content)}});
-  body += tables_of(content.map->map) + declared_zeros(header);
+  body += tables_of(content.map->map, position_unit_of(content)) + declared_zeros(header);
   if (!header.processing.empty()) body += element("h3", "How it was made") + list_of(worded_lines(header.processing));
   body += against_map(*content.map, content.parameters.has_value());
   return {"map", "Error map", std::move(body)};

@@ -72,7 +72,8 @@ inline constexpr std::size_t kMostRivals = 5;  ///< that a page names
 [[nodiscard]] Markup cell(const std::optional<double>& value, int decimals);
 
 /// Before and after on one scale.
-[[nodiscard]] Markup figure_of_row(const TableRow& row);
+/// @param unit  of the positions
+[[nodiscard]] Markup figure_of_row(const TableRow& row, const params::PositionUnit& unit);
 
 [[nodiscard]] std::string report_page(const ReportContent& content, const Judgement& judgement);
 

@@ -110,26 +110,29 @@ Markup cell(const std::optional<double>& value, int decimals) {
 
 namespace {
 
-PlotPanel phase_panel(const MeasuredPhase& phase, std::string_view name, int decimals, std::string_view unit) {
+PlotPanel phase_panel(const MeasuredPhase& phase, std::string_view name, int decimals, std::string_view unit,
+                      const params::PositionUnit& shown_in) {
   const laser::Curve& curve = phase.readings.level.curve;
   PlotPanel panel{fmt::format("{}: band {}", name, quantity_text(phase.readings.band, decimals, unit)),
-                  fmt::format("{} position [mm]", letter_of(curve.axis)),
+                  fmt::format("{} position [{}]", letter_of(curve.axis), shown_in.length),
                   fmt::format("error [{}]", unit_text(unit)),
                   {}};
   panel.series.push_back(spread_series(phase.readings.after));
   if (curve.approach_known) panel.series.push_back(mean_series(curve, Approach::reverse));
   panel.series.push_back(mean_series(curve, Approach::forward));
+  for (PlotSeries& series : panel.series)
+    for (PlotPoint& point : series.points) point.x /= shown_in.mm;
   return panel;
 }
 
 }  // namespace
 
-Markup figure_of_row(const TableRow& row) {
+Markup figure_of_row(const TableRow& row, const params::PositionUnit& shown_in) {
   const int decimals = decimals_of(row);
   const auto unit = laser::unit_of(row.planned.sense);
   PlotFigure figure{fmt::format("{}: error curves before and after compensation", row.planned.title), {}, 1, true};
-  if (row.before) figure.panels.push_back(phase_panel(*row.before, "before", decimals, unit));
-  if (row.after) figure.panels.push_back(phase_panel(*row.after, "after", decimals, unit));
+  if (row.before) figure.panels.push_back(phase_panel(*row.before, "before", decimals, unit, shown_in));
+  if (row.after) figure.panels.push_back(phase_panel(*row.after, "after", decimals, unit, shown_in));
   return element("figure", inline_svg(figure)) + Markup::literal("\n");
 }
 

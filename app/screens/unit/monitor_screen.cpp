@@ -19,6 +19,7 @@
 #include "commissioning/unit/monitor_record.hpp"
 #include "commissioning/unit/status.hpp"
 #include "core/fault.hpp"
+#include "params/position_unit.hpp"
 
 namespace ecs::app {
 namespace {
@@ -56,18 +57,20 @@ double largest_compensation(const SampledUnit& unit) {
 constexpr int kReferenceColumn = 26;
 constexpr int kBarColumn = 59;
 
-std::string heading() {
-  return fmt::format("{:>13} {:>9}  {:<4}{:<4}{:<6}{:<9}{:>8}  {:^11}  {}", "position mm", "mm/min", "ref", "sw",
-                     "mark", "approach", "comp. um", "as a bar", "relay");
+std::string heading(const params::PositionUnit& unit) {
+  return fmt::format("{:>13} {:>9}  {:<4}{:<4}{:<6}{:<9}{:>8}  {:^11}  {}", fmt::format("position {}", unit.length),
+                     unit.speed, "ref", "sw", "mark", "approach", "comp. um", "as a bar", "relay");
 }
 
 /// @param sound  the unit has no fault: a reference counts for something
-void draw_axis(Canvas& canvas, const Area& area, int row, Axis axis, const AxisSample& a, double most_um, bool sound) {
-  canvas.text(area, row, 1,
-              fmt::format("{} {:>11.4f} {:>9.1f}  {:<4}{:<4}{:<6}{:<9}{:>8.2f}", letter_of(axis), a.position_mm,
-                          a.speed_mm_min, a.referenced ? "yes" : "no", a.switch_active ? "on" : "off",
-                          a.marker ? "seen" : "-", name_of(a.approach), a.compensation_um),
-              Tone::strong);
+void draw_axis(Canvas& canvas, const Area& area, int row, Axis axis, const AxisSample& a, double most_um, bool sound,
+               const params::PositionUnit& unit) {
+  canvas.text(
+      area, row, 1,
+      fmt::format("{} {:>11} {:>9}  {:<4}{:<4}{:<6}{:<9}{:>8.2f}", letter_of(axis), unit.position(a.position_mm),
+                  unit.speed_of(a.speed_mm_min), a.referenced ? "yes" : "no", a.switch_active ? "on" : "off",
+                  a.marker ? "seen" : "-", name_of(a.approach), a.compensation_um),
+      Tone::strong);
   canvas.paint({area.row + row, area.column + kReferenceColumn, 1, 3},
                a.referenced && sound ? Tone::good : Tone::warning);
   draw_bar(canvas, area, row, kBarColumn, a.compensation_um / most_um);
@@ -112,12 +115,13 @@ void draw_monitor(Canvas& canvas, const Area& area, const SampledUnit& unit, dou
                     fmt::format("{:.1f} samples a second, {} requests failed, {} ", unit.per_second, unit.failed,
                                 old ? fmt::format("OLD: {:.0f} s", age_s) : fmt::format("{:.0f} ms old", 1e3 * age_s)),
                     old ? Tone::bad : Tone::faint);
-  canvas.text(area, 2, 1, heading(), Tone::faint);
+  const params::PositionUnit& shown_in = params::position_unit(unit.measurement_system);
+  canvas.text(area, 2, 1, heading(shown_in), Tone::faint);
   const double most_um = largest_compensation(unit);
   int row = 3;
   for (const Axis axis : kAllAxes)
     if (sample.axes[index_of(axis)].present)
-      draw_axis(canvas, area, row++, axis, sample.axes[index_of(axis)], most_um, sample.fault == Fault::none);
+      draw_axis(canvas, area, row++, axis, sample.axes[index_of(axis)], most_um, sample.fault == Fault::none, shown_in);
   const Area below{area.row + row, area.column + 1, std::min(2, area.rows - row), area.columns - 2};
   if (!unit.problem.empty())
     canvas.paragraph(below, 0, unit.problem, Tone::bad);
@@ -303,7 +307,8 @@ class MonitorScreen final : public KeyedScreen {
   }
 
   [[nodiscard]] PlotPanel strip_panel() const {
-    const char* units[] = {"mm", "mm/min", "um"};
+    const params::PositionUnit& unit = params::position_unit(seen_.measurement_system);
+    const std::string_view units[] = {unit.length, unit.speed, "um"};
     const char* names[] = {"position", "speed", "compensation"};
     PlotPanel panel;
     panel.x_label = "s";
@@ -315,8 +320,9 @@ class MonitorScreen final : public KeyedScreen {
     for (const MonitorSample& sample : seen_.samples) {
       if (time_s(sample) < time_s(seen_.samples.back()) - kStrip_s) continue;
       const AxisSample& a = sample.axes[index_of(axis_)];
-      const double value =
-          strip_ == Strip::position ? a.position_mm : (strip_ == Strip::speed ? a.speed_mm_min : a.compensation_um);
+      const double value = strip_ == Strip::position ? a.position_mm / unit.mm
+                           : strip_ == Strip::speed  ? a.speed_mm_min / unit.mm
+                                                     : a.compensation_um;
       series.points.push_back({time_s(sample), value});
     }
     if (!seen_.samples.empty()) panel.series.push_back(std::move(series));

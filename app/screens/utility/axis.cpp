@@ -67,7 +67,8 @@ class PositionScreen final : public AxesScreen {
       canvas.text(inside, row++, 0, "Set here, newest first (press u to undo the newest):", Tone::faint);
     for (auto it = done_.rbegin(); it != done_.rend() && row < inside.rows - 3; ++it)
       canvas.text(inside, row++, 2,
-                  fmt::format("{}  {:>13.4f} mm, was {:.4f} mm", letter_of(it->axis), it->after_mm, it->before_mm));
+                  fmt::format("{}  {:>13} {}, was {}", letter_of(it->axis), shown_in().position(it->after_mm),
+                              shown_in().length, shown_in().with_unit(it->before_mm)));
     draw_message(canvas, last_rows(inside, 2), message_);
   }
 
@@ -84,26 +85,29 @@ class PositionScreen final : public AxesScreen {
   void type() {
     if (busy() || !unit_integrates()) return;
     const Axis axis = chosen();
-    prompt_.ask(fmt::format("New position of {}, mm:", letter_of(axis)), Prompt::Kind::number, "",
-                [this, axis](const std::string& typed) -> std::string {
-                  const auto mm = number_in(typed);
-                  if (!mm) return fmt::format("expected a position in mm, found \"{}\"", typed);
-                  if (std::abs(*mm) > kLargest_mm)
-                    return fmt::format("expected a position within +/-{:.0f} mm, found {}", kLargest_mm, typed);
-                  asking_.ask(question(axis, *mm), [this, axis, mm = *mm] { start(axis, mm, std::nullopt); });
+    prompt_.ask(fmt::format("New position of {}, {}:", letter_of(axis), shown_in().length), Prompt::Kind::number, "",
+                [this, axis, &unit = shown_in()](const std::string& typed) -> std::string {
+                  const auto number = number_in(typed);
+                  if (!number) return fmt::format("expected a position in {}, found \"{}\"", unit.length, typed);
+                  const double mm = *number * unit.mm;
+                  if (std::abs(mm) > kLargest_mm)
+                    return fmt::format("expected a position within +/-{:.0f} {}, found {}", kLargest_mm / unit.mm,
+                                       unit.length, typed);
+                  asking_.ask(question(axis, mm), [this, axis, mm] { start(axis, mm, std::nullopt); });
                   return {};
                 });
   }
 
   [[nodiscard]] Question question(Axis axis, double position_mm) const {
     const protocol::AxisSample* now = unit_.axis(axis);
-    const std::string shown = now == nullptr ? "" : fmt::format(" It shows {:.4f} mm now.", now->position_mm);
+    const std::string shown =
+        now == nullptr ? "" : fmt::format(" It shows {} now.", shown_in().with_unit(now->position_mm));
     const std::string reference =
         now != nullptr && now->referenced
             ? " The axis stays marked as referenced, but its positions are no longer machine coordinates: reference "
               "the machine again (compensation mode does) before relying on them."
             : " The axis does not become referenced by this: only its reference sequence does that.";
-    return {fmt::format("Show {:.4f} mm for axis {}?", position_mm, letter_of(axis)),
+    return {fmt::format("Show {} for axis {}?", shown_in().with_unit(position_mm), letter_of(axis)),
             "Nothing moves: only the number changes, and the unit counts on from there." + shown + reference, "set it",
             "cancel"};
   }
@@ -135,9 +139,9 @@ class PositionScreen final : public AxesScreen {
                     done_.push_back(*set);
                   note_on_unit(*connection_,
                                {"utility", "position", std::string(1, letter_of(set->axis)), shortest(set->after_mm)});
-                  message_.say(fmt::format("Axis {} {} {:.4f} mm; it showed {:.4f} mm.{}", letter_of(set->axis),
-                                           is_undo ? "is back at" : "now shows", set->after_mm, set->before_mm,
-                                           is_undo ? "" : " Press u to undo."));
+                  message_.say(fmt::format("Axis {} {} {}; it showed {}.{}", letter_of(set->axis),
+                                           is_undo ? "is back at" : "now shows", shown_in().with_unit(set->after_mm),
+                                           shown_in().with_unit(set->before_mm), is_undo ? "" : " Press u to undo."));
                 });
   }
 

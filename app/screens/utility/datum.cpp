@@ -285,8 +285,8 @@ class DatumTestScreen final : public DatumScreen {
 
   void draw_rows(Canvas& canvas, const Area& area) const {
     canvas.text(area, 0, 0,
-                fmt::format("  {:<10} {:<18} {:>13} {:>10}  {:<8}{:<8}", "axis", "stage", "position mm", "mm/min",
-                            "switch", "marker"),
+                fmt::format("  {:<10} {:<18} {:>13} {:>10}  {:<8}{:<8}", "axis", "stage",
+                            fmt::format("position {}", shown_in().length), shown_in().speed, "switch", "marker"),
                 Tone::faint);
     int r = 0;
     for (const AxisRow& row : rows_) {
@@ -301,8 +301,9 @@ class DatumTestScreen final : public DatumScreen {
                   here ? Tone::selected : state.tone);
       if (s != nullptr)
         canvas.text(area, r, 32,
-                    fmt::format("{:>13.4f} {:>10.1f}  {:<8}{:<8}", s->position_mm, s->speed_mm_min,
-                                s->switch_active ? "on" : "off", s->marker ? "seen" : "-"),
+                    fmt::format("{:>13} {:>10}  {:<8}{:<8}", shown_in().position(s->position_mm),
+                                shown_in().speed_of(s->speed_mm_min), s->switch_active ? "on" : "off",
+                                s->marker ? "seen" : "-"),
                     here ? Tone::selected : Tone::plain);
     }
   }

@@ -106,10 +106,11 @@ void AxesScreen::draw_unit_row(Canvas& canvas, const Area& area) const {
 }
 
 void AxesScreen::draw_axis_rows(Canvas& canvas, const Area& area, Axis chosen) const {
-  canvas.text(area, kAxesRow, 0,
-              fmt::format("  {:<4} {:>13} {:>10}  {:<11}{:<8}{:<8}{}", "axis", "position mm", "mm/min", "referenced",
-                          "switch", "marker", "relay"),
-              Tone::faint);
+  canvas.text(
+      area, kAxesRow, 0,
+      fmt::format("  {:<4} {:>13} {:>10}  {:<11}{:<8}{:<8}{}", "axis", fmt::format("position {}", shown_in().length),
+                  shown_in().speed, "referenced", "switch", "marker", "relay"),
+      Tone::faint);
   int r = kAxesRow;
   for (const Axis a : unit_.axes()) {
     ++r;
@@ -120,9 +121,10 @@ void AxesScreen::draw_axis_rows(Canvas& canvas, const Area& area, Axis chosen) c
         area, r, 0,
         fmt::format("{} {:<4} ", here ? ">" : " ", letter_of(a)) +
             (s == nullptr ? fmt::format("{:>13}", "not seen yet")
-                          : fmt::format("{:>13.4f} {:>10.1f}  {:<11}{:<8}{:<8}{}", s->position_mm, s->speed_mm_min,
-                                        s->referenced ? "yes" : "no", s->switch_active ? "on" : "off",
-                                        s->marker ? "seen" : "-", s->relay_closed ? "CLOSED" : "open")),
+                          : fmt::format("{:>13} {:>10}  {:<11}{:<8}{:<8}{}", shown_in().position(s->position_mm),
+                                        shown_in().speed_of(s->speed_mm_min), s->referenced ? "yes" : "no",
+                                        s->switch_active ? "on" : "off", s->marker ? "seen" : "-",
+                                        s->relay_closed ? "CLOSED" : "open")),
         here ? Tone::selected : (unit_.fresh ? Tone::plain : Tone::faint));
   }
 }

@@ -11,6 +11,7 @@
 #include "app/ui/widgets.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/utility/unit_view.hpp"
+#include "params/position_unit.hpp"
 
 namespace ecs::app {
 
@@ -60,6 +61,10 @@ class AxesScreen : public KeyedScreen {
   [[nodiscard]] bool unit_integrates();
   /// The key that drives the machine, named where there is one.
   [[nodiscard]] KeyRow drive_row();
+  /// In which positions are shown.
+  [[nodiscard]] const params::PositionUnit& shown_in() const {
+    return params::position_unit(unit_.watched.measurement_system);
+  }
   /// Why there is no answer, over two rows; else the unit's name, mode and fault on one.
   void draw_unit_row(Canvas& canvas, const Area& area) const;
   /// Heading and a row for each axis: position, speed, referenced, switch, marker, relay; `chosen` is marked.

@@ -9,10 +9,12 @@
 
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
+#include "app/verbs/utility/shown.hpp"
 #include "base/answer_table.hpp"
 #include "base/text.hpp"
 #include "commissioning/unit/status.hpp"
 #include "commissioning/unit/utility_work.hpp"
+#include "params/position_unit.hpp"
 
 namespace ecs::app {
 namespace {
@@ -39,10 +41,15 @@ struct PositionRequest {
 
 Result<Outcome> set_position(VerbContext& context, const PositionRequest& request) {
   ECS_TRY(axis, axis_named(request.axis));
-  return simple(
-      context, [&](protocol::UnitClient& client) { return client.set_axis_position(axis, request.position_mm); },
-      record_cell("axis {axis} now shows {position_mm} mm", "axis"_is(request.axis),
-                  "position_mm"_is(request.position_mm)));
+  ECS_TRY(unit, open_unit(context));
+  ECS_DO(unit.client().set_axis_position(axis, request.position_mm));
+  const params::PositionUnit& shown_in = position_unit_for(context, unit);
+  const std::string given = fmt::format("{} mm", request.position_mm);
+  return outcome_of(record_cell(
+      "axis {axis} now shows {position_mm}", "axis"_is(request.axis),
+      "position_mm"_is(
+          request.position_mm,
+          shown_in.mm == 1.0 ? given : fmt::format("{} ({})", shown_in.with_unit(request.position_mm), given))));
 }
 
 struct OutputRequest {

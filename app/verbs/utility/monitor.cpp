@@ -8,10 +8,12 @@
 #include "app/cli/module.hpp"
 #include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
+#include "app/verbs/utility/shown.hpp"
 #include "base/answer_table.hpp"
 #include "commissioning/unit/monitor_record.hpp"
 #include "commissioning/unit/status.hpp"
 #include "core/fault.hpp"
+#include "params/position_unit.hpp"
 
 namespace ecs::app {
 namespace {
@@ -40,22 +42,23 @@ struct MonitorRequest {
 
 double time_s(const MonitorSample& sample) { return static_cast<double>(sample.unit_time_us) * 1e-6; }
 
-Cell axis_cell(Axis axis, const AxisSample& a) {
+Cell axis_cell(Axis axis, const AxisSample& a, const params::PositionUnit& unit) {
   return record_cell(
       "{axis:<4} {position_mm:>11} {speed_mm_min:>14} {referenced:<3} {switch:<6} {marker:<6} {approach:<8} "
       "{compensation_um:>7} {output_counts:>6} {relay_closed}\n",
-      "axis"_shown(std::string(1, letter_of(axis))), "position_mm"_is(a.position_mm, 4),
-      "speed_mm_min"_is(a.speed_mm_min, 1), "referenced"_is(a.referenced, "yes", "no"),
+      "axis"_shown(std::string(1, letter_of(axis))), "position_mm"_is(a.position_mm, unit.position(a.position_mm)),
+      "speed_mm_min"_is(a.speed_mm_min, unit.speed_of(a.speed_mm_min)), "referenced"_is(a.referenced, "yes", "no"),
       "switch"_is(a.switch_active, "on", "off"), "marker"_is(a.marker, "seen", "-"), "approach"_is(name_of(a.approach)),
       "compensation_um"_is(a.compensation_um, 2), "output_counts"_is(a.output_counts),
       "relay_closed"_is(a.relay_closed, "closed", "open"));
 }
 
-Cell axes_cell(const MonitorSample& sample) {
-  Cell axes{Json::object(), "axis position/mm speed/(mm/min) ref switch marker approach comp/um    D/A relay\n"};
+Cell axes_cell(const MonitorSample& sample, const params::PositionUnit& unit) {
+  Cell axes{Json::object(), fmt::format("axis position/{} speed/({}) ref switch marker approach comp/um    D/A relay\n",
+                                        unit.length, unit.speed)};
   for (const Axis axis : kAllAxes) {
     if (!sample.axes[index_of(axis)].present) continue;
-    const Cell one = axis_cell(axis, sample.axes[index_of(axis)]);
+    const Cell one = axis_cell(axis, sample.axes[index_of(axis)], unit);
     axes.json[std::string(1, letter_of(axis))] = one.json;
     axes.text += one.text;
   }
@@ -69,12 +72,12 @@ Json surroundings_json(const Surroundings& surroundings) {
   return object;
 }
 
-Cell sample_cell(const MonitorSample& sample, const std::string& link) {
+Cell sample_cell(const MonitorSample& sample, const std::string& link, const params::PositionUnit& unit) {
   const std::string_view fault = ecs::text_of(sample.fault).name;
   return record_cell("{time_s} s, {mode}{fault}\n{axes}", "number"_is(sample.number), "time_s"_is(time_s(sample), 3),
                      "mode"_is(ecs::name_of(sample.mode)),
                      "fault"_is(fault, sample.fault == Fault::none ? std::string() : fmt::format(", fault {}", fault)),
-                     "axes"_is(axes_cell(sample)), "link"_is(link));
+                     "axes"_is(axes_cell(sample, unit)), "link"_is(link));
 }
 
 /// Samples until the count is reached, a signal comes, the link is lost or nobody reads them.
@@ -86,10 +89,11 @@ Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorRequest& r
     if (!environment)
       return problem(ProblemKind::usage, "--environment: this program was built without device support");
   }
+  const params::PositionUnit& shown_in = position_unit_for(context, unit);
   for (int i = 0; request.count == 0 || i < request.count; ++i) {
     if (i > 0 && !unit.client().link().pause(std::chrono::milliseconds(request.interval_ms))) return {};
     ECS_TRY(sample, unit.client().monitor());
-    Cell shown = sample_cell(sample, unit.name());
+    Cell shown = sample_cell(sample, unit.name(), shown_in);
     const Surroundings surroundings = environment ? environment->now() : Surroundings();
     if (environment) {
       shown.json["environment"] = surroundings_json(surroundings);

@@ -191,5 +191,17 @@ TEST_CASE("the report gives the fault of the unit and whether its map is this on
   CHECK(contains(c.html(), "The unit contained another map or other parameters"));
 }
 
+TEST_CASE("with imperial parameters the positions of a report are in inches, and its errors in um") {
+  const Commissioning c;
+  c.add_machine();
+  c.add_map();
+  REQUIRE(c.report().code == 0);
+  check_holds(c.html(), {"X position [mm]", "travel [mm]", "0 … 1000", "from … to [mm]"});
+  (void)ran({"params", "set", c.folder / "parameters.toml", "configuration.measurement_system=imperial"});
+  REQUIRE(c.report().code == 0);
+  check_holds(c.html(), {"X position [in]", "error [µm]", "travel [in]", "0 … 39.37", "from … to [in]"});
+  CHECK_FALSE(contains(c.html(), "position [mm]"));
+}
+
 }  // namespace
 }  // namespace ecs::app

@@ -1,6 +1,7 @@
 // SET AXIS POSITION, OUTPUT COMPENSATION VALUE and driving on the emulated unit.
 #include "app/screens/unit/screens.hpp"
 #include "app/screens/utility/screens.hpp"
+#include "commissioning/unit/transfer.hpp"
 #include "commissioning/unit/utility_work.hpp"
 #include "commissioning/utility/unit_view.hpp"
 #include "tests/screens/support/unit_screen.hpp"
@@ -36,6 +37,27 @@ TEST_CASE("a position is typed, confirmed, set, shown live and undone") {
   (void)picture(screen);
   REQUIRE(shows_after(screen, "u", "Axis Y is back at 0.0000 mm"));
   CHECK(shows(screen, "Y           0.0000"));
+}
+
+TEST_CASE("with imperial parameters positions are shown and typed in inches, and the unit counts in mm") {
+  const UnitBench bench;
+  bench.wait_for_unit();
+  auto file = must(params::read_parameters("samples/mill/parameters.toml"));
+  file.parameters.measurement_system = MeasurementSystem::imperial;
+  REQUIRE(bench.with_link([&](UnitLink& link) { return send_parameters(link.client(), file.parameters, {}); }));
+  const auto screen_made = position_screen(bench.controller);
+  Screen& screen = *screen_made;
+  REQUIRE(shows(screen, "position in"));
+  CHECK(contains(picture(screen), "in/min"));
+  (void)after(screen, "y\n");
+  CHECK(contains(after(screen, "-10"), "New position of Y, in: -10"));
+  CHECK(contains(after(screen, "\n"), "Show -10.00000 in for axis Y?"));
+  REQUIRE(shows_after(screen, "y", "Axis Y now shows -10.00000 in; it showed 0.00000 in."));
+  CHECK(shows(screen, "Y        -10.00000"));
+  const auto sample = must(bench.with_link([](UnitLink& link) { return link.client().monitor(); }));
+  CHECK(sample.axes[1].position_mm == Approx(-254.0));
+  const auto monitor = monitor_screen(bench.controller);
+  CHECK(shows(*monitor, "Y   -10.00000      0.00"));
 }
 
 TEST_CASE("answering no sets nothing") {
