@@ -123,7 +123,7 @@ ecs_folder(app/verbs/memory app/cli base commissioning/memory commissioning/sess
 ecs_folder(app/verbs/model app/cli app/plot base commissioning/measurements commissioning/models commissioning/plot
            commissioning/session commissioning/volume laser/writers model/diagnosis model/effects model/planning
            volume fmt::fmt)
-ecs_folder(app/verbs/params app/cli base commissioning/parameters commissioning/session commissioning/unit params
+ecs_folder(app/verbs/params app/cli base commissioning/parameters commissioning/session commissioning/unit core params
            fmt::fmt)
 ecs_folder(app/verbs/unit app/cli base commissioning/link commissioning/unit fmt::fmt)
 ecs_folder(app/verbs/utility app/cli base commissioning/session commissioning/unit core params protocol/registers

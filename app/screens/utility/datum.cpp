@@ -27,7 +27,7 @@ using DatumLive = Reported<DatumSeen>;
 
 void begin(DatumLive& live, const UnitLink& link, Axis axis) {
   live.change([&](DatumSeen& seen) {
-    seen = {std::move(seen.sample), std::move(seen.status), std::move(seen.tests), link.workshop(), axis};
+    seen = {seen.sample, seen.status, std::move(seen.tests), link.workshop(), axis};
   });
 }
 

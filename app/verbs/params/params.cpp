@@ -1,6 +1,7 @@
 // `ecs params show, check, set, diff, new`: what works on parameter files; show and diff also look into a unit. `send`
-// and `receive`: the parameters between file and unit.
+// and `receive`: the parameters between file and unit. `adjust`: a squareness value in the unit by an indicator.
 
+#include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
@@ -12,6 +13,8 @@
 #include "commissioning/session/commands.hpp"
 #include "commissioning/unit/status.hpp"
 #include "commissioning/unit/transfer.hpp"
+#include "commissioning/unit/utility_work.hpp"
+#include "core/parameters.hpp"
 #include "params/check.hpp"
 #include "params/fields.hpp"
 #include "params/parameters_toml.hpp"
@@ -244,6 +247,67 @@ Result<Outcome> scale(VerbContext&, const ScaleRequest& request) {
                   "set"_shown("ecs params set FILE axis.X.position_scale_um_per_count=" + value)));
 }
 
+// --- adjust
+struct AdjustRequest {
+  std::string component;
+  double reading_um = 0.0, over_mm = 0.0, nothing_um = 1.0;
+  static Fields<AdjustRequest> fields() {
+    using R = AdjustRequest;
+    return {{"COMPONENT", &R::component, "squareness value", Words{"C0Y", "B0Z", "A0Z"}, Need::required},
+            {"UM", &R::reading_um,
+             "displacement of the tool that the indicator shows: along X for C0Y and B0Z, along Y for A0Z [um]",
+             Need::required},
+            {"--over-mm", &R::over_mm,
+             "distance over which it shows this, in the positive direction of Y for C0Y, of Z for B0Z and A0Z [mm]",
+             Range{1.0, 1e5}, Need::required},
+            {"--nothing-um", &R::nothing_um, "reading that counts as nothing [um]", Range{0.0, 1e3}}};
+  }
+};
+
+/// Squareness that is left, by the term with which the unit corrects it; nothing if it does not.
+std::optional<double> squareness_left(const UnitParameters& parameters, Component component, double reading_um,
+                                      double over_mm) {
+  const auto terms = terms_of(parameters);
+  if (!terms) return std::nullopt;
+  constexpr double kMmPerM = 1000.0;
+  for (const Term& term : *terms)
+    if (term.component == component) return reading_um / (term.sign * over_mm / kMmPerM);
+  return std::nullopt;
+}
+
+/// The value changed by what the indicator shows, sent, and the unit back in the mode in which it was (thesis 7.2.4).
+Result<Outcome> adjust(VerbContext& context, const AdjustRequest& request) {
+  ECS_TRY(unit, open_unit(context));
+  ECS_TRY(status, unit.client().status());
+  ECS_TRY(parameters, receive_parameters(unit.client()));
+  const Component component = *component_of(request.component);
+  const auto left = squareness_left(parameters, component, request.reading_um, request.over_mm);
+  if (!left)
+    return problem(ProblemKind::refused, fmt::format("the unit does not correct {}: its scope or its axes do not "
+                                                     "contain it (compensation.scope)",
+                                                     request.component));
+  const double before = squareness_um_per_m(parameters, component), after = before + *left;
+  const bool shows_nothing = std::abs(request.reading_um) <= request.nothing_um;
+  const bool compensated = status.mode == UnitMode::compensating || status.mode == UnitMode::datuming;
+  if (!shows_nothing) {
+    ECS_DO(params::set(parameters, fmt::format("compensation.squareness.{}_um_per_m", request.component),
+                       fmt::format("{:.4f}", after)));
+    ECS_DO(unit.client().enter_integration());
+    ECS_DO(send_parameters(unit.client(), parameters, {}, UnfitMap::refuse, progress_bar(context, "sending")));
+    if (compensated) {
+      ECS_DO(begin_compensation(unit.client()));
+      ask_to_reference(context, unit, "every axis");
+    }
+  }
+  return outcome_of(record_cell(
+      shows_nothing ? "{component}: {before} um/m stays: the indicator shows nothing above {nothing_um} um\n"
+                    : "{component}: {before} -> {after} um/m, sent and verified\n{then}",
+      "component"_is(request.component), "before"_is(before, 2), "after"_is(shows_nothing ? before : after, 2),
+      "nothing_um"_is(request.nothing_um), "adjusted"_is(!shows_nothing),
+      "then"_shown(compensated ? "the unit compensates again when every axis has been referenced; then measure again\n"
+                               : "the unit is in integration mode\n")));
+}
+
 struct SendRequest {
   std::string file;
   bool force = false, other_machine = false, accept_incomplete = false;
@@ -327,6 +391,8 @@ extern const std::vector<Action> kParameters{
            "ecs params receive -o from-unit.toml --link rtu:/dev/ttyUSB0:115200", receive,
            {.link = Link::reads, .logged = Logged::when_written, .kind = "transfer"}),
     action("params scale", "compute the travel per position count from encoder, screw and gear",
-           "ecs params scale --lines 2500 --pitch-mm 10", scale)};
+           "ecs params scale --lines 2500 --pitch-mm 10", scale),
+    action("params adjust", "adjust a squareness value in the unit until the indicator shows nothing",
+           "ecs params adjust C0Y 4.5 --over-mm 300 --link rtu:/dev/ttyUSB0:115200", adjust, {.link = Link::writes})};
 
 }  // namespace ecs::app
