@@ -262,27 +262,121 @@ double way_of(const Reading& from, const Reading& to) {
   return from.rotary ? std::remainder(way, kTurn_deg) : way;
 }
 
-/// From the readings before and behind, where noise changes it by at most a tenth, so that regressions on it are wrong
-/// by a hundredth; else it is 1.
-void take_slope(const Scan& scan) {
-  constexpr double kMostNoise = 0.1;
-  const Reading& first = *scan.front();
-  if (is_rotation(first.sense) != first.rotary || direction_of(first.sense) != first.axis || scan.size() < 3) return;
-  const double in_um = first.rotary ? kUmPerMPerDegree : kUmPerMm;
-  std::vector<double> bends;  // third differences: noise, for waves bend slowly
+/// A scan from one reversal to the next: readings [first, last), which come from one side, by their way from its first.
+struct Stroke {
+  std::size_t first = 0, last = 0;
+};
+
+std::vector<Stroke> strokes_of(const Scan& scan) {
+  std::vector<Stroke> strokes;
+  double direction = 0.0;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const double way = i == 0 ? 0.0 : way_of(*scan[i - 1], *scan[i]);
+    const bool turns = std::abs(way) > kSamePlace_mm && way * direction < 0.0;
+    if (std::abs(way) > kSamePlace_mm) direction = way;
+    if (strokes.empty() || turns) strokes.push_back({i, i});
+    ++strokes.back().last;
+  }
+  return strokes;
+}
+
+/// Slope at its middle of a parabola through readings around one of them, by least squares: waves bend it, and the
+/// readings of an end lie on one side of it.
+class LocalSlope {
+ public:
+  void add(double way, double error) {
+    const Eigen::Vector3d powers(1.0, way, way * way);
+    products_ += powers * powers.transpose();
+    sums_ += error * powers;
+    ++readings_;
+  }
+  /// @param noise  of one reading; nothing where it changes the slope by more than `most`
+  [[nodiscard]] std::optional<double> within(double noise, double most) const {
+    if (readings_ < 3) return std::nullopt;
+    const Eigen::LDLT<Eigen::Matrix3d> solver(products_);
+    const Eigen::Vector3d of_slope = solver.solve(Eigen::Vector3d::UnitY());
+    if (!solver.isPositive() || !(of_slope[1] > 0.0) || noise * std::sqrt(of_slope[1]) > most) return std::nullopt;
+    return of_slope.dot(sums_);
+  }
+
+ private:
+  std::size_t readings_ = 0;
+  Eigen::Matrix3d products_ = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d sums_ = Eigen::Vector3d::Zero();
+};
+
+/// Of one reading less those around it: third differences, for waves bend slowly.
+double noise_of(const Scan& scan) {
+  std::vector<double> bends;
   for (std::size_t i = 1; i + 2 < scan.size(); ++i)
     bends.push_back(
-        std::abs(scan[i + 2]->error - 3.0 * scan[i + 1]->error + 3.0 * scan[i]->error - scan[i - 1]->error) / in_um);
-  if (bends.empty()) return;
+        std::abs(scan[i + 2]->error - 3.0 * scan[i + 1]->error + 3.0 * scan[i]->error - scan[i - 1]->error));
+  if (bends.empty()) return std::numeric_limits<double>::infinity();
   constexpr double kMedianOfNormal = 0.6745, kThirdDifference = 20.0;  // variance of 1, -3, 3, -1
-  const double noise = median_of(std::move(bends)) / kMedianOfNormal / std::sqrt(kThirdDifference);
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    double& slope = scan[i]->extras[std::string(kReadingSlopeColumn)] = 1.0;
-    if (i == 0 || i + 1 == scan.size()) continue;
-    const double way = way_of(*scan[i - 1], *scan[i + 1]);
-    if (std::abs(way) > kSamePlace_mm && std::sqrt(2.0) * noise <= kMostNoise * std::abs(way))
-      slope += (scan[i + 1]->error - scan[i - 1]->error) / in_um / way;
+  return median_of(std::move(bends)) / kMedianOfNormal / std::sqrt(kThirdDifference);
+}
+
+/// From as few readings around each as noise allows to change it by at most a tenth, so that regressions on it are
+/// wrong by a hundredth; never from those beyond a reversal, which lost motion displaces. Else it is 1.
+void take_slope(const Scan& scan) {
+  constexpr double kMostNoise = 0.1;
+  constexpr std::size_t kMostAround = 100;  // on each side: further away noise drowns the readings anyway
+  const Reading& one = *scan.front();
+  if (is_rotation(one.sense) != one.rotary || direction_of(one.sense) != one.axis) return;
+  const double in_um = one.rotary ? kUmPerMPerDegree : kUmPerMm, noise = noise_of(scan);
+  for (const Stroke& stroke : strokes_of(scan)) {
+    for (std::size_t i = stroke.first; i < stroke.last; ++i) {
+      LocalSlope around;
+      std::optional<double> slope;
+      const auto take = [&](std::size_t j) { around.add(way_of(*scan[i], *scan[j]), scan[j]->error); };
+      take(i);
+      for (std::size_t far = 1; far <= kMostAround && !slope; ++far) {
+        if (i >= stroke.first + far) take(i - far);
+        if (i + far < stroke.last) take(i + far);
+        slope = around.within(noise, kMostNoise * in_um);
+      }
+      scan[i]->extras[std::string(kReadingSlopeColumn)] = 1.0 + slope.value_or(0.0) / in_um;
+    }
   }
+}
+
+std::vector<Scan> scans_of(MeasurementSet& set) {
+  std::map<std::tuple<Axis, bool, Sense>, Scan> scans;
+  for (Reading& reading : set.readings) scans[{reading.axis, reading.rotary, reading.sense}].push_back(&reading);
+  std::vector<Scan> list;
+  for (auto& [of, scan] : scans) list.push_back(std::move(scan));
+  return list;
+}
+
+/// Readings that tell a delay from lost motion wrongly: while the axis starts or stops within an interval its speed is
+/// not known, and just behind a reversal lost motion is still being taken up. A delay may last an interval.
+std::vector<bool> misleading(MeasurementSet& set) {
+  constexpr double kJump = 0.25;     // of the usual speed: that of the reading is then known to an eighth of it
+  constexpr double kTakenUp = 0.01;  // of the stroke: more than any axis has of lost motion
+  std::vector<bool> list(set.readings.size(), false);
+  const auto leave_out = [&](const Reading* reading) {
+    list[static_cast<std::size_t>(reading - set.readings.data())] = true;
+  };
+  for (const Scan& scan : scans_of(set)) {
+    std::vector<double> speeds, moving;
+    for (std::size_t i = 1; i < scan.size(); ++i) {
+      speeds.push_back(way_of(*scan[i - 1], *scan[i]) / (*scan[i]->time_s - *scan[i - 1]->time_s));
+      if (std::abs(way_of(*scan[i - 1], *scan[i])) > kSamePlace_mm) moving.push_back(std::abs(speeds.back()));
+    }
+    if (moving.empty()) continue;
+    const double usual = median_of(std::move(moving));
+    for (std::size_t i = 1; i + 1 < scan.size(); ++i)
+      if (std::abs(speeds[i] - speeds[i - 1]) > kJump * usual)
+        for (const std::size_t j : {i - 1, i, i + 1}) leave_out(scan[j]);
+    for (const Stroke& stroke : strokes_of(scan)) {
+      std::vector<double> ways;  // from the turning point
+      for (std::size_t i = stroke.first; i < stroke.last; ++i)
+        ways.push_back((ways.empty() ? 0.0 : ways.back()) + (i == 0 ? 0.0 : std::abs(way_of(*scan[i - 1], *scan[i]))));
+      for (std::size_t i = stroke.first; i < stroke.last; ++i)
+        if (ways[i - stroke.first] < kTakenUp * ways.back()) leave_out(scan[i]);
+    }
+  }
+  return list;
 }
 
 }  // namespace
@@ -291,14 +385,13 @@ void take_speed(MeasurementSet& set, double longest_interval_s) {
   constexpr double kSecondsPerMinute = 60.0;
   const auto has_speed = [](const Reading& reading) { return reading.extras.contains(speed_column(reading.rotary)); };
   if (std::ranges::any_of(set.readings, [&](const Reading& r) { return !r.time_s || has_speed(r); })) return;
-  std::map<std::tuple<Axis, bool, Sense>, Scan> scans;
-  for (Reading& reading : set.readings) scans[{reading.axis, reading.rotary, reading.sense}].push_back(&reading);
+  const std::vector<Scan> scans = scans_of(set);
   std::vector<double> intervals_s;
-  for (const auto& [of, scan] : scans)
+  for (const Scan& scan : scans)
     for (std::size_t i = 1; i < scan.size(); ++i) intervals_s.push_back(*scan[i]->time_s - *scan[i - 1]->time_s);
   if (intervals_s.empty() || median_of(std::move(intervals_s)) > longest_interval_s) return;
   bool any = false;
-  for (const auto& [of, scan] : scans) {
+  for (const Scan& scan : scans) {
     take_slope(scan);
     for (std::size_t i = 0; i < scan.size(); ++i) {
       const Reading& before = *scan[i == 0 ? 0 : i - 1];
@@ -330,16 +423,23 @@ void keep_in_motion(MeasurementSet& set) {
     before->second = target_of(reading);
     if (step[i] > kSamePlace_mm) moved.push_back(step[i]);
   }
+  const bool has_times = std::ranges::all_of(set.readings, [](const Reading& r) { return r.time_s.has_value(); });
+  const std::vector<bool> misleads =
+      has_speed && has_times ? misleading(set) : std::vector<bool>(set.readings.size(), false);
   std::vector<Reading> kept;
   if (!moved.empty()) {
     std::nth_element(moved.begin(), moved.begin() + static_cast<std::ptrdiff_t>(moved.size() / 2), moved.end());
     const double least = share * moved[moved.size() / 2];
     for (std::size_t i = 0; i < set.readings.size(); ++i)
-      if (step[i] >= least) kept.push_back(std::move(set.readings[i]));
+      if (step[i] >= least && !misleads[i]) kept.push_back(std::move(set.readings[i]));
   }
-  set.notes.push_back(fmt::format("{} readings at rest or below {} the usual speed are ignored",
-                                  set.readings.size() - kept.size(), has_speed ? "a twentieth of" : "half"));
+  set.notes.push_back(fmt::format("{} readings at rest{} below {} the usual speed{} are ignored",
+                                  set.readings.size() - kept.size(), has_times ? "," : " or",
+                                  has_speed ? "a twentieth of" : "half",
+                                  has_times ? ", at an abrupt start or stop, or just behind a reversal" : ""));
   set.readings = std::move(kept);
+  if (has_times && !set.readings.empty() && set.readings.front().extras.contains(kReadingSlopeColumn))
+    for (const Scan& scan : scans_of(set)) take_slope(scan);
   number_rows(set);
 }
 

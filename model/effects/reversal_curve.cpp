@@ -1,5 +1,6 @@
 // Lost motion that varies along the axis, s(p)·d/2: a worn nut, a sagging screw.
 #include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/effects/separations.hpp"
 
 namespace ecs::model::effects {
@@ -27,7 +28,7 @@ EffectDefinition reversal_curve() {
                  .one_per_axis = true,
                  .on_rotary_axes = true},
       .preference = 20,
-      .curve_factor = [](const ReadingAt& at) { return 0.5 * at.approach(); },
+      .curve_factor = [](const ReadingAt& at) { return 0.5 * at.approach() * reading_slope(at.data, at.k); },
       .of_reversal = [](const Site& site) { return site.once(site.places >= kFewestCurveTargets); },
   };
 }

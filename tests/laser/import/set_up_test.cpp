@@ -149,7 +149,7 @@ TEST_CASE("a scan of a poor encoder over one turn is suggested in degrees, and r
 
 TEST_CASE("of a scan with times slower readings are kept too, each with the speed of the axis") {
   std::string text = "stamp;set;actual\n";
-  const double steps[] = {0.0, 0.5, 2.0, 4.0};  // deg in 100 ms: the axis starts and stops
+  const double steps[] = {0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0};  // deg in 100 ms: the axis starts
   double at = 0.0;
   long long stamp = 132900081483250000;
   const auto add = [&](double step) {
@@ -167,10 +167,35 @@ TEST_CASE("of a scan with times slower readings are kept too, each with the spee
   options.mapping->values = TableValues::actual_positions;
   options.takes_rotary = true;
   const auto set = must(parse_any(text, "scan.csv", options)).set;
-  CHECK(set.readings.size() == 92);
-  CHECK(says(set.notes, "readings at rest or below a twentieth of the usual speed are ignored"));
-  CHECK(set.readings[0].extras.at("speed_deg_min") == Approx(0.5 * (0.5 + 2.0) * 600.0));
+  // the first 3.7 deg, in which lost motion is taken up, and the last readings, for the axis stops within an interval
+  CHECK(set.readings.size() == 5 + 86);
+  CHECK(says(set.notes,
+             "readings at rest, below a twentieth of the usual speed, at an abrupt start or stop, or just behind a "
+             "reversal are ignored"));
+  CHECK(set.readings[0].angle_deg[2] == Approx(5.0));
+  CHECK(set.readings[0].extras.at("speed_deg_min") == Approx(0.5 * (2.0 + 2.5) * 600.0));
   CHECK(set.readings[20].extras.at("speed_deg_min") == Approx(2400.0));
+}
+
+TEST_CASE("the slope of a reading is that of the wave up to both ends of a stroke, whatever is lost at the reversal") {
+  const auto angle_deg = [](int i) { return 0.5 * (i <= 360 ? i : 720 - i); };
+  std::string text = "stamp;set;actual\n";
+  for (int i = 0; i <= 720; ++i) {
+    const double seen = angle_deg(i) + (i <= 360 ? 0.6 : -0.6);
+    text += fmt::format("{};{};{:.7f}\n", 132900081483250000 + 200000LL * i, angle_deg(i),
+                        seen + 8.0 * std::sin(4.0 * seen / 57.29578));
+  }
+  ImportOptions options = by_columns(
+      "c_deg=2[deg],reading=3[deg],approach=motion,run=motion,rows=in_motion,time_s=1*1e-7-13290008148.325", 1);
+  options.mapping->values = TableValues::actual_positions;
+  options.takes_rotary = true;
+  const auto set = must(parse_any(text, "scan.csv", options)).set;
+  REQUIRE(set.readings.size() > 700);
+  for (const Reading& r : set.readings) {
+    const double seen = r.angle_deg[2] + (r.approach == Approach::forward ? 0.6 : -0.6);
+    CHECK(std::abs(r.extras.at("reading_slope") - (1.0 + 8.0 * 4.0 / 57.29578 * std::cos(4.0 * seen / 57.29578))) <
+          0.01);
+  }
 }
 
 TEST_CASE("a column that counts the readings of each run is suggested in place of a time") {

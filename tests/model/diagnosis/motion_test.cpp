@@ -113,15 +113,35 @@ TEST_CASE("lost motion in a scan is an error of reversal and no delay, because s
   }
 }
 
-TEST_CASE("at one constant speed a delay and lost motion are rivals") {
-  const Made made{.delay_ms = 33.0, .acceleration_deg_s2 = 0.0, .seed = 41};
-  Set set = scan(made);
-  std::erase_if(set.readings,
-                [](const Reading& r) { return std::abs(std::abs(r.extras.at("speed_deg_min")) - 2160.0) > 1.0; });
-  const Diagnosis found = diagnosed(set);
-  INFO(summary_of(found));
-  CHECK(contains(found.headline, "delay:C:EC"));
-  CHECK(contains(found.headline, "backlash:C:EC"));
+TEST_CASE(
+    "lost motion beside large waves of the reading is lost motion of that size, and neither a delay nor a curve") {
+  for (const unsigned seed : {51U, 52U})
+    for (const double lost_deg : {-1.9, -1.2, 1.2}) {
+      const Diagnosis found = diagnosed(scan({.lost_motion_deg = lost_deg, .seed = seed}));
+      INFO(summary_of(found));
+      const Candidate* const lost = in_answer(found, "backlash:C:EC");
+      REQUIRE(lost);
+      CHECK(lost->parameters.front().value == Approx(lost_deg * 1e6 * std::numbers::pi / 180.0).epsilon(0.03));
+      CHECK(lost->rivals.empty());
+      CHECK_FALSE(in_answer(found, "delay:C:EC"));
+      CHECK_FALSE(in_answer(found, "reversal_curve:C:EC"));
+    }
+}
+
+TEST_CASE("at one constant speed a delay and lost motion are rivals, and another speed decides") {
+  for (const Made& made : {Made{.delay_ms = 23.0, .acceleration_deg_s2 = 0.0, .seed = 41},
+                           Made{.delay_ms = -23.0, .acceleration_deg_s2 = 0.0, .seed = 42},
+                           Made{.lost_motion_deg = 0.8, .acceleration_deg_s2 = 0.0, .seed = 43}}) {
+    const Diagnosis found = diagnosed(scan(made));
+    INFO(summary_of(found));
+    CHECK(contains(found.headline, "delay:C:EC"));
+    CHECK(contains(found.headline, "backlash:C:EC"));
+    const auto first = std::ranges::find_if(found.candidates, [](const Candidate& c) {
+      return c.in_answer() && (to_text(c.effect) == "delay:C:EC" || to_text(c.effect) == "backlash:C:EC");
+    });
+    REQUIRE(first != found.candidates.end());
+    CHECK(contains(first->next_measurement, "Repeat the C line both ways at a quarter of the speed"));
+  }
 }
 
 TEST_CASE("a new model of readings on the fly takes no lost motion for granted; one of readings at rest does") {
