@@ -75,27 +75,53 @@ bool is_part_of_history(const Observations& data, std::string_view sensor) {
   return true;
 }
 
-}  // namespace
-
-std::shared_ptr<const SensorHistory> sensor_history_of(const Observations& data) {
-  if (data.time_s.empty() || data.sensors_degC.empty()) return nullptr;
+SensorHistory history_of(const Observations& data) {
   SensorHistory history;
   history.clock.assign(data.size(), 0);
   if (has_clock_of_run(data)) history.clock = data.run;
   history.time_s = data.time_s;
   history.sensors_degC = data.sensors_degC;
+  return history;
+}
+
+std::vector<double> in_readings(const Observations& data, const std::vector<double>& of_all) {
+  std::vector<double> values;
+  for (const std::size_t in : data.in_history) values.push_back(of_all[in]);
+  return values;
+}
+
+}  // namespace
+
+std::shared_ptr<const SensorHistory> sensor_history_of(const Observations& data) {
+  if (data.time_s.empty() || data.sensors_degC.empty()) return nullptr;
+  SensorHistory history = history_of(data);
+  for (const auto& [sensor, degC] : history.sensors_degC)
+    if (auto course = without_noise(history.clock, history.time_s, degC))
+      history.without_noise.emplace(sensor, *std::move(course));
   return std::make_shared<const SensorHistory>(std::move(history));
 }
 
 std::vector<double> followed_degC(const Observations& data, std::string_view sensor, double lag_s) {
   const auto column = data.sensors_degC.find(sensor);
   if (column == data.sensors_degC.end()) return std::vector<double>(data.size(), kNotMeasured);
-  if (lag_s == 0.0 || data.time_s.empty()) return column->second;
-  if (!is_part_of_history(data, sensor)) return low_pass(*sensor_history_of(data), column->second, lag_s);
-  const std::vector<double> of_all = low_pass(*data.history, data.history->sensors_degC.find(sensor)->second, lag_s);
-  std::vector<double> followed;
-  for (const std::size_t in : data.in_history) followed.push_back(of_all[in]);
-  return followed;
+  if (data.time_s.empty()) return column->second;
+  if (!is_part_of_history(data, sensor))
+    return lag_s == 0.0 ? column->second : low_pass(history_of(data), column->second, lag_s);
+  const auto calm = data.history->without_noise.find(sensor);
+  const std::vector<double>& course =
+      calm == data.history->without_noise.end() ? data.history->sensors_degC.find(sensor)->second : calm->second.degC;
+  return in_readings(data, lag_s == 0.0 ? course : low_pass(*data.history, course, lag_s));
+}
+
+std::vector<double> unknown_degC(const Observations& data, std::string_view sensor, double lag_s) {
+  if (!is_part_of_history(data, sensor)) return {};
+  const auto calm = data.history->without_noise.find(sensor);
+  if (calm == data.history->without_noise.end()) return {};
+  std::vector<double> unknown = in_readings(data, calm->second.sd_degC);
+  // a low-pass takes the fast part of errors that are alike over this time away
+  const double kept = std::sqrt(calm->second.memory_s / (calm->second.memory_s + std::abs(lag_s)));
+  for (double& one : unknown) one *= kept;
+  return unknown;
 }
 
 }  // namespace ecs::model

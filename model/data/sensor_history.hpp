@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "model/data/sensor_noise.hpp"
+
 namespace ecs::model {
 
 struct Observations;
@@ -18,14 +20,18 @@ struct SensorHistory {
   std::vector<int> clock;      ///< by reading: which time it is on; readings of one clock follow one another
   std::vector<double> time_s;  ///< NaN: not measured
   std::map<std::string, std::vector<double>, std::less<>> sensors_degC;
+  std::map<std::string, CourseWithoutNoise, std::less<>> without_noise;  ///< of the sensors that are noisy or coarse
 };
 
 /// Null where there are no times or no sensors. Runs of a line that all begin at the same time have a clock each.
 [[nodiscard]] std::shared_ptr<const SensorHistory> sensor_history_of(const Observations& data);
 
 /// Temperature of what follows a sensor with this time constant, in each reading: τ dF/dt = T − F, with F = T at the
-/// first reading of each clock (a steady state) and T on a straight line from reading to reading. At once where the lag
+/// first reading of each clock (a steady state) and T on a straight line from reading to reading, without the noise of
+/// a noisy sensor. At once where the lag
 /// is 0 or the reading has no time; kNotMeasured where the sensor was not read. Below 0: as smooth, but not late.
 [[nodiscard]] std::vector<double> followed_degC(const Observations& data, std::string_view sensor, double lag_s);
+/// What the noise of the sensor leaves unknown of it, as a standard deviation [degC]; empty: nothing.
+[[nodiscard]] std::vector<double> unknown_degC(const Observations& data, std::string_view sensor, double lag_s);
 
 }  // namespace ecs::model

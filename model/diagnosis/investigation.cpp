@@ -625,7 +625,9 @@ bool leaves_structure(const Found& found, const DiagnoseOptions& options) {
   const double explained = (found.solution.chi2_before - found.solution.space.chi2()) / n;
   double excess = 0.0;
   for (const StructureTest& test : found.after) excess = std::max(excess, test.excess);
-  return excess >= kLeastStructure + std::min(kLeftOfExplained * explained, kMostLeft);
+  double hidden = 0.0;  // by the noise of sensors: what they leave unknown is in the residual
+  for (const Group& group : found.groups) hidden += group.hidden_by_sensor / n;
+  return excess >= kLeastStructure + std::min(kLeftOfExplained * explained, kMostLeft) + hidden;
 }
 
 }  // namespace ecs::model

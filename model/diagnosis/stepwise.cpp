@@ -425,12 +425,13 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
         return instance(one).traits().has_lag && is_searched(instance(one));
       };
       const bool asks_for_lag = is_late(other) && !is_late(group.member) && other.score() < group.member.score();
+      const double hidden = search.hidden_by_sensor(rest.space, other);
       const bool same_fit = is_alike(search, group.member, other) &&
-                            other.gain >= group.member.gain - kIndistinguishable &&
-                            other.score() >= group.member.score() - kRivalScoreMargin;
+                            other.gain >= group.member.gain - kIndistinguishable - hidden &&
+                            other.score() >= group.member.score() - kRivalScoreMargin - hidden;
       const bool same_evidence = other.parameters <= group.member.parameters &&
-                                 other.gain >= group.member.gain - kSimplerMargin &&
-                                 other.score() >= group.member.score() - kIndistinguishable;
+                                 other.gain >= group.member.gain - kSimplerMargin - hidden &&
+                                 other.score() >= group.member.score() - kIndistinguishable - hidden;
       if (!asks_for_lag && (same_fit || same_evidence))
         group.rivals.push_back(other);
       else if (other.score() >= entry_score && group.weaker.size() < kMostWeaker)
@@ -458,6 +459,7 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       const Choice pitch = search.refined_choice(rest.space, group.member.family, group.values.front().nonlinear);
       if (is_fact(search.families()[group.member.family], pitch.nonlinear)) group.member = pitch;
     }
+    group.hidden_by_sensor = search.hidden_by_sensor(rest.space, group.member);
     groups.push_back(std::move(group));
   }
   return groups;

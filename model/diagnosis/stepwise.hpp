@@ -31,6 +31,7 @@ struct Group {
   /// At all values of its searched parameter that fit within Δχ² 9 of the best (14.2 where they need one harmonic
   /// less), the facts of the machine first; of one without a derivative (a place) at the least and the greatest.
   std::vector<Choice> values;
+  double hidden_by_sensor = 0.0;  ///< fall of χ² that the noise of its sensor takes from it
   bool denied = false;  ///< something speaks against it although it explains: a run, waves that can be anything
   double change = 0.0;  ///< gain of a change of this wave along the travel or in time
   bool wander = false;  ///< a slow wander of the readings explains it nearly as well

@@ -525,6 +525,33 @@ std::string hidden_pitches(const Observations& data, Axis axis, double least_mm)
 
 }  // namespace
 
+std::optional<std::string> sensor_noise_note(const Diagnosis& diagnosis, const Observations& data, bool unexplained) {
+  if (!data.history || data.history->without_noise.empty()) return std::nullopt;
+  const auto follows = [](const EffectInstance& effect, const std::string& sensor) {
+    return effect.traits().has_lag && (effect.sensor == sensor || effect.sensor2 == sensor ||
+                                       (effect.sensor.empty() && sensor == kMaterialSensor));
+  };
+  std::vector<std::string> sensors;
+  bool hides = unexplained;
+  for (const auto& [sensor, course] : data.history->without_noise) {
+    bool is_followed = unexplained;
+    for (const Candidate& one : diagnosis.candidates) {
+      if (!one.in_answer()) continue;
+      const bool of_rival =
+          std::ranges::any_of(one.rivals, [&](const EffectInstance& rival) { return follows(rival, sensor); });
+      hides = hides || of_rival;
+      is_followed = is_followed || of_rival || follows(one.effect, sensor);
+    }
+    if (is_followed) sensors.push_back(fmt::format("{} ({:.2g} degC)", sensor, course.noise_degC));
+  }
+  if (sensors.empty()) return std::nullopt;
+  return fmt::format("noise or coarse steps of {}: effects follow the course of the temperature without them{}",
+                     fmt::join(sensors, ", "),
+                     hides ? "; what is not known of that course may hide which temperature the readings follow, so "
+                             "measure with sensors that scatter less"
+                           : "");
+}
+
 std::vector<EvenTargets> even_targets(const Observations& data) {
   std::map<std::pair<Axis, Sense>, std::vector<double>> targets_mm;
   for (std::size_t k = 0; k < data.size(); ++k)

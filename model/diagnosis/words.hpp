@@ -53,6 +53,12 @@ struct JointProof {
 [[nodiscard]] std::string separating_measurement(const EffectInstance& effect,
                                                  const std::vector<EffectInstance>& rivals);
 
+/// What the noise or the steps of temperature sensors hide; nothing where no effect of the answer, and nothing that is
+/// left unexplained, may follow such a sensor.
+/// @param unexplained  structure is left
+[[nodiscard]] std::optional<std::string> sensor_noise_note(const Diagnosis& diagnosis, const Observations& data,
+                                                           bool unexplained);
+
 /// An axis whose targets, all runs and lines of some senses together, lie at equal steps: a period below two steps has
 /// aliases (Nyquist).
 struct EvenTargets {

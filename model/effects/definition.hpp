@@ -286,7 +286,7 @@ struct ReadingAt {
   std::size_t k = 0;  ///< canonical order
   const EffectInstance& effect;
   double searched = 0.0;                ///< value of the searched parameter
-  std::span<const double> late_degC{};  ///< per reading, of an effect that follows its sensors late; empty: at once
+  std::span<const double> late_degC{};  ///< per reading, of an effect that may follow its sensors late
 
   /// Coordinate of the effect's axis from the datum; 0 where it has none.
   [[nodiscard]] double p_mm() const { return effect.axis ? data.p_mm(k, *effect.axis) : 0.0; }

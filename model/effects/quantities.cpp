@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/terms.hpp"
 #include "laser/analysis/normalise.hpp"
@@ -64,6 +63,17 @@ std::vector<double> late_degC(const Observations& data, const EffectInstance& ef
   const std::vector<double> other_degC = followed_degC(data, effect.sensor2, lag_s);
   for (std::size_t k = 0; k < degC.size(); ++k) degC[k] -= other_degC[k];
   return degC;
+}
+
+std::vector<double> unknown_degC(const Observations& data, const EffectInstance& effect, double lag_s) {
+  std::vector<double> unknown;
+  for (const std::string& sensor :
+       {effect.sensor.empty() ? std::string(kMaterialSensor) : effect.sensor, effect.sensor2}) {
+    const std::vector<double> one = sensor.empty() ? std::vector<double>() : unknown_degC(data, sensor, lag_s);
+    if (unknown.empty()) unknown.resize(one.size());
+    for (std::size_t k = 0; k < one.size(); ++k) unknown[k] = std::hypot(unknown[k], one[k]);
+  }
+  return unknown;
 }
 
 double reference_degC(const Observations& data, std::string_view column) {
@@ -223,10 +233,6 @@ double assumed_time_constant(const Observations& plan, const EffectInstance&, co
   return std::max(last_s / kTimesAssumed, kLeastTime_s);
 }
 
-/// Independent values have a mean square of successive differences of twice their variance (von Neumann 1941); half of
-/// that is no course in time that anything could follow late.
-constexpr double kMostScatter = 1.0;
-
 /// Its temperature takes a course while it is measured.
 bool changes_in_time(const Observations& data, const EffectInstance& effect) {
   if (data.time_s.empty()) return false;
@@ -235,13 +241,7 @@ bool changes_in_time(const Observations& data, const EffectInstance& effect) {
   if (degC.size() < 2) return false;
   const auto [least, greatest] = std::ranges::minmax_element(degC);
   if (*greatest - *least < kLeastChange_degC) return false;
-  const double mean = std::accumulate(degC.begin(), degC.end(), 0.0) / static_cast<double>(degC.size());
-  double differences = 0.0, deviations = 0.0;
-  for (std::size_t k = 0; k < degC.size(); ++k) {
-    deviations += (degC[k] - mean) * (degC[k] - mean);
-    if (k > 0) differences += (degC[k] - degC[k - 1]) * (degC[k] - degC[k - 1]);
-  }
-  return differences < kMostScatter * deviations;
+  return takes_course(degC);
 }
 
 }  // namespace

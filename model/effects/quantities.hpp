@@ -19,6 +19,8 @@ inline constexpr double kReference_degC = 20.0;
 [[nodiscard]] double acting_degC(const ReadingAt& at);
 /// The same for every reading. @param lag_s  time constant; 0: at once
 [[nodiscard]] std::vector<double> late_degC(const Observations& data, const EffectInstance& effect, double lag_s);
+/// What the noise of its sensors leaves unknown of it, as a standard deviation [degC]; empty: nothing.
+[[nodiscard]] std::vector<double> unknown_degC(const Observations& data, const EffectInstance& effect, double lag_s);
 /// The temperature from which effects of a sensor count, that of the origin [degC].
 [[nodiscard]] double reference_degC(const Observations& data, std::string_view column);
 

@@ -337,6 +337,13 @@ Solution Search::solution(const std::vector<Choice>& chosen, const std::vector<C
   return solution;
 }
 
+double Search::hidden_by_sensor(const Space& space, const Choice& choice) const {
+  const VectorXd unknown = regressors_.unknown(families_[choice.family].effect, choice.nonlinear);
+  if (unknown.isZero(0.0)) return 0.0;
+  const double known = left_beside(space, beside_base(choice.family, choice.nonlinear).columns).squaredNorm();
+  return known > 0.0 ? choice.gain * whitener_(unknown).squaredNorm() / known : 0.0;
+}
+
 bool Search::in_ranges(const std::vector<Choice>& chosen) const {
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (!families_[chosen[i].family].range || chosen.size() < 2) continue;  // alone it was tried before

@@ -140,6 +140,10 @@ class Search {
   /// six, and so does a step beside a curve of the model. True of every other effect.
   [[nodiscard]] bool beats_free_values(const Space& space, const Choice& choice) const;
 
+  /// Fall of χ² that the noise of its sensor takes from a choice, by what that leaves unknown of its temperature: the
+  /// true cause explains this much less than a sensor without noise would let it.
+  [[nodiscard]] double hidden_by_sensor(const Space& space, const Choice& choice) const;
+
   /// Exact choice of a family at one value of its nonlinear parameter.
   [[nodiscard]] Choice choice_at(const Space& space, std::size_t family, double nonlinear) const;
   /// The same with the nonlinear parameter moved to the best value nearby.

@@ -308,13 +308,28 @@ Columns Regressors::motion_columns(const EffectInstance& effect, double searched
   }
   columns.of = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(definition.column_count()));
   Eigen::RowVectorXd row(columns.of.cols());
-  const bool is_late = definition.traits.has_lag && searched != 0.0;
-  const std::vector<double> late = is_late ? late_degC(motions_, effect, searched) : std::vector<double>{};
+  const std::vector<double> late =
+      definition.traits.has_lag ? late_degC(motions_, effect, searched) : std::vector<double>{};
   for (const std::size_t k : acting.rows) {
     fill_row({motions_, k, effect, searched, late}, {row.data(), static_cast<std::size_t>(row.size())});
     columns.of.row(static_cast<Eigen::Index>(k)) = chain_factor(motions_, k, effect) * row;
   }
   return columns;
+}
+
+Eigen::VectorXd Regressors::unknown(const EffectInstance& effect, double searched) const {
+  Eigen::VectorXd unknown = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(data_.size()));
+  if (!effect.traits().has_lag || data_.moved) return unknown;
+  const std::vector<double> degC = unknown_degC(data_, effect, searched);
+  if (degC.empty()) return unknown;
+  const std::vector<double> none(data_.size(), 0.0);
+  double at_degC = 0.0, at_none = 0.0;
+  for (const std::size_t k : acting(effect).rows) {
+    fill_row({data_, k, effect, searched, degC}, {&at_degC, 1});
+    fill_row({data_, k, effect, searched, none}, {&at_none, 1});
+    unknown(static_cast<Eigen::Index>(k)) = chain_factor(data_, k, effect) * (at_degC - at_none);
+  }
+  return unknown;
 }
 
 namespace {

@@ -54,6 +54,10 @@ class Regressors {
   [[nodiscard]] Columns columns(const EffectInstance& effect, double searched) const;
   [[nodiscard]] Columns columns(const EffectInstance& effect, double searched, const Acting& acting) const;
 
+  /// What the noise of a sensor leaves unknown of the one column of an effect that follows it, per reading, as a
+  /// standard deviation; 0 of the others, and on paths.
+  [[nodiscard]] Eigen::VectorXd unknown(const EffectInstance& effect, double searched) const;
+
   /// Contribution of the curve that the effect carries (FittedCurve), per reading; 0 where it does not act.
   [[nodiscard]] Eigen::VectorXd of_curve(const EffectInstance& effect, const Acting& acting) const;
 

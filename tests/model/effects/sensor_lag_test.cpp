@@ -46,11 +46,11 @@ std::vector<double> following(laser::MeasurementSet set, double lag_s) {
   return by_row;
 }
 
-/// Readings that drift with the spindle by 2 um/degC.
-laser::MeasurementSet drifting(double lag_s, unsigned seed = 1, double noise_degC = 0.0) {
+/// Readings that drift with the spindle.
+laser::MeasurementSet drifting(double lag_s, unsigned seed = 1, double noise_degC = 0.0, double um_per_degC = 2.0) {
   auto set = hour_of_spindle(seed, noise_degC);
   const std::vector<double> late = following(set, lag_s);
-  for (std::size_t k = 0; k < late.size(); ++k) set.readings[k].error += 2.0 * (late[k] - late.front());
+  for (std::size_t k = 0; k < late.size(); ++k) set.readings[k].error += um_per_degC * (late[k] - late.front());
   return set;
 }
 
@@ -205,4 +205,69 @@ TEST_CASE("of noise beside a warming sensor nothing is named, and of drifts at o
   }
   CHECK(named == 0);
   CHECK(lags == 0);
+}
+
+TEST_CASE("the course of a noisy sensor is known better than any of its readings, and so is its noise") {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    const auto set = hour_of_spindle(seed, 0.1);
+    const Observations data = observations_of(set, Model{}, mill());
+    const CourseWithoutNoise& course = data.history->without_noise.at(kSpindle);
+    CHECK(course.noise_degC == Approx(0.1).epsilon(0.15));
+    double squares = 0.0, stated = 0.0, readings = 0.0;
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      const double off = course.degC[k] - spindle_degC(data.time_s[k] + *set.readings.front().time_s);
+      squares += off * off;
+      stated += course.sd_degC[k] * course.sd_degC[k];
+      readings += 1.0;
+    }
+    CHECK(std::sqrt(squares / readings) < 0.04);
+    CHECK(squares / stated < 2.0);  // what is stated to be unknown of it is about what it is off
+    CHECK(squares / stated > 0.3);
+  }
+}
+
+TEST_CASE("of a sensor with steps of 0.1 degC the course between the steps is known to a hundredth or two") {
+  auto set = hour_of_spindle();
+  for (Reading& r : set.readings) r.sensors_degC[kSpindle] = std::round(10.0 * r.sensors_degC[kSpindle]) / 10.0;
+  const Observations data = observations_of(set, Model{}, mill());
+  const std::vector<double> course = followed_degC(data, kSpindle, 0.0);
+  double squares = 0.0;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const double off = course[k] - spindle_degC(data.time_s[k] + *set.readings.front().time_s);
+    squares += off * off / static_cast<double>(data.size());
+  }
+  CHECK(std::sqrt(squares) < 0.02);  // the steps themselves are 0.029 degC off
+}
+
+TEST_CASE("the readings of a good sensor, and of one whose temperature takes no course, are left as they are") {
+  auto steady = hour_of_spindle();
+  std::mt19937_64 random(5);
+  NormalDraws noise(0.0, 0.1);
+  for (Reading& r : steady.readings) r.sensors_degC[kSpindle] = 20.0 + noise(random);
+  auto noted = hour_of_spindle();  // by a person, once a run
+  for (Reading& r : noted.readings) r.sensors_degC[kSpindle] = 20.0 + 1.5 * r.run;
+  for (const auto& set : {hour_of_spindle(1, 0.01), steady, noted}) {
+    const Observations data = observations_of(set, Model{}, mill());
+    CHECK(data.history->without_noise.empty());
+    CHECK(followed_degC(data, kSpindle, 0.0) == data.sensors_degC.at(kSpindle));
+  }
+}
+
+TEST_CASE("a drift is named with its lag, or without one, although its sensor scatters by 0.1 degC") {
+  constexpr double kUmPerDegC = 8.0;
+  for (const double lag_s : {0.0, 900.0})
+    for (const unsigned seed : {1U, 2U, 3U, 4U}) {
+      const auto set = drifting(lag_s, seed, 0.1, kUmPerDegC);
+      const Diagnosis found = diagnosed(straight(), set);
+      const Candidate* const drift = named_drift(found);
+      REQUIRE(drift != nullptr);
+      if (lag_s == 0.0)
+        CHECK_FALSE(lag_of(*drift));
+      else
+        CHECK(must(lag_of(*drift)) == Approx(lag_s).epsilon(0.1));
+      CHECK(drift->parameters.back().value == Approx(kUmPerDegC).epsilon(0.02));
+      CHECK(std::ranges::any_of(found.notes, [](const std::string& note) {
+        return note.starts_with("noise or coarse steps of t_spindle_degC (");
+      }));
+    }
 }
