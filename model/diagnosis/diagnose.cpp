@@ -20,6 +20,7 @@
 #include "model/diagnosis/standing.hpp"
 #include "model/diagnosis/structure.hpp"
 #include "model/diagnosis/trial.hpp"
+#include "model/diagnosis/visits.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/compare.hpp"
@@ -137,6 +138,12 @@ void put_run_first(std::vector<Dependence>& where, const Observations& data, con
     where.push_back({"run", of_run / std::max(residual.squaredNorm(), kLeastDivisor), chance, {}, {}});
   }
   std::stable_partition(where.begin(), where.end(), is_run);
+}
+
+void put_motions_first(std::vector<Dependence>& where, const MotionsOfGroups& motions) {
+  std::erase_if(where, [&](const Dependence& one) { return one.variable == motions.by; });
+  const double left = motions.rms_after_um / motions.rms_before_um;
+  where.insert(where.begin(), {motions.by, 1.0 - left * left, motions.p_value, {}, {}});
 }
 
 /// Candidates proved on readings not fitted to: what a person pays for.
@@ -441,6 +448,8 @@ Result<Diagnosis> reported(const ReportInput& in) {
   const auto& [after, left, noise, left_out] = with;
   const Whitener whitener(data, noise, left_out);
   diagnosis.rms_after_um = rms_of(left);
+  const auto motions = motions_of_groups(data, left);
+  if (motions && verdict == Verdict::adequate) diagnosis.verdict = Verdict::unexplained_structure;
   diagnosis.noise = noise.pure;
   diagnosis.outliers = after.outliers;
   diagnosis.lack_of_fit =
@@ -474,6 +483,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.where = dependences(data, before, noise, in.found.beyond_position);
   if (in.found.bad_run || in.found.odd_pass || in.found.noisy || in.found.step)
     put_run_first(diagnosis.where, data, in.found, in.base.residual, kTellingChance);
+  if (motions) put_motions_first(diagnosis.where, *motions);
   diagnosis.notes = untried_effects(data);
   if (const auto note = even_targets_note(data)) diagnosis.notes.push_back(*note);
   for (const Candidate& candidate : diagnosis.candidates)
@@ -485,6 +495,8 @@ Result<Diagnosis> reported(const ReportInput& in) {
   if (structure &&
       (!in.found.solution.chosen.empty() || in.found.noisy || in.found.odd_pass || in.found.wanders || in.found.wave))
     diagnosis.notes.push_back(why_not_explained(in.found));
+  if (const auto note = sensor_noise_note(diagnosis, data, structure || verdict == Verdict::cannot_tell))
+    diagnosis.notes.push_back(*note);
   if (structure) describe_what_is_left(diagnosis, data, after.residual, left_out);
   if (structure || (verdict == Verdict::cannot_tell && leaves_structure(in.found, in.options))) {
     LinearProblem all = in.problem;
@@ -506,7 +518,8 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.different_run = different_run(in.found, diagnosis, data, in.base.residual);
   diagnosis.headline =
       headline_for(diagnosis, data, diagnosis.different_run ? diagnosis.different_run->text : run_note(in.found));
-  if (verdict == Verdict::adequate)
+  if (motions) diagnosis.headline = words_for(*motions) + " " + diagnosis.headline;
+  if (diagnosis.verdict == Verdict::adequate)
     if (const auto passes = scatter_of_passes(data, in.base.residual, in.base.core.left_out))
       diagnosis.headline += fmt::format(
           " Each pass has a zero of its own: passes differ by {:.3g} {} (one standard deviation), but readings within "
