@@ -547,7 +547,7 @@ std::optional<std::string> sensor_noise_note(const Diagnosis& diagnosis, const O
   if (sensors.empty()) return std::nullopt;
   return fmt::format("noise or coarse steps of {}: effects follow the course of the temperature without them{}",
                      fmt::join(sensors, ", "),
-                     hides ? "; what is not known of that course may hide which temperature the readings follow, so "
+                     hides ? "; the unknown part of that course may hide which temperature the readings follow, so "
                              "measure with sensors that scatter less"
                            : "");
 }
