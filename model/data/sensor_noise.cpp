@@ -154,15 +154,16 @@ class Filter {
 
 /// log10 of the likeliest roughness: the best power of ten, then golden sections beside it.
 double likeliest_roughness(const std::vector<Sample>& samples, double interval_s, double least) {
-  constexpr double kSmoothest = -16.0, kRoughest = 4.0, kGolden = 0.6180339887, kFine = 0.02;
+  constexpr int kSmoothest = -16, kRoughest = 4;
+  constexpr double kGolden = 0.6180339887, kFine = 0.02;
   const auto deviance = [&](double log10) {
     return Filter(samples, interval_s, std::pow(10.0, log10)).deviance(least);
   };
   double best = kSmoothest, lowest = deviance(kSmoothest);
-  for (double log10 = kSmoothest + 1.0; log10 <= kRoughest; log10 += 1.0)
-    if (const double here = deviance(log10); here < lowest) {
+  for (int power = kSmoothest + 1; power <= kRoughest; ++power)
+    if (const double here = deviance(power); here < lowest) {
       lowest = here;
-      best = log10;
+      best = power;
     }
   double from = best - 1.0, to = best + 1.0;
   while (to - from > kFine) {

@@ -537,8 +537,8 @@ std::optional<std::string> sensor_noise_note(const Diagnosis& diagnosis, const O
     bool is_followed = unexplained;
     for (const Candidate& one : diagnosis.candidates) {
       if (!one.in_answer()) continue;
-      const bool of_rival =
-          std::ranges::any_of(one.rivals, [&](const EffectInstance& rival) { return follows(rival, sensor); });
+      const bool of_rival = std::ranges::any_of(
+          one.rivals, [&follows, &of = sensor](const EffectInstance& rival) { return follows(rival, of); });
       hides = hides || of_rival;
       is_followed = is_followed || of_rival || follows(one.effect, sensor);
     }
