@@ -11,21 +11,29 @@
 namespace ecs::model {
 namespace {
 
-/// Runs of one line that all begin at the same time were not measured at once: each counts its own time.
+/// Runs of one line that begin before the one before them has ended were not measured at once: each counts its own time.
 bool has_clock_of_run(const Observations& data) {
   using Line = std::tuple<Channel, Axis, Vector3>;
-  std::map<Line, std::map<int, double>> begins_s;  // by line and run
+  struct Stretch {
+    double begin_s = 0.0, end_s = 0.0;
+  };
+  std::map<Line, std::map<int, Stretch>> lines;  // by run
   for (std::size_t k = 0; k < data.size(); ++k) {
-    if (std::isnan(data.time_s[k])) continue;
-    auto& begin_s = begins_s[{data.channel(k), data.axis[k], data.parked_of(k)}]
-                        .try_emplace(data.run[k], data.time_s[k])
-                        .first->second;
-    begin_s = std::min(begin_s, data.time_s[k]);
+    const double now_s = data.time_s[k];
+    if (std::isnan(now_s)) continue;
+    Stretch& run = lines[{data.channel(k), data.axis[k], data.parked_of(k)}]
+                       .try_emplace(data.run[k], Stretch{now_s, now_s})
+                       .first->second;
+    run = {std::min(run.begin_s, now_s), std::max(run.end_s, now_s)};
   }
-  return std::ranges::any_of(begins_s, [](const auto& line) {
-    const auto& runs = line.second;
-    return runs.size() > 1 &&
-           std::ranges::all_of(runs, [&](const auto& run) { return run.second == runs.begin()->second; });
+  return std::ranges::any_of(lines, [](const auto& line) {
+    std::vector<Stretch> runs;
+    for (const auto& [number, stretch] : line.second) runs.push_back(stretch);
+    std::ranges::sort(runs, {}, &Stretch::begin_s);
+    bool overlap = runs.size() > 1;
+    for (std::size_t i = 1; i < runs.size(); ++i)
+      overlap = overlap && (runs[i].begin_s < runs[i - 1].end_s || runs[i].begin_s == runs[i - 1].begin_s);
+    return overlap;
   });
 }
 

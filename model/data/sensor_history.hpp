@@ -23,13 +23,13 @@ struct SensorHistory {
   std::map<std::string, CourseWithoutNoise, std::less<>> without_noise;  ///< of the sensors that are noisy or coarse
 };
 
-/// Null where there are no times or no sensors. Runs of a line that all begin at the same time have a clock each.
+/// Null where there are no times or no sensors. Runs of a line that overlap in time have a clock each.
 [[nodiscard]] std::shared_ptr<const SensorHistory> sensor_history_of(const Observations& data);
 
 /// Temperature of what follows a sensor with this time constant, in each reading: τ dF/dt = T − F, with F = T at the
 /// first reading of each clock (a steady state) and T on a straight line from reading to reading, without the noise of
-/// a noisy sensor. At once where the lag
-/// is 0 or the reading has no time; kNotMeasured where the sensor was not read. Below 0: as smooth, but not late.
+/// a noisy sensor. At once where the lag is 0 or the reading has no time; kNotMeasured where the sensor was not read.
+/// Below 0: as smooth, but not late.
 [[nodiscard]] std::vector<double> followed_degC(const Observations& data, std::string_view sensor, double lag_s);
 /// What the noise of the sensor leaves unknown of it, as a standard deviation [degC]; empty: nothing.
 [[nodiscard]] std::vector<double> unknown_degC(const Observations& data, std::string_view sensor, double lag_s);

@@ -113,6 +113,21 @@ TEST_CASE("runs that all begin at the same time are followed each by its own clo
   CHECK(followed_degC(data, kSpindle, 900.0) == data.sensors_degC.at(kSpindle));
 }
 
+TEST_CASE("runs that overlap in time have clocks of their own: another run's temperature is no noise of the sensor") {
+  auto set = hour_of_spindle();
+  std::map<int, double> begin_s;
+  for (const Reading& r : set.readings) begin_s.try_emplace(r.run, *r.time_s);
+  for (Reading& r : set.readings) {
+    *r.time_s += 7.0 * r.run - begin_s.at(r.run);  // readings left out: no run begins at 0
+    r.sensors_degC[kSpindle] = 20.0 + 5.0 * r.run + 0.001 * *r.time_s;
+  }
+  const Observations data = observations_of(set, Model{}, mill());
+  CHECK(followed_degC(data, kSpindle, 0.0) == data.sensors_degC.at(kSpindle));
+  const std::vector<double> late = followed_degC(data, kSpindle, 900.0);
+  for (std::size_t k = 0; k < data.size(); ++k)
+    CHECK(std::abs(late[k] - data.sensors_degC.at(kSpindle)[k]) < 1.0);
+}
+
 TEST_CASE("a model file without a lag has none, and is written without; below 0 it is refused") {
   const std::string text =
       "[[effect]]\nid = \"thermal_drift\"\naxis = \"X\"\nsense = \"EX\"\nsensor = \"t_spindle_degC\"\n";
@@ -179,7 +194,7 @@ TEST_CASE("an added drift keeps the lag that was found, and a model file gives i
 }
 
 TEST_CASE("a lag is tried only where the temperature changes while it is measured") {
-  const auto lags_tried = [](laser::MeasurementSet set) {
+  const auto lags_tried = [](const laser::MeasurementSet& set) {
     const auto all = candidate_instances(observations_of(set, Model{}, mill()));
     return std::ranges::count_if(all, [](const EffectInstance& one) {
       return one.traits().has_lag && !one.parameters.contains(std::string(kLag));
