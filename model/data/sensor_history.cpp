@@ -11,7 +11,8 @@
 namespace ecs::model {
 namespace {
 
-/// Runs of one line that begin before the one before them has ended were not measured at once: each counts its own time.
+/// Runs of one line that begin before the one before them has ended were not measured at once: each counts its own
+/// time.
 bool has_clock_of_run(const Observations& data) {
   using Line = std::tuple<Channel, Axis, Vector3>;
   struct Stretch {

@@ -170,8 +170,9 @@ Result<Outcome> warm_up_program(VerbContext& context, const WarmUpProgramRequest
                                           : fmt::format(", until {:g} % of the warm-up in {} remain",
                                                         request.to_come_percent, request.readings)),
       "cycles"_is(plan.cycles), "cycle_s"_is(60.0 * plan.cycle_min),
-      "cycle"_shown(fmt::format("{:.1f}", 60.0 * plan.cycle_min)), "axes"_is(list_cell(plan.axes, axis_cell_of)), "notes"_is(lines_cell(notes, "note: ")),
-      "program"_is(Json(program)), "output"_is(written_cell("program", request.output, program))));
+      "cycle"_shown(fmt::format("{:.1f}", 60.0 * plan.cycle_min)), "axes"_is(list_cell(plan.axes, axis_cell_of)),
+      "notes"_is(lines_cell(notes, "note: ")), "program"_is(Json(program)),
+      "output"_is(written_cell("program", request.output, program))));
 }
 
 }  // namespace
