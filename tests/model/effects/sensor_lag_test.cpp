@@ -124,8 +124,7 @@ TEST_CASE("runs that overlap in time have clocks of their own: another run's tem
   const Observations data = observations_of(set, Model{}, mill());
   CHECK(followed_degC(data, kSpindle, 0.0) == data.sensors_degC.at(kSpindle));
   const std::vector<double> late = followed_degC(data, kSpindle, 900.0);
-  for (std::size_t k = 0; k < data.size(); ++k)
-    CHECK(std::abs(late[k] - data.sensors_degC.at(kSpindle)[k]) < 1.0);
+  for (std::size_t k = 0; k < data.size(); ++k) CHECK(std::abs(late[k] - data.sensors_degC.at(kSpindle)[k]) < 1.0);
 }
 
 TEST_CASE("a model file without a lag has none, and is written without; below 0 it is refused") {
