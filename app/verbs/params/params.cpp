@@ -286,14 +286,24 @@ Result<Outcome> adjust(VerbContext& context, const AdjustRequest& request) {
     return problem(ProblemKind::refused, fmt::format("the unit does not correct {}: its scope or its axes do not "
                                                      "contain it (compensation.scope)",
                                                      request.component));
-  const double before = squareness_um_per_m(parameters, component), after = before + *left;
+  const double before = squareness_um_per_m(parameters, component);
+  // a parameter of 0 says that nobody has measured it, and a map that needs it would not fit
+  constexpr double kMeasuredAsZero_um_per_m = 1e-4;
+  const double sum = before + *left, after = std::abs(sum) < kMeasuredAsZero_um_per_m ? kMeasuredAsZero_um_per_m : sum;
   const bool shows_nothing = std::abs(request.reading_um) <= request.nothing_um;
   const bool compensated = status.mode == UnitMode::compensating || status.mode == UnitMode::datuming;
   if (!shows_nothing) {
     ECS_DO(params::set(parameters, fmt::format("compensation.squareness.{}_um_per_m", request.component),
                        fmt::format("{:.4f}", after)));
     ECS_DO(unit.client().enter_integration());
-    ECS_DO(send_parameters(unit.client(), parameters, {}, UnfitMap::refuse, progress_bar(context, "sending")));
+    auto sent = send_parameters(unit.client(), parameters, {}, UnfitMap::refuse, progress_bar(context, "sending"));
+    if (!sent) {
+      if (compensated)
+        sent.error().message +=
+            ". The unit no longer compensates: it is in integration mode. Correct the cause and repeat the command, or "
+            "run `ecs utility mode compensate`";
+      return tl::unexpected(sent.error());
+    }
     if (compensated) {
       ECS_DO(begin_compensation(unit.client()));
       ask_to_reference(context, unit, "every axis");

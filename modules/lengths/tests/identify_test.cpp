@@ -15,22 +15,6 @@ using model::IdentifySettings;
 
 IdentifySettings exact_lengths() { return {.scale_um_per_m = 0.0}; }
 
-double farthest_from(const Identification& found, const MadeComponents& made, const params::Machine& machine) {
-  double most = 0.0;
-  for (const IdentifiedCurve& curve : found.curves) {
-    if (!curve.determined) continue;
-    const auto& travel = machine.axes[index_of(moving_axis(curve.component))]->travel_mm;
-    for (std::size_t i = 0; i < curve.position_mm.size(); ++i) {
-      const double part = (curve.position_mm[i] - travel[0]) / (travel[1] - travel[0]);
-      most = std::max(most, std::abs(curve.forward[i] - made.value(curve.component, part, 1)));
-      most = std::max(most, std::abs(curve.reverse[i] - made.value(curve.component, part, -1)));
-    }
-  }
-  for (const auto& square : found.squareness)
-    if (square.determined) most = std::max(most, std::abs(square.um_per_m - made.value(square.component, 0.0, 0)));
-  return most;
-}
-
 std::string why_not(const Identification& found, Component component) {
   for (const IdentifiedCurve& curve : found.curves)
     if (curve.component == component) return curve.why_not;

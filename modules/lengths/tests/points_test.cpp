@@ -77,22 +77,6 @@ struct MadePoints : MadeLengths {
 
 const std::vector<model::LengthTool> kThreeTools{{"A", {0, 0, 0}}, {"B", {0, 0, -200}}, {"C", {120, 0, -90}}};
 
-double farthest(const Identification& found, const MadeComponents& made, const params::Machine& machine) {
-  double most = 0.0;
-  for (const auto& curve : found.curves) {
-    if (!curve.determined) continue;
-    const auto& travel = machine.axes[index_of(moving_axis(curve.component))]->travel_mm;
-    for (std::size_t i = 0; i < curve.position_mm.size(); ++i) {
-      const double part = (curve.position_mm[i] - travel[0]) / (travel[1] - travel[0]);
-      most = std::max(most, std::abs(curve.forward[i] - made.value(curve.component, part, 1)));
-      most = std::max(most, std::abs(curve.reverse[i] - made.value(curve.component, part, -1)));
-    }
-  }
-  for (const auto& square : found.squareness)
-    if (square.determined) most = std::max(most, std::abs(square.um_per_m - made.value(square.component, 0.0, 0)));
-  return most;
-}
-
 TEST_CASE("an exact grid in space with three tools gives all 21 components back, however it lies") {
   for (const char* configuration : {"TXYZ", "XYTZ", "XYZT"}) {
     CAPTURE(configuration);
@@ -103,7 +87,7 @@ TEST_CASE("an exact grid in space with three tools gives all 21 components back,
     points.measure_points(made);
     const Identification found = identified(points, {.scale_um_per_m = 0.0});
     CHECK(found.whole());
-    CHECK(farthest(found, made, points.machine) < 1e-5);
+    CHECK(farthest_from(found, made, points.machine) < 1e-5);
     REQUIRE(found.set_ups[0].turned_um_per_m);
   }
 }
@@ -123,7 +107,7 @@ TEST_CASE("a ball plate in the three planes, at two places of each, gives what a
   const Identification found = identified(plates, {.scale_um_per_m = 0.0});
   for (const auto& curve : found.curves) CHECK_MESSAGE(curve.why_not.empty(), curve.why_not);
   CHECK(found.whole());
-  CHECK(farthest(found, made, plates.machine) < 1e-5);
+  CHECK(farthest_from(found, made, plates.machine) < 1e-5);
   CHECK_FALSE(found.curves[index_of(Component::EAZ)].acts);
 }
 

@@ -235,7 +235,7 @@ TEST_CASE("the course of a noisy sensor is known better than any of its readings
       readings += 1.0;
     }
     CHECK(std::sqrt(squares / readings) < 0.04);
-    CHECK(squares / stated < 2.0);  // what is stated to be unknown of it is about what it is off
+    CHECK(squares / stated < 2.0);  // the stated standard deviation agrees with the true error
     CHECK(squares / stated > 0.3);
   }
 }

@@ -163,4 +163,22 @@ inline model::Identification identified(const MadeLengths& made, const model::Id
   return must(model::identify(made.test, made.machine, settings));
 }
 
+/// The largest difference of a determined value from the true one, um or um/m.
+inline double farthest_from(const model::Identification& found, const MadeComponents& made,
+                            const params::Machine& machine) {
+  double most = 0.0;
+  for (const model::IdentifiedCurve& curve : found.curves) {
+    if (!curve.determined) continue;
+    const auto& travel = machine.axes[index_of(moving_axis(curve.component))]->travel_mm;
+    for (std::size_t i = 0; i < curve.position_mm.size(); ++i) {
+      const double part = (curve.position_mm[i] - travel[0]) / (travel[1] - travel[0]);
+      most = std::max(most, std::abs(curve.forward[i] - made.value(curve.component, part, 1)));
+      most = std::max(most, std::abs(curve.reverse[i] - made.value(curve.component, part, -1)));
+    }
+  }
+  for (const auto& square : found.squareness)
+    if (square.determined) most = std::max(most, std::abs(square.um_per_m - made.value(square.component, 0.0, 0)));
+  return most;
+}
+
 }  // namespace ecs::test
