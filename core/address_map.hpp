@@ -10,6 +10,7 @@
 
 #include "core/parameters.hpp"
 #include "core/thermal.hpp"
+#include "core/tools.hpp"
 
 namespace ecs {
 
@@ -34,7 +35,10 @@ inline constexpr Region kBankA{0x100000, kBankBytes, false, "axis memory bank A"
 inline constexpr Region kBankB{0x200000, kBankBytes, false, "axis memory bank B"};
 /// What the thermal rows have come to, two slots (thermal.hpp); the unit alone writes it.
 inline constexpr Region kThermalRecord{0x0F1000, 2 * kStoredThermalBytes, false, "thermal record"};
-inline constexpr std::array<Region, 6> kRegions{kEprom, kSystemRam, kCommitRecords, kThermalRecord, kBankA, kBankB};
+/// The table of tools, two slots (tools.hpp); the unit writes it at a command.
+inline constexpr Region kToolRecord{0x0F2000, 2 * kToolTableBytes, false, "tool table"};
+inline constexpr std::array<Region, 7> kRegions{kEprom, kSystemRam, kCommitRecords, kThermalRecord, kToolRecord,
+                                                kBankA, kBankB};
 
 [[nodiscard]] constexpr bool in_axis_memory(Address address) {
   return kBankA.contains(address) || kBankB.contains(address);

@@ -31,4 +31,22 @@ constexpr void store_double(Bytes bytes, std::size_t at, double value) noexcept 
   store_big(bytes, at, std::bit_cast<std::uint64_t>(value));
 }
 
+/// A record in battery-backed memory has two slots of equal size and is written into the older one, so that one is sound
+/// whenever the supply fails.
+/// @param region  both slots  @param read  of a slot: an optional with the member `sequence`; nothing: not sound
+/// @return        the newer record; nothing: neither slot is sound
+template <class Read>
+[[nodiscard]] auto newest_record(ByteView region, Read read) noexcept {
+  const std::size_t slot_bytes = region.size() / 2;
+  const auto first = read(region.first(slot_bytes)), second = read(region.subspan(slot_bytes));
+  if (first && second) return first->sequence > second->sequence ? first : second;
+  return first ? first : second;
+}
+/// The slot (0 or 1) to overwrite next: never the newer one.
+template <class Read>
+[[nodiscard]] std::uint32_t next_slot(ByteView region, Read read) noexcept {
+  const auto newest = newest_record(region, read);
+  return newest && read(region.first(region.size() / 2)) == newest ? 1 : 0;
+}
+
 }  // namespace ecs

@@ -30,9 +30,10 @@ enum class Fault : std::uint16_t {
   position_jump = 11,          ///< an axis moved further in one period than any axis can
   user_software = 12,          ///< user software left its bounds or its time
   commit_record = 13,          ///< a commit record is damaged: neither erased nor sound
-  live_input = 14,             ///< a temperature or load is missing or implausible; the loop goes on without its terms
+  live_input = 14,             ///< a temperature, load or tool is missing or implausible; the loop goes on
+  unknown_input = 15,          ///< nobody knows which tool or load, and the output could be wrong by more than a limit
 };
-inline constexpr std::uint16_t kFaultCount = 15;
+inline constexpr std::uint16_t kFaultCount = 16;
 
 /// One sentence in plain words, and what to do next.
 struct FaultText {

@@ -384,10 +384,7 @@ std::optional<Commit> commit_in(ByteView records, std::uint32_t slot) noexcept {
 }  // namespace
 
 std::optional<Commit> active_commit(ByteView records) noexcept {
-  const auto first = commit_in(records, 0);
-  const auto second = commit_in(records, 1);
-  if (first && second) return first->sequence > second->sequence ? first : second;
-  return first ? first : second;
+  return newest_record(records, [](ByteView slot) { return commit_in(slot); });
 }
 
 SlotState state_of_slot(ByteView records, std::uint32_t slot) noexcept {
@@ -405,11 +402,7 @@ std::optional<std::uint32_t> damaged_slot(ByteView records) noexcept {
 }
 
 std::uint32_t next_commit_slot(ByteView records) noexcept {
-  const auto first = commit_in(records, 0);
-  const auto second = commit_in(records, 1);
-  if (!first) return 0;
-  if (!second) return 1;
-  return first->sequence > second->sequence ? 1 : 0;
+  return next_slot(records, [](ByteView slot) { return commit_in(slot); });
 }
 
 void encode_commit(const Commit& commit, Bytes slot) noexcept {

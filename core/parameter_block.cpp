@@ -117,6 +117,16 @@ void walk_all(Walk& walk, Parameters& p) noexcept {
   for (auto& line : p.measurement_lines_mm)
     for (auto& mm : line) walk.number(mm);
   for (auto& axis : p.axes) walk_axis(walk, axis);
+  for (auto& mm : p.tool_range_mm) walk.number(mm);
+  walk.number(p.tool_rate_um_per_s);
+  walk.number(p.load_range_kg);
+  walk.number(p.unknown_input_limit_um);
+}
+
+/// Images of before end with the axes, and zeros follow.
+void add_defaults(UnitParameters& p) noexcept {
+  if (p.tool_rate_um_per_s == 0.0) p.tool_rate_um_per_s = UnitParameters{}.tool_rate_um_per_s;
+  if (p.unknown_input_limit_um == 0.0) p.unknown_input_limit_um = UnitParameters{}.unknown_input_limit_um;
 }
 
 /// Ranges without which the core cannot run; params/ holds the narrower ones that make sense.
@@ -124,6 +134,8 @@ bool usable(const UnitParameters& p) noexcept {
   if (!chain_of(p) || !terms_of(p)) return false;
   if (p.memory_modules < 1 || p.memory_modules > kMostModules) return false;
   if (p.loop_period_us < 100.0 || p.loop_period_us > 20'000.0) return false;
+  const bool ranges = std::all_of(p.tool_range_mm.begin(), p.tool_range_mm.end(), [](double mm) { return mm >= 0.0; });
+  if (!ranges || p.load_range_kg < 0.0 || p.tool_rate_um_per_s < 0.0 || p.unknown_input_limit_um < 0.0) return false;
   return std::all_of(p.axes.begin(), p.axes.end(), [](const AxisParameters& a) {
     return a.position_scale_um_per_count != 0.0 && a.deadband_um >= 0.0 && a.output_scale_counts_per_um > 0.0 &&
            a.output_limit_um >= 0.0 && a.output_slew_um_per_s > 0.0 && a.position_loop_gain_per_s > 0.0 &&
@@ -144,6 +156,7 @@ std::optional<UnitParameters> decode_parameters(ByteView block) noexcept {
   Reader reader(block);
   walk_all(reader, parameters);
   if (!reader.sound() || !usable(parameters)) return std::nullopt;
+  add_defaults(parameters);
   return parameters;
 }
 

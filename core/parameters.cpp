@@ -31,7 +31,9 @@ std::optional<TermTable> terms_of(const UnitParameters& parameters) noexcept {
   for (const Term& term : terms_in_scope(*terms, *chain, parameters.scope, parameters.plane)) {
     if (!is_squareness(term.component) && !chain->has(moving_axis(term.component))) continue;
     if (term.has_lever && term.uses_coordinate && !chain->has(term.lever)) continue;
-    if (term.has_lever && !term.uses_coordinate && parameters.tool_offset_mm[index_of(term.lever)] == 0.0) continue;
+    const std::size_t lever = index_of(term.lever);
+    const bool by_tool = parameters.tool_offset_mm[lever] != 0.0 || parameters.tool_range_mm[lever] != 0.0;
+    if (term.has_lever && !term.uses_coordinate && !by_tool) continue;
     kept.rows[kept.count++] = term;
   }
   return kept;
@@ -40,7 +42,7 @@ std::optional<TermTable> terms_of(const UnitParameters& parameters) noexcept {
 ComponentSet components_needed(const UnitParameters& parameters) noexcept {
   const auto terms = terms_of(parameters);
   if (!terms) return {};
-  return components_needed(*terms, true);  // rows that the tool offset does not lever are out already
+  return components_needed(*terms, true);  // rows that no tool levers are out already
 }
 
 double& squareness_um_per_m(UnitParameters& parameters, Component component) noexcept {

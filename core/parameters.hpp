@@ -72,9 +72,14 @@ struct UnitParameters {
   double C0Y_um_per_m = 0.0;       ///< squareness *errors* (parameters hold errors, maps compensation)
   double B0Z_um_per_m = 0.0;
   double A0Z_um_per_m = 0.0;
-  Vector3 tool_offset_mm{};
+  Vector3 tool_offset_mm{};  ///< of the tool that the unit reckons with while none of its table (tools.hpp) is selected
   MeasurementLines measurement_lines_mm{};
   PerAxis<AxisParameters> axes{};
+  // tools and loads that change while the unit compensates
+  Vector3 tool_range_mm{};               ///< no offset in the table of tools is larger; all 0: no tool is selected
+  double tool_rate_um_per_s = 20.0;      ///< the output follows another tool no faster; above 0
+  double load_range_kg = 0.0;            ///< no load is larger; 0: not stated
+  double unknown_input_limit_um = 20.0;  ///< beyond it an unknown tool or load isolates the unit
   friend bool operator==(const UnitParameters&, const UnitParameters&) = default;
 };
 

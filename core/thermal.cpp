@@ -33,12 +33,20 @@ void add_translation(const ThermalRow& row, std::size_t observed, ThermalPolynom
 }
 
 /// D = 1 of a rotation c about the measurement line, through the levers of the term table.
-void add_rotation(const ThermalRow& row, const Term& term, const UnitParameters& p, ThermalPolynomial& to) noexcept {
+void add_rotation(const ThermalRow& row, const Term& term, const UnitParameters& p, ThermalWorking::Row& to) noexcept {
   const std::size_t lever = index_of(term.lever), observed = index_of(term.observed);
   const double per_mm = term.sign * p.angular_scale * row.coefficient * 1e-3;
   const double line_mm = p.measurement_lines_mm[index_of(moving_axis(row.component))][lever];
-  to.offset[observed] += per_mm * (p.tool_offset_mm[lever] - (term.uses_coordinate ? line_mm : 0.0));
-  if (term.uses_coordinate) to.gain[lever][observed] += per_mm;
+  to.of_tool[lever][observed] += per_mm;
+  if (!term.uses_coordinate) return;
+  to.of_one.offset[observed] -= per_mm * line_mm;
+  to.of_one.gain[lever][observed] += per_mm;
+}
+
+void set_tool(ThermalWorking::Row& row, const Vector3& tool_offset_mm) noexcept {
+  row.of_one.offset = row.without_tool;
+  for (std::size_t l = 0; l < kAxes; ++l)
+    for (std::size_t o = 0; o < kAxes; ++o) row.of_one.offset[o] += row.of_tool[l][o] * tool_offset_mm[l];
 }
 
 void add_scaled(const ThermalPolynomial& of_one, double by, ThermalPolynomial& to) noexcept {
@@ -88,14 +96,16 @@ void compile_thermal(std::span<const ThermalRow> rows, const ThermalSettings& se
   const TermTable terms = terms_in_scope(*physical, *chain, p.scope, p.plane);
   for (const ThermalRow& from : rows) {
     ThermalWorking::Row& row = working.rows[working.count++];
-    row = {{}, from.source, from.minus, from.reference, from.lag_s};
+    row = {{}, {}, {}, from.source, from.minus, from.reference, from.lag_s};
     for (const Term& term : terms) {
       if (term.component != from.component) continue;
       if (term.has_lever)
-        add_rotation(from, term, p, row.of_one);
+        add_rotation(from, term, p, row);
       else
         add_translation(from, index_of(term.observed), row.of_one);
     }
+    row.without_tool = row.of_one.offset;
+    set_tool(row, p.tool_offset_mm);
   }
 }
 
@@ -192,6 +202,19 @@ void sum_up(const ThermalWorking& working, ThermalState& state) noexcept {
 
 }  // namespace
 
+void set_tool_of_rows(ThermalWorking& working, ThermalState& state, const Vector3& tool_offset_mm) noexcept {
+  for (std::size_t k = 0; k < working.count; ++k) set_tool(working.rows[k], tool_offset_mm);
+  sum_up(working, state);
+}
+
+PerAxis<Vector3> thermal_tool_effect_um_per_mm(const ThermalWorking& working, const ThermalState& state) noexcept {
+  PerAxis<Vector3> effect{};
+  for (std::size_t k = 0; k < working.count; ++k)
+    for (std::size_t l = 0; l < kAxes; ++l)
+      for (std::size_t o = 0; o < kAxes; ++o) effect[l][o] += working.rows[k].of_tool[l][o] * state.applied[k];
+  return effect;
+}
+
 bool begin_thermal(const ThermalWorking& working, ThermalState& state, const InputValues& inputs,
                    const Vector3& position_mm, const StoredThermal* stored, double age_s) noexcept {
   state = ThermalState{};
@@ -256,8 +279,7 @@ std::uint32_t crc_of(ByteView slot) noexcept {
   return static_cast<std::uint32_t>(::crc32_z(0, slot.data(), kThermalCheckAt));
 }
 
-std::optional<StoredThermal> slot_in(ByteView region, std::uint32_t slot) noexcept {
-  const ByteView bytes = region.subspan(slot * kStoredThermalBytes, kStoredThermalBytes);
+std::optional<StoredThermal> slot_in(ByteView bytes) noexcept {
   if (load_big<std::uint32_t>(bytes, 0) != kThermalMagic) return std::nullopt;
   if (load_big<std::uint32_t>(bytes, kThermalCheckAt) != crc_of(bytes)) return std::nullopt;
   StoredThermal stored{
@@ -272,16 +294,8 @@ std::optional<StoredThermal> slot_in(ByteView region, std::uint32_t slot) noexce
 
 }  // namespace
 
-std::optional<StoredThermal> stored_thermal(ByteView region) noexcept {
-  const auto first = slot_in(region, 0), second = slot_in(region, 1);
-  if (first && second) return first->sequence > second->sequence ? first : second;
-  return first ? first : second;
-}
-
-std::uint32_t next_thermal_slot(ByteView region) noexcept {
-  const auto newest = stored_thermal(region);
-  return newest && slot_in(region, 0) == newest ? 1 : 0;
-}
+std::optional<StoredThermal> stored_thermal(ByteView region) noexcept { return newest_record(region, slot_in); }
+std::uint32_t next_thermal_slot(ByteView region) noexcept { return next_slot(region, slot_in); }
 
 void encode_thermal(const StoredThermal& stored, Bytes slot) noexcept {
   std::fill(slot.begin(), slot.end(), std::uint8_t{0});

@@ -23,6 +23,7 @@ struct UnitParameters;
 inline constexpr std::size_t kTemperatureInputs = 16;
 inline constexpr std::size_t kLoadInput = kTemperatureInputs;       ///< the mass on the machine, kg
 inline constexpr std::size_t kLiveInputs = kTemperatureInputs + 1;  ///< temperatures 0 … 15, load 16
+inline constexpr std::size_t kToolInput = kLiveInputs;              ///< in faults alone: the number of the tool
 inline constexpr std::size_t kMostThermalRows = 32;
 inline constexpr std::uint8_t kNoInput = 255;
 
@@ -89,7 +90,9 @@ struct alignas(16) ThermalPolynomial {
 /// The rows of a map, compiled for the chain, scope and tool of its parameters.
 struct ThermalWorking {
   struct Row {
-    ThermalPolynomial of_one{};  ///< for D = 1
+    ThermalPolynomial of_one{};   ///< for D = 1, with the tool offset
+    PerAxis<Lanes> of_tool{};     ///< of its offset, for D = 1 and each mm of a tool offset along x, y, z
+    Lanes without_tool{};         ///< its offset without a tool
     std::uint8_t source = 0;
     std::uint8_t minus = kNoInput;
     double reference = 0.0;
@@ -176,6 +179,12 @@ bool begin_thermal(const ThermalWorking& working, ThermalState& state, const Inp
 /// @return  an input has become doubtful
 bool step_thermal(const ThermalWorking& working, ThermalState& state, const InputValues& inputs,
                   const Vector3& position_mm, double seconds) noexcept;
+
+/// The rows act with another tool offset from now on.
+void set_tool_of_rows(ThermalWorking& working, ThermalState& state, const Vector3& tool_offset_mm) noexcept;
+/// What the rows add along X, Y, Z for each mm of a tool offset along x, y, z, um.
+[[nodiscard]] PerAxis<Vector3> thermal_tool_effect_um_per_mm(const ThermalWorking& working,
+                                                             const ThermalState& state) noexcept;
 
 /// Steps of the slow loop lie this far apart: the output steps by 0.05 um at the usual rate, by 0.2 um at the greatest.
 inline constexpr double kThermalStep_s = 0.1;

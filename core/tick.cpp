@@ -56,16 +56,23 @@ void add_squareness(const Term& term, const UnitParameters& p, SquarenessAction&
   if (term.component == Component::A0Z) action.y_by_z = per_mm * p.A0Z_um_per_m;
 }
 
-void add_rotation(const Term& term, const UnitParameters& p, AngularAction& action) noexcept {
+void add_rotation(const Term& term, const UnitParameters& p, AngularAction& action, ToolAction& tool) noexcept {
   const std::size_t observed = index_of(term.observed);
   const std::size_t lever = index_of(term.lever);
   const double weight_per_mm = term.sign * p.angular_scale / 1000.0;
   const double line_mm = p.measurement_lines_mm[index_of(moving_axis(term.component))][lever];
   const double gain = term.uses_coordinate ? weight_per_mm : 0.0;
-  const double constant = weight_per_mm * p.tool_offset_mm[lever] - gain * line_mm;
   const std::size_t product = 2 * lever + (observed == (lever + 2) % 3 ? 0 : 1);
   action.gain[product] = gain;
-  action.constant[product] = constant;
+  tool.per_mm[product] = weight_per_mm;
+  tool.without_tool[product] = -gain * line_mm;
+}
+
+void set_levers(CompiledMap& map, const Vector3& tool_offset_mm) noexcept {
+  map.tool_offset_mm = tool_offset_mm;
+  for (std::size_t a = 0; a < kAxes; ++a)
+    for (std::size_t k = 0; k < 6; ++k)
+      map.angular[a].constant[k] = map.tool[a].without_tool[k] + map.tool[a].per_mm[k] * tool_offset_mm[k / 2];
 }
 
 void compile_terms(const TermTable& terms, const UnitParameters& p, CompiledMap& map) noexcept {
@@ -73,8 +80,10 @@ void compile_terms(const TermTable& terms, const UnitParameters& p, CompiledMap&
     if (is_squareness(term.component))
       add_squareness(term, p, map.squareness);
     else if (term.has_lever)
-      add_rotation(term, p, map.angular[index_of(moving_axis(term.component))]);
+      add_rotation(term, p, map.angular[index_of(moving_axis(term.component))],
+                   map.tool[index_of(moving_axis(term.component))]);
   }
+  set_levers(map, p.tool_offset_mm);
 }
 
 void compile_axes(const UnitParameters& p, CompiledMap& map) noexcept {
@@ -115,6 +124,7 @@ CompileVerdict check_complete(const ImageView& image, const ComponentSet& needed
 void clear_working(CompiledMap& map) noexcept {
   map.curves = {};
   map.angular = {};
+  map.tool = {};
   map.squareness = {};
   map.axes = {};
   map.output = {};
@@ -290,6 +300,36 @@ Vector3 compensation_um_at(const CompiledMap& map, const Vector3& position_mm,
                            const PerAxis<Approach>& approach) noexcept {
   const auto values = [&](std::size_t a) { return look_up(map, map.curves[a][side_of(approach[a])], position_mm[a]); };
   return combine(map, {values(0), values(1), values(2)}, position_mm);
+}
+
+PerAxis<Vector3> tool_effect_um_per_mm(const CompiledMap& map, const TickState& state,
+                                       const ThermalState& thermal) noexcept {
+  PerAxis<Vector3> effect = thermal_tool_effect_um_per_mm(map.thermal, thermal);
+  for (std::size_t a = 0; a < kAxes; ++a) {
+    const CurveValues values = look_up(map, map.curves[a][side_of(state.approach[a])], state.position_mm[a]);
+    for (std::size_t k = 0; k < 6; ++k) {
+      const std::size_t lever = k / 2, observed = (lever + (k % 2 == 0 ? 2 : 1)) % 3;
+      effect[lever][observed] += values.rotation[k] * map.tool[a].per_mm[k];
+    }
+  }
+  return effect;
+}
+
+bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal, const Vector3& offset_mm,
+                 double most_um) noexcept {
+  const PerAxis<Vector3> effect = tool_effect_um_per_mm(map, state, thermal);
+  Vector3 change_um{};
+  for (std::size_t l = 0; l < kAxes; ++l)
+    for (std::size_t o = 0; o < kAxes; ++o) change_um[o] += effect[l][o] * (offset_mm[l] - map.tool_offset_mm[l]);
+  double largest_um = 0.0;
+  for (const double um : change_um) largest_um = std::max(largest_um, std::abs(um));
+  const bool reached = largest_um <= most_um;
+  Vector3 next_mm = offset_mm;
+  for (std::size_t l = 0; l < kAxes && !reached; ++l)
+    next_mm[l] = map.tool_offset_mm[l] + (offset_mm[l] - map.tool_offset_mm[l]) * (most_um / largest_um);
+  set_levers(map, next_mm);
+  set_tool_of_rows(map.thermal, thermal, next_mm);
+  return reached;
 }
 
 std::optional<SelectedValue> selected_value(const CompiledMap& map, const TickState& state, Axis moving,

@@ -34,6 +34,12 @@ struct alignas(16) AngularAction {
   std::array<double, 6> constant{};
 };
 
+/// Of these products, how their constants follow from the tool offset:  constant = without_tool + per_mm · offset_l.
+struct ToolAction {
+  std::array<double, 6> without_tool{};
+  std::array<double, 6> per_mm{};
+};
+
 /// Compensation of squareness, um per mm of the lever.
 struct SquarenessAction {
   double x_by_y = 0.0;
@@ -67,6 +73,8 @@ struct CompiledMap {
 
   PerAxis<std::array<CurveSet, kSides>> curves{};
   PerAxis<AngularAction> angular{};
+  PerAxis<ToolAction> tool{};
+  Vector3 tool_offset_mm{};  ///< that `angular` and `thermal` reckon with; change_tool() changes it
   SquarenessAction squareness{};
   PerAxis<AxisWorking> axes{};
   OutputWorking output{};
@@ -114,6 +122,17 @@ void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>&
 /// The same with what the slow loop (thermal.hpp) has come to: its temperatures, at the position of this period.
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
           const ThermalPolynomial& thermal) noexcept;
+
+/// What a tool offset does at the place of the last tick: um of compensation along X, Y, Z for each mm along x, y, z.
+[[nodiscard]] PerAxis<Vector3> tool_effect_um_per_mm(const CompiledMap& map, const TickState& state,
+                                                     const ThermalState& thermal) noexcept;
+
+/// Takes the levers of every rotation, of the map and of its thermal rows, to another tool offset, between two ticks.
+/// No axis is corrected by more than `most_um` more or less than before at the place of the last tick.
+/// @param most_um  infinity: at once
+/// @return         that offset is reached
+bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal, const Vector3& offset_mm,
+                 double most_um) noexcept;
 
 /// Address pointer of one curve ("last geometric error values selected", thesis 5.3).
 struct SelectedValue {

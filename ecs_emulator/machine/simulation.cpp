@@ -84,6 +84,33 @@ Simulation::Simulation(const WorkshopMachine& description, TrueErrors errors, st
       seed_(seed),
       random_(seed_of(seed, 1000, 0)) {
   errors_.put_on({machine_.chain(), geometry_.lines_mm, machine_.datum_mm()});
+  rewire();
+}
+
+void Simulation::rewire() {
+  if (description_.settings.tool_wires) wires_.tool = tool_;
+  if (description_.settings.power_on_wire) wires_.power_on = control_on_;
+  if (unit_ != nullptr) unit_->control(wires_);
+}
+
+bool Simulation::has_tool(std::uint16_t number) const {
+  const auto& tools = description_.settings.tools;
+  return number == 0 || std::any_of(tools.begin(), tools.end(),
+                                    [&](const MagazineTool& tool) { return tool.number == number; });
+}
+
+void Simulation::change_tool(std::uint16_t number) {
+  tool_ = number;
+  geometry_.tool_offset_mm = description_.settings.tool_offset_mm;
+  for (const MagazineTool& tool : description_.settings.tools)
+    if (number != 0 && tool.number == number) geometry_.tool_offset_mm = tool.offset_mm;
+  rewire();
+}
+
+void Simulation::switch_control(bool on) {
+  if (control_on_ && !on) machine_.stop();
+  control_on_ = on;
+  rewire();
 }
 
 Vector3 Simulation::carriages_mm() const {

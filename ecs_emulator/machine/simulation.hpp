@@ -43,6 +43,13 @@ class RealTime {
   RealTimeRecord record_;
 };
 
+/// What the wires from the control say; nothing: there is no such wire.
+struct ControlWires {
+  std::optional<std::uint16_t> tool;  ///< number of the tool in the spindle; 0: none
+  std::optional<bool> power_on;       ///< the control is ready: its drives have power, its position loops are closed
+  friend bool operator==(const ControlWires&, const ControlWires&) = default;
+};
+
 /// Whatever stands between the machine's transducers and its drives.
 class Compensator {
  public:
@@ -55,6 +62,8 @@ class Compensator {
   /// @param shown    by the machine's sensors now
   /// @param seconds  of the workshop's clock since the last time, 0 while that stands still
   virtual void sense(const std::vector<NamedTemperature>& /*shown*/, double /*seconds*/) {}
+  /// The wires from the control, when they are connected and whenever one changes.
+  virtual void control(const ControlWires& /*wires*/) {}
   /// Nothing of it waits for time to pass: periods in which nothing moves may be left out.
   [[nodiscard]] virtual bool quiet() const = 0;
 };
@@ -65,7 +74,10 @@ class Simulation {
   Simulation(const WorkshopMachine& description, TrueErrors errors, std::uint64_t seed);
 
   /// The unit at the machine; null: none. It must outlive the simulation or be taken away.
-  void attach(Compensator* unit) { unit_ = unit; }
+  void attach(Compensator* unit) {
+    unit_ = unit;
+    if (unit_ != nullptr) unit_->control(wires_);
+  }
   /// Called every few milliseconds of real time while something runs; false gives it up.
   void on_pause(std::function<bool()> pause) { pause_ = std::move(pause); }
 
@@ -100,6 +112,15 @@ class Simulation {
   /// The same for a state and a target.
   [[nodiscard]] ToolPose tool_at(const MachineState& state, const Vector3& target_mm, bool scatter);
 
+  /// In the magazine; 0, none, always is.
+  [[nodiscard]] bool has_tool(std::uint16_t number) const;
+  /// The control puts this tool into the spindle; 0: none. @pre has_tool(number)
+  void change_tool(std::uint16_t number);
+  [[nodiscard]] std::uint16_t tool() const { return tool_; }
+  /// The control's "power on": without it the drives stand still, and its place is lost.
+  void switch_control(bool on);
+  [[nodiscard]] bool control_on() const { return control_on_; }
+
   [[nodiscard]] MachineTool& machine() { return machine_; }
   [[nodiscard]] const MachineTool& machine() const { return machine_; }
   [[nodiscard]] const TrueErrors& errors() const { return errors_; }
@@ -124,6 +145,7 @@ class Simulation {
   void step();
   void sense();
   void pass(double seconds);
+  void rewire();
   [[nodiscard]] Vector3 carriages_mm() const;
   [[nodiscard]] bool at_rest() const;
   [[nodiscard]] bool settle(double limit_s, double& used_s, const std::function<void()>& each = {});
@@ -145,6 +167,9 @@ class Simulation {
   Random random_;
   PerAxis<std::optional<Stop>> stops_{};
   ComponentValues stop_scatter_{};
+  std::uint16_t tool_ = 0;
+  bool control_on_ = true;
+  ControlWires wires_{};
   Compensator* unit_ = nullptr;
   std::function<bool()> pause_;
   std::optional<RealTime> real_time_;

@@ -59,6 +59,9 @@ ProgramStep ProgramInterpreter::step_of(const ProgramBlock& block) {
   step.dwell_s = block.dwell_s;
   step.trigger = trigger_of(block);
   step.stop = block.stop;
+  if (block.tool) next_tool_ = block.tool;
+  if (block.tool_change && !next_tool_) complain_(block.line, "M06: expected a tool T before or here");
+  if (block.tool_change) step.tool = next_tool_;
   return step;
 }
 
@@ -216,6 +219,7 @@ double length_mm(const Vector3& from_mm, const PathPiece& piece) {
 
 void count(ProgramSummary& summary, const ProgramStep& step, const Vector3& from_mm, const Vector3& to_mm) {
   if (step.motion) summary.path_mm += length_mm(from_mm, *step.motion);
+  if (step.tool) summary.tools.try_emplace(*step.tool, step.line);
   if (step.trigger == ProgramTrigger::reading) {
     if (summary.readings++ == 0) summary.first_reading_mm = to_mm;
   } else if (step.trigger == ProgramTrigger::missed) {

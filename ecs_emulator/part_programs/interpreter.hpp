@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 
 #include "ecs_emulator/machine/path.hpp"
@@ -33,7 +34,8 @@ struct ProgramStep {
   bool exact_stop = false;  ///< after the motion: rapid, or G09
   std::optional<double> dwell_s;
   ProgramTrigger trigger = ProgramTrigger::none;
-  bool stop = false;  ///< M00
+  std::optional<int> tool;  ///< M06: into the spindle, after the motion
+  bool stop = false;        ///< M00
 };
 
 class ProgramInterpreter {
@@ -77,6 +79,7 @@ class ProgramInterpreter {
   double feed_mm_min_ = 0.0;
   double spindle_rpm_ = 0.0;
   int spindle_ = 0;
+  std::optional<int> next_tool_;
   bool triggered_ = false;
 };
 
@@ -87,6 +90,7 @@ struct ProgramSummary {
   std::vector<int> missed_lines;  ///< lines of M08 that take no reading, each once, at most 100
   double path_mm = 0.0;
   std::optional<Vector3> first_reading_mm;
+  std::map<int, int> tools;  ///< put into the spindle, each with the first line that does
 };
 
 /// Runs the whole program without a machine. `bad_input` problem with every line that is wrong, each once.

@@ -16,6 +16,7 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "core/tools.hpp"
 
 namespace ecs::emulator {
 namespace {
@@ -185,9 +186,13 @@ class BlockReader {
       case 'S':
         if (!(word.value >= 0.0)) complain(word, fmt::format("{}: expected a speed of 0 rpm or more", word.text));
         return set(block_.spindle_rpm, word.value, word, "speed");
+      case 'T':
+        if (!(word.value >= 0.0 && word.value <= kGreatestToolNumber && word.value == std::floor(word.value)))
+          return complain(word, fmt::format("{}: expected a tool number from 0 to {}", word.text, kGreatestToolNumber));
+        return set(block_.tool, static_cast<int>(word.value), word, "tool");
       default:
-        return complain(word,
-                        fmt::format("{}: unknown word; expected N G X Y Z I J K R F S M, or H P with G04", word.text));
+        return complain(
+            word, fmt::format("{}: unknown word; expected N G X Y Z I J K R F S T M, or H P with G04", word.text));
     }
   }
 
@@ -220,8 +225,9 @@ class BlockReader {
     if (is({8, 9})) return set(block_.trigger, is({8}), word, "M08 or M09");
     if (is({0})) block_.stop = true;
     if (is({2, 30})) block_.end = true;
-    if (is({0, 2, 30})) return;
-    complain(word, fmt::format("{}: unknown; expected M00 M02 M03 M04 M05 M08 M09 or M30", word.text));
+    if (is({6})) block_.tool_change = true;
+    if (is({0, 2, 6, 30})) return;
+    complain(word, fmt::format("{}: unknown; expected M00 M02 M03 M04 M05 M06 M08 M09 or M30", word.text));
   }
 
   void check_dwell() {

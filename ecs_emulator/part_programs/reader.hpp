@@ -40,6 +40,8 @@ struct ProgramBlock {
   // auxiliary
   std::optional<double> spindle_rpm;  ///< S
   std::optional<int> spindle;         ///< M03: 1, M04: -1, M05: 0
+  std::optional<int> tool;            ///< T: the next tool
+  bool tool_change = false;           ///< M06
   std::optional<bool> trigger;        ///< M08: true, M09: false
   bool stop = false;                  ///< M00
   bool end = false;                   ///< M02 M30

@@ -181,6 +181,11 @@ class ProgramRunner {
     const MachineTool& machine = simulation_.machine();
     ECS_TRY(summary, checked_program(program_, machine.command_mm(), range_of(machine)));
     result_.summary = std::move(summary);
+    for (const auto& [number, line] : result_.summary.tools)
+      if (!simulation_.has_tool(static_cast<std::uint16_t>(number)))
+        return problem_at(program_.file, line, 0,
+                          fmt::format("M06: the magazine has no tool {}; see [[emulator.tool]] of the machine file",
+                                      number));
     if (!order_.axis) return {};
     if (result_.summary.readings == 0) return wrong("expected a program with readings (M08)");
     if (result_.summary.readings > kMostReadings)
@@ -228,7 +233,7 @@ class ProgramRunner {
   }
 
   static bool ends_standing(const ProgramStep& step) {
-    return step.exact_stop || step.dwell_s || step.trigger != ProgramTrigger::none || step.stop ||
+    return step.exact_stop || step.dwell_s || step.tool || step.trigger != ProgramTrigger::none || step.stop ||
            (step.spindle_rpm && *step.spindle_rpm == 0.0);
   }
 
@@ -253,6 +258,7 @@ class ProgramRunner {
   bool act(const ProgramStep& step) {
     if (step.dwell_s && !simulation_.dwell(*step.dwell_s, each_)) return false;
     if (hooks_.spindle && step.spindle_rpm == 0.0) hooks_.spindle(0.0);
+    if (step.tool) simulation_.change_tool(static_cast<std::uint16_t>(*step.tool));
     if (post_ && step.trigger == ProgramTrigger::reading) post_->take();
     return true;
   }

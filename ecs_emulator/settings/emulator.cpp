@@ -1,11 +1,13 @@
 #include "ecs_emulator/settings/emulator.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
 
 #include "base/file_kind.hpp"
 #include "base/toml_reader.hpp"
+#include "core/tools.hpp"
 #include "ecs_emulator/settings/reader.hpp"
 
 namespace ecs::emulator {
@@ -192,9 +194,31 @@ void seed_into(TomlReader& reader, const toml::table& table, std::uint64_t& seed
     reader.complain(*table.get("seed"), fmt::format("seed: expected at most {:.0f}, got {}", kGreatest, number));
 }
 
+std::vector<MagazineTool> magazine_of(TomlReader& reader, const toml::table& table) {
+  std::vector<MagazineTool> tools;
+  for (const toml::table* its : reader.children(table, "tool")) {
+    MagazineTool tool;
+    double number = 0.0;
+    Vector3& to = tool.offset_mm;
+    numbers_into(reader, *its, "emulator.tool",
+                 {required("number", number, Within{1.0, kGreatestToolNumber}),
+                  {"x_mm", &to[0]},
+                  {"y_mm", &to[1]},
+                  {"z_mm", &to[2]}});
+    tool.number = static_cast<std::uint16_t>(number);
+    if (std::any_of(tools.begin(), tools.end(), [&](const MagazineTool& one) { return one.number == tool.number; }))
+      reader.complain(*its, fmt::format("tool: a second one with the number {}", tool.number));
+    tools.push_back(tool);
+  }
+  return tools;
+}
+
 EmulatorSettings settings_of(TomlReader& reader, const toml::table& table, const std::filesystem::path& folder) {
   EmulatorSettings settings;
-  reader.only(table, {"serial_number", "seed", "errors", "load_kg", "tool_offset_mm", "axis", "laser"}, "emulator");
+  reader.only(table,
+              {"serial_number", "seed", "errors", "load_kg", "tool_offset_mm", "tool", "tool_wires", "power_on_wire",
+               "axis", "laser"},
+              "emulator");
   serial_number_into(reader, table, settings.serial_number);
   seed_into(reader, table, settings.seed);
   number_into(reader, table, "load_kg", Sign::not_negative, settings.load_kg);
@@ -202,6 +226,9 @@ EmulatorSettings settings_of(TomlReader& reader, const toml::table& table, const
     Vector3& to = settings.tool_offset_mm;
     numbers_into(reader, *offset, "tool_offset_mm", {{"x", &to[0]}, {"y", &to[1]}, {"z", &to[2]}});
   }
+  settings.tools = magazine_of(reader, table);
+  flag_into(reader, table, "tool_wires", settings.tool_wires);
+  flag_into(reader, table, "power_on_wire", settings.power_on_wire);
   if (const auto errors = reader.word(table, "errors")) settings.errors = folder / *errors;
   if (const auto* laser = reader.child(table, "laser")) settings.laser = read_laser_settings(reader, *laser);
   if (const auto* axes = reader.child(table, "axis")) {

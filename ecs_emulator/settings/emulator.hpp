@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/result.hpp"
 #include "core/axis.hpp"
@@ -134,11 +135,20 @@ struct InstrumentSetting {
 };
 [[nodiscard]] LaserSettings with(LaserSettings settings, const InstrumentSetting& setting);
 
+/// A tool of the machine's magazine.
+struct MagazineTool {
+  std::uint16_t number = 0;
+  Vector3 offset_mm{};  ///< true, as `tool_offset_mm` of EmulatorSettings
+};
+
 struct EmulatorSettings {
   std::string serial_number = "EMULATOR-1";  ///< up to 16 characters
   std::uint64_t seed = 1;
   double load_kg = 0.0;
   Vector3 tool_offset_mm{};      ///< from the point that the unlevered machine carries to the tool point
+  std::vector<MagazineTool> tools;
+  bool tool_wires = false;     ///< the control's tool number is wired to the unit
+  bool power_on_wire = false;  ///< the control's "power on" is wired to the unit
   std::filesystem::path errors;  ///< errors file; empty: a perfect machine
   PerAxis<AxisSettings> axes{};
   LaserSettings laser{};

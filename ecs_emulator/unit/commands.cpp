@@ -68,6 +68,9 @@ protocol::UnitError Unit::write_memory(Address address, std::span<const std::uin
 protocol::CommandResult Unit::begin(const Command& command) {
   if (!powered_) return refused(UnitError::unit_fault, "no power");
   if (command.code == CommandCode::set_input) return set_input(command);
+  if (command.code == CommandCode::select_tool || command.code == CommandCode::set_tool ||
+      command.code == CommandCode::remove_tool)
+    return change_tools(command);
   silent_s_ = 0.0;
   if (mode_ == UnitMode::halted) return refused(UnitError::unit_fault, "halted: switch the unit off and on");
   if (command.code == CommandCode::stop) return stop();
@@ -174,6 +177,33 @@ protocol::CommandResult Unit::set_input(const Command& command) {
     return refused(UnitError::bad_argument,
                    fmt::format("expected {:.6g} to {:.6g} degC", limits.least_degC, limits.greatest_degC));
   inputs_[i] = {command.input_value, true, inputs_[i].number + 1};
+  return done();
+}
+
+/// In every mode: the output follows no faster than the parameters allow.
+protocol::CommandResult Unit::change_tools(const Command& command) {
+  const bool select = command.code == CommandCode::select_tool;
+  if (command.tool > kGreatestToolNumber || (command.tool == 0 && !select))
+    return refused(UnitError::bad_argument,
+                   fmt::format("expected a tool number from {} to {}", select ? 0 : 1, kGreatestToolNumber));
+  const bool known = command.tool == 0 || tool_of(tools_, command.tool) != nullptr;
+  if (command.code != CommandCode::set_tool && !known)
+    return refused(UnitError::bad_argument, fmt::format("tool {} is not in the table", command.tool));
+  if (select && wires_.tool) return refused(UnitError::bad_argument, "the control selects the tool by its wires");
+  if (command.code == CommandCode::remove_tool && command.tool == tools_.selected)
+    return refused(UnitError::bad_argument, "this tool is selected");
+  if (command.code == CommandCode::set_tool && !in_range(command.tool_offset_mm, parameters_))
+    return refused(UnitError::bad_argument, "beyond the tool range of the parameters");
+  ToolTable next = tools_;
+  if (select)
+    next.selected = command.tool;
+  else if (command.code == CommandCode::remove_tool)
+    (void)remove_tool(next, command.tool);
+  else if (!put_tool(next, {command.tool, command.tool_offset_mm}))
+    return refused(UnitError::bad_argument, fmt::format("the table is full: {} tools", kMostTools));
+  tools_ = next;
+  store_tools();
+  select_tool();
   return done();
 }
 

@@ -37,8 +37,10 @@ void burn(std::vector<std::uint8_t>& eprom) {
 }
 
 bool battery_backed(Address address) { return address >= kCommitRecords.first; }
-/// What follows the active map is computed again when it may have changed; the thermal record is none of it.
-bool of_maps(Address address) { return battery_backed(address) && !kThermalRecord.contains(address); }
+/// What follows the active map is computed again when it may have changed; these records are none of it.
+bool of_maps(Address address) {
+  return battery_backed(address) && !kThermalRecord.contains(address) && !kToolRecord.contains(address);
+}
 
 }  // namespace
 
@@ -209,13 +211,21 @@ struct Part {
   std::uint32_t size = 0;
 };
 
-/// The thermal record is the last: files of before, and of units without thermal rows, end before it.
-std::array<Part, 4> parts_of(const UnitMemory& memory) {
+constexpr std::size_t kPartsOfMaps = 3;
+/// Records that a unit may be without follow the maps, the later ones last: files of before end earlier.
+std::array<Part, 5> parts_of(const UnitMemory& memory) {
   const std::uint32_t bank = bank_bytes(memory.modules());
   return {{{kCommitRecords.first, kCommitRecords.size},
            {kBankA.first, bank},
            {kBankB.first, bank},
-           {kThermalRecord.first, kThermalRecord.size}}};
+           {kThermalRecord.first, kThermalRecord.size},
+           {kToolRecord.first, kToolRecord.size}}};
+}
+
+/// How many of the parts are written: without the records at the end that say nothing.
+std::size_t parts_in_use(const UnitMemory& memory) {
+  if (stored_tools(memory.view(kToolRecord.first, kToolRecord.size))) return kPartsOfMaps + 2;
+  return kPartsOfMaps + (stored_thermal(memory.view(kThermalRecord.first, kThermalRecord.size)) ? 1 : 0);
 }
 
 }  // namespace
@@ -223,20 +233,23 @@ std::array<Part, 4> parts_of(const UnitMemory& memory) {
 Result<void> restore(UnitMemory& memory, const std::filesystem::path& path) {
   if (!is_there(path)) return {};
   ECS_TRY(content, read_file(path));
-  std::size_t wanted = kMagic.size();
-  for (const Part& part : parts_of(memory)) wanted += part.size;
-  if (content.size() + kThermalRecord.size == wanted) wanted = content.size();
-  if (!content.starts_with(kMagic) || content.size() != wanted)
+  const auto parts = parts_of(memory);
+  std::size_t whole = kMagic.size(), part_count = 0;
+  while (part_count < parts.size() && whole < content.size()) whole += parts[part_count++].size;
+  if (!content.starts_with(kMagic) || content.size() != whole || part_count < kPartsOfMaps) {
+    std::size_t expected = kMagic.size();
+    for (std::size_t i = 0; i < kPartsOfMaps; ++i) expected += parts[i].size;
     return problem_at(path.string(), 0, 0,
-                      fmt::format("expected the battery memory of a unit with {} memory module(s), {} bytes, got {} "
-                                  "bytes; give another file, or delete it to begin with an empty memory",
-                                  memory.modules(), wanted, content.size()));
+                      fmt::format("expected the battery memory of a unit with {} memory module(s), {} bytes or those "
+                                  "and its records, got {} bytes; give another file, or delete it to begin with an "
+                                  "empty memory",
+                                  memory.modules(), expected, content.size()));
+  }
   std::size_t at = kMagic.size();
-  for (const Part& part : parts_of(memory)) {
-    if (at == content.size()) break;
-    const ByteView bytes(reinterpret_cast<const std::uint8_t*>(content.data()) + at, part.size);
-    memory.write(part.first, bytes);
-    at += part.size;
+  for (std::size_t i = 0; i < part_count; ++i) {
+    const ByteView bytes(reinterpret_cast<const std::uint8_t*>(content.data()) + at, parts[i].size);
+    memory.write(parts[i].first, bytes);
+    at += parts[i].size;
   }
   memory.kept();
   return {};
@@ -244,9 +257,9 @@ Result<void> restore(UnitMemory& memory, const std::filesystem::path& path) {
 
 Result<void> keep(UnitMemory& memory, const std::filesystem::path& path) {
   std::string content(kMagic);
-  for (const Part& part : parts_of(memory)) {
-    const ByteView bytes = memory.view(part.first, part.size);
-    if (part.first == kThermalRecord.first && !stored_thermal(bytes)) continue;
+  const auto parts = parts_of(memory);
+  for (std::size_t i = 0; i < parts_in_use(memory); ++i) {
+    const ByteView bytes = memory.view(parts[i].first, parts[i].size);
     content.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
   ECS_DO(write_file(path, content));

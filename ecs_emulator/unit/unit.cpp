@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace ecs::emulator {
 
@@ -57,6 +59,7 @@ void Unit::start_up() {
   for (InputValue& input : inputs_) input.present = false;
   if (const auto stored = stored_thermal(memory_.view(kThermalRecord.first, kThermalRecord.size)))
     clock_s_ = std::max(clock_s_, stored->clock_s);
+  tools_ = stored_tools(memory_.view(kToolRecord.first, kToolRecord.size)).value_or(ToolTable{});
   isolate();
   ticks_ = 0;
   uptime_s_ = silent_s_ = 0.0;
@@ -181,6 +184,7 @@ bool Unit::quiet() const {
   if (hung_ || mode_ == UnitMode::starting || restart_) return false;
   if (mode_ == UnitMode::datuming)
     return std::none_of(watches_.begin(), watches_.end(), [](const DatumWatch& watch) { return watch.counting(); });
+  if (mode_ == UnitMode::compensating && tool_changes_) return false;
   if (mode_ == UnitMode::compensating)
     return std::all_of(at_limit_s_.begin(), at_limit_s_.end(), [](double seconds) { return seconds == 0.0; });
   const bool driven =
@@ -227,6 +231,7 @@ bool Unit::late() {
 }
 
 void Unit::datum_step() {
+  if (!wires_.power_on.value_or(true)) return;
   if (!transducers_sound()) return;
   bool all_done = true;
   for (const Axis a : kAllAxes) {
@@ -258,10 +263,17 @@ void Unit::begin_compensating() {
   }
   start(tick_, counts, position, approach);
   begin_thermal();
+  tool_target_mm_ = parameters_.tool_offset_mm;
+  select_tool();
+  (void)change_tool(*map_, tick_, thermal_, tool_target_mm_, std::numeric_limits<double>::infinity());
   at_limit_s_ = {};
   late_in_a_row_ = 0;
   mode_ = UnitMode::compensating;
-  compensate_step();
+  if (tool_known_)
+    watch_unknown_inputs();
+  else
+    report_unknown_tool();
+  if (mode_ == UnitMode::compensating) compensate_step();
 }
 
 void Unit::compensate_step() {
@@ -272,6 +284,8 @@ void Unit::compensate_step() {
   if (!transducers_sound()) return;
   PerAxis<std::int64_t> counts{};
   for (std::size_t a = 0; a < kAxes; ++a) counts[a] = modules_[a].counts();
+  if (tool_changes_)
+    tool_changes_ = !change_tool(*map_, tick_, thermal_, tool_target_mm_, parameters_.tool_rate_um_per_s * period_s());
   if (map_->thermal.count > 0)
     ecs::tick(*map_, tick_, counts, thermal_.acting);
   else
@@ -297,7 +311,7 @@ bool is_column_of(std::string_view column, std::string_view sensor) {
 }  // namespace
 
 bool Unit::senses() const {
-  const bool follows = mode_ == UnitMode::compensating && map_->thermal.count > 0;
+  const bool follows = mode_ == UnitMode::compensating && (map_->thermal.count > 0 || !tool_known_);
   return follows || std::any_of(settings_.sensors.begin(), settings_.sensors.end(),
                                 [](const std::string& sensor) { return !sensor.empty(); });
 }
@@ -315,7 +329,9 @@ void Unit::sense(const std::vector<NamedTemperature>& shown, double seconds) {
     inputs_[i] = {stuck ? failed.stuck_at : its->second + failed.by_degC, failed.failure != SensorFailure::open,
                   inputs_[i].number + 1};
   }
-  if (mode_ != UnitMode::compensating || hung_ || map_->thermal.count == 0) return;
+  if (mode_ != UnitMode::compensating || hung_) return;
+  watch_unknown_inputs();
+  if (mode_ != UnitMode::compensating || map_->thermal.count == 0) return;
   if (step_thermal(map_->thermal, thermal_, inputs_, tick_.position_mm, seconds)) report_doubtful_input();
   if (clock_s_ - stored_s_ >= kThermalStored_s) store_thermal();
 }
@@ -340,9 +356,98 @@ void Unit::report_doubtful_input() {
   fault_address_ = static_cast<Address>(doubtful - thermal_.inputs.begin() + 1);
 }
 
+/// Which tool acts from now on, by the wires of the control or by what a host has selected. An unknown number changes
+/// nothing of it.
+void Unit::select_tool() {
+  if (wires_.tool && *wires_.tool != tools_.selected) {
+    tools_.selected = *wires_.tool;
+    store_tools();
+  }
+  const Tool* const tool = tools_.selected == 0 ? nullptr : tool_of(tools_, tools_.selected);
+  const bool usable = tool != nullptr && in_range(tool->offset_mm, parameters_);
+  tool_known_ = tools_.selected == 0 || usable;
+  if (tool_known_) tool_target_mm_ = usable ? tool->offset_mm : parameters_.tool_offset_mm;
+  tool_changes_ = mode_ == UnitMode::compensating;
+  if (mode_ == UnitMode::compensating && !tool_known_) report_unknown_tool();
+}
+
+void Unit::report_unknown_tool() {
+  fault_ = Fault::live_input;
+  fault_axis_.reset();
+  fault_address_ = kToolInput + 1;
+  watch_unknown_inputs();
+}
+
+/// By how much the output may be wrong, at the present place, because a tool or the load is not known.
+double Unit::unknown_input_um() const {
+  Vector3 most_um{};
+  if (!tool_known_) {
+    const PerAxis<Vector3> effect = tool_effect_um_per_mm(*map_, tick_, thermal_);
+    for (std::size_t l = 0; l < kAxes; ++l) {
+      const double furthest_mm = parameters_.tool_range_mm[l] + std::abs(map_->tool_offset_mm[l]);
+      for (std::size_t o = 0; o < kAxes; ++o) most_um[o] += std::abs(effect[l][o]) * furthest_mm;
+    }
+  }
+  for (std::size_t k = 0; k < map_->thermal.count; ++k) {
+    const ThermalWorking::Row& row = map_->thermal.rows[k];
+    if (row.source != kLoadInput || thermal_.inputs[kLoadInput].has_value) continue;
+    const Lanes of_one = value_um(row.of_one, tick_.position_mm);
+    for (std::size_t o = 0; o < kAxes; ++o) most_um[o] += std::abs(of_one[o]) * parameters_.load_range_kg;
+  }
+  return *std::max_element(most_um.begin(), most_um.end());
+}
+
+void Unit::watch_unknown_inputs() {
+  if (unknown_input_um() > parameters_.unknown_input_limit_um)
+    raise(Fault::unknown_input, std::nullopt, (tool_known_ ? kLoadInput : kToolInput) + 1);
+}
+
+void Unit::store_tools() {
+  ++tools_.sequence;
+  std::array<std::uint8_t, kToolTableBytes> slot{};
+  encode_tools(tools_, slot);
+  const std::uint32_t which = next_tool_slot(memory_.view(kToolRecord.first, kToolRecord.size));
+  memory_.write(kToolRecord.first + which * kToolTableBytes, slot);
+}
+
+/// The control has lost its drives, and with them its place: it references again, and so does the unit.
+void Unit::control_lost() {
+  if (mode_ == UnitMode::compensating) store_thermal();
+  isolate();
+  for (Origin& origin : origins_) origin.referenced = false;
+  if (mode_ != UnitMode::compensating && mode_ != UnitMode::datuming) return;
+  watches_ = {};
+  mode_ = UnitMode::datuming;
+}
+
+void Unit::control(const ControlWires& wires) {
+  const ControlWires before = std::exchange(wires_, wires);
+  if (!powered_ || hung_) return;
+  if (before.power_on.value_or(true) && !wires.power_on.value_or(true)) control_lost();
+  if (wires.tool != before.tool) select_tool();
+}
+
+protocol::ControlLines Unit::control_lines() {
+  using protocol::ToolState;
+  protocol::ControlLines lines;
+  lines.tool = tools_.selected;
+  lines.tool_state = !tool_known_ ? ToolState::unknown : tools_.selected == 0 ? ToolState::none : ToolState::acting;
+  if (tool_changes_) lines.tool_state = ToolState::changing;
+  lines.tool_offset_mm = mode_ == UnitMode::compensating ? map_->tool_offset_mm : parameters_.tool_offset_mm;
+  lines.tools = static_cast<std::uint16_t>(
+      std::count_if(tools_.tools.begin(), tools_.tools.end(), [](const Tool& tool) { return tool.number != 0; }));
+  lines.tool_wired = wires_.tool.has_value();
+  lines.control_on_wired = wires_.power_on.has_value();
+  lines.control_on = wires_.power_on.value_or(true);
+  lines.compensating_out = mode_ == UnitMode::compensating;
+  lines.fault_out = fault_ != Fault::none;
+  lines.battery = battery_;
+  lines.battery_age_s = static_cast<std::uint32_t>(clock_s_);
+  return lines;
+}
+
 void Unit::store_thermal() {
   stored_s_ = clock_s_;
-  if (map_->thermal.count == 0) return;
   const ByteView region = memory_.view(kThermalRecord.first, kThermalRecord.size);
   const auto before = stored_thermal(region);
   std::array<std::uint8_t, kStoredThermalBytes> slot{};

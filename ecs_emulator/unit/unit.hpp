@@ -78,6 +78,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] bool quiet() const override;
   [[nodiscard]] bool senses() const override;
   void sense(const std::vector<NamedTemperature>& shown, double seconds) override;
+  void control(const ControlWires& wires) override;
 
   [[nodiscard]] UnitMemory& memory() { return memory_; }
   [[nodiscard]] const UnitSettings& settings() const { return settings_; }
@@ -96,11 +97,15 @@ class Unit final : public protocol::UnitPort, public Compensator {
     failures_[input] = {failure, by_degC, inputs_[input].value};
   }
 
+  /// The battery is nearly empty, or a new one.
+  void battery(protocol::BatteryState state) { battery_ = state; }
+
   // protocol::UnitPort
   [[nodiscard]] protocol::Identity identity() override;
   [[nodiscard]] protocol::UnitStatus status() override;
   [[nodiscard]] protocol::MonitorSample monitor() override;
   [[nodiscard]] protocol::LiveInputs live_inputs() override;
+  [[nodiscard]] protocol::ControlLines control_lines() override;
   void host_armed() override {
     if (powered_ && mode_ == UnitMode::starting) enter_integration();
   }
@@ -151,6 +156,12 @@ class Unit final : public protocol::UnitPort, public Compensator {
   void begin_thermal();
   void report_doubtful_input();
   void store_thermal();
+  void select_tool();
+  void control_lost();
+  void report_unknown_tool();
+  [[nodiscard]] double unknown_input_um() const;
+  void watch_unknown_inputs();
+  void store_tools();
   void reload_parameters();
   [[nodiscard]] TestVerdict block_check_now() const;
   [[nodiscard]] double mm_per_count(Axis axis) const;
@@ -168,6 +179,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   void take_over(const Commit& commit);
   [[nodiscard]] protocol::CommandResult output(const protocol::Command& command);
   [[nodiscard]] protocol::CommandResult set_input(const protocol::Command& command);
+  [[nodiscard]] protocol::CommandResult change_tools(const protocol::Command& command);
   [[nodiscard]] protocol::CommandResult run_user_software(Address start, std::uint32_t argument);
   [[nodiscard]] protocol::CommandResult user_software_step();
   [[nodiscard]] protocol::CommandResult stop();
@@ -197,6 +209,12 @@ class Unit final : public protocol::UnitPort, public Compensator {
     double stuck_at = 0.0;
   };
   std::array<FailedSensor, kTemperatureInputs> failures_{};
+  ControlWires wires_{};
+  ToolTable tools_{};
+  bool tool_known_ = true;  ///< the selected number is in the table, or none is selected
+  bool tool_changes_ = false;
+  Vector3 tool_target_mm_{};  ///< offset of the tool that was known last
+  protocol::BatteryState battery_ = protocol::BatteryState::good;
   double clock_s_ = 0.0;   ///< that the battery keeps running, of the workshop
   double stored_s_ = 0.0;  ///< of that clock, when the thermal state was stored last
   Drives drives_{};

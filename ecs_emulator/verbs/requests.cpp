@@ -166,7 +166,7 @@ const std::vector<RequestOption> kJogOptions{
 };
 const std::vector<RequestOption> kFaultOptions{
     {"NAME", word,
-     "ram_stuck, corrupt, overrun, hang or power_fails (unit); sensor (input of the unit); transducer, marker, switch "
+     "ram_stuck, corrupt, overrun, hang, power_fails or battery (unit); sensor (input of the unit); transducer, marker, switch "
      "or miscount (axis); no_reply, lost_request, bad_crc, slow_reply, garbage_before, drop_byte, cut_tail or "
      "stale_reply (line); clear: remove every fault",
      Need::required},
@@ -175,7 +175,7 @@ const std::vector<RequestOption> kFaultOptions{
     {"--level", integer, "level of the stuck bit or switch, 0 or 1, for ram_stuck and switch (1)"},
     {"--bits", integer, "mask of the inverted bits, 1 to 255, for corrupt (1)"},
     {"--axis", word, "axis, for transducer, marker, switch and miscount"},
-    {"--back", flag, "remove the fault again, for transducer, marker, switch and sensor"},
+    {"--back", flag, "remove the fault again, for transducer, marker, switch, sensor and battery"},
     {"--us", number, "additional time in each period, for overrun [us] (1000000)"},
     {"--input", integer, "temperature input, from 1 on, for sensor (1)"},
     {"--how", word, "failure of the sensor: open, stuck or shifted"},
@@ -396,6 +396,10 @@ const std::vector<Action>& workshop_verbs() {
               {{"COUNT", integer, "number of periods", Need::required}}),
       request("load", "load a workpiece on the table", "load 500",
               {{"KG", number, "mass of the workpiece [kg]", Need::required}}),
+      request("change-tool", "put a tool of the magazine into the spindle", "change-tool 3",
+              {{"NUMBER", integer, "number of the tool; 0: none", Need::required}}),
+      request("control", "switch the control and its drives on or off", "control off",
+              {{"STATE", word, "on or off", Need::required}}),
       request("arm-code", "show the arming code of the unit", "arm-code", {}),
       request("fault", "provoke a fault by its name", "fault ram_stuck --address 0x100000 --bit 3", kFaultOptions),
   };

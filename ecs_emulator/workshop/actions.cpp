@@ -277,12 +277,21 @@ Result<void> fail_sensor(const Workshop& workshop, Arguments& arguments) {
   return {};
 }
 
+/// The battery that keeps the memory while the unit is off.
+Result<void> empty_battery(const Workshop& workshop, Arguments& arguments) {
+  const bool back = arguments.flag("back");
+  ECS_DO(arguments.checked());
+  workshop.unit->battery(back ? protocol::BatteryState::good : protocol::BatteryState::low);
+  return {};
+}
+
 Result<void> clear(const Workshop& workshop, Arguments& arguments) {
   ECS_DO(arguments.checked());
   if (workshop.line != nullptr) workshop.line->clear();
   if (workshop.unit != nullptr) {
     workshop.unit->memory().repair();
     workshop.unit->slow_down(0.0);
+    workshop.unit->battery(protocol::BatteryState::good);
     for (std::size_t i = 0; i < kTemperatureInputs; ++i) workshop.unit->fail_sensor(i, SensorFailure::none);
   }
   for (const Axis a : kAllAxes) {
@@ -300,7 +309,7 @@ struct NamedFault {
   Provoke provoke;
   bool in_unit;
 };
-constexpr std::array<NamedFault, 11> kFaults{{{"clear", clear, false},
+constexpr std::array<NamedFault, 12> kFaults{{{"clear", clear, false},
                                               {"transducer", lose<&AxisOfMachine::lose_transducer>, false},
                                               {"marker", lose<&AxisOfMachine::lose_marker>, false},
                                               {"switch", hang_switch, false},
@@ -310,7 +319,8 @@ constexpr std::array<NamedFault, 11> kFaults{{{"clear", clear, false},
                                               {"overrun", overrun, true},
                                               {"hang", hang, true},
                                               {"power_fails", power_fails, true},
-                                              {"sensor", fail_sensor, true}}};
+                                              {"sensor", fail_sensor, true},
+                                              {"battery", empty_battery, true}}};
 
 }  // namespace
 

@@ -54,6 +54,8 @@ Json state_of(const Workshop& workshop) {
   Json state{{"command_mm", by_axis(machine, machine.command_mm())},
              {"position_mm", by_axis(machine, machine.state().position_mm)},
              {"time_s", machine.time_s()},
+             {"tool", workshop.simulation->tool()},
+             {"control_on", workshop.simulation->control_on()},
              {"link", nullptr},
              {"unit", nullptr}};
   if (!workshop.link.empty()) state["link"] = workshop.link;
@@ -359,6 +361,27 @@ Answer load(const Workshop& workshop, Arguments& arguments) {
   return state_of(workshop);
 }
 
+Answer change_tool(const Workshop& workshop, Arguments& arguments) {
+  const auto number = arguments.integer("number", 0, kGreatestToolNumber);
+  ECS_DO(arguments.checked());
+  const auto tool = static_cast<std::uint16_t>(number.value_or(0));
+  if (!workshop.simulation->has_tool(tool))
+    return wrong(fmt::format("number: the magazine has no tool {}; see [[emulator.tool]] of the machine file", tool));
+  workshop.simulation->change_tool(tool);
+  return state_of(workshop);
+}
+
+/// "Power on" of the control.
+Answer switch_control(const Workshop& workshop, Arguments& arguments) {
+  const std::string state = arguments.word("state");
+  if (state != "on" && state != "off")
+    arguments.complain(fmt::format("state: expected on or off, got \"{}\"", state));
+  ECS_DO(arguments.checked());
+  workshop.simulation->switch_control(state == "on");
+  workshop.simulation->come_to_rest();
+  return state_of(workshop);
+}
+
 /// The tool against the workpiece as the machine stands, systematic part only.
 Answer tool_error(const Workshop& workshop, Arguments& arguments) {
   ECS_DO(arguments.checked());
@@ -387,19 +410,20 @@ Answer at_once(const Workshop& workshop, Arguments& arguments, const Report& /*r
 struct NamedAction {
   std::string_view name;
   Answer (*act)(const Workshop&, Arguments&, const Report&);
+  bool moves = false;  ///< the control must be on
 };
-constexpr std::array<NamedAction, 21> kActions{{{"state", at_once<show>},
-                                                {"jog", at_once<jog>},
-                                                {"reference", at_once<reference_machine>},
-                                                {"measure", measure_machine},
-                                                {"plan", follow_plan},
+constexpr std::array<NamedAction, 23> kActions{{{"state", at_once<show>},
+                                                {"jog", at_once<jog>, true},
+                                                {"reference", at_once<reference_machine>, true},
+                                                {"measure", measure_machine, true},
+                                                {"plan", follow_plan, true},
                                                 {"capture", at_once<capture_machine>},
-                                                {"run", run_part_program},
-                                                {"mdi", at_once<run_block>},
-                                                {"circle", at_once<read_circle>},
-                                                {"lengths", at_once<read_lengths>},
-                                                {"ball", at_once<read_ball>},
-                                                {"turn", at_once<read_turn>},
+                                                {"run", run_part_program, true},
+                                                {"mdi", at_once<run_block>, true},
+                                                {"circle", at_once<read_circle>, true},
+                                                {"lengths", at_once<read_lengths>, true},
+                                                {"ball", at_once<read_ball>, true},
+                                                {"turn", at_once<read_turn>, true},
                                                 {"survey", at_once<survey_machine>},
                                                 {"components", at_once<true_components>},
                                                 {"tool", at_once<tool_error>},
@@ -407,6 +431,8 @@ constexpr std::array<NamedAction, 21> kActions{{{"state", at_once<show>},
                                                 {"wait", at_once<wait>},
                                                 {"tick", at_once<tick>},
                                                 {"load", at_once<load>},
+                                                {"change-tool", at_once<change_tool>},
+                                                {"control", at_once<switch_control>},
                                                 {"fault", at_once<fault>},
                                                 {"arm-code", at_once<arm_code>}}};
 
@@ -418,6 +444,8 @@ Answer act(const Workshop& workshop, const Json& request, const Report& report) 
   workshop.simulation->come_to_rest();
   std::string names;
   for (const NamedAction& action : kActions) {
+    if (action.name == name && action.moves && !workshop.simulation->control_on())
+      return problem(ProblemKind::refused, "the control is off: switch it on first (control on), then reference");
     if (action.name == name) return action.act(workshop, arguments, report);
     names += fmt::format("{}{}", names.empty() ? "" : &action == &kActions.back() ? " or " : ", ", action.name);
   }

@@ -70,6 +70,15 @@ Result<LiveInputs> UnitClient::live_inputs() {
   return link_.ask(kEchoAlone, kEchoOnly, kInputs).and_then(value_in<LiveInputs>);
 }
 
+Result<ControlLines> UnitClient::control_lines() {
+  return link_.ask(kEchoAlone, kEchoOnly, kControlLines).and_then(value_in<ControlLines>);
+}
+
+Result<ToolTable> UnitClient::tool_table() {
+  ECS_TRY(record, read_memory(kToolRecord.first, kToolRecord.size));
+  return stored_tools(record).value_or(ToolTable{});
+}
+
 Result<UnitStatus> UnitClient::status() {
   auto status = link_.ask(kEchoAlone, kEchoOnly, kStatus).and_then(value_in<UnitStatus>);
   if (!status) return status;
@@ -342,6 +351,21 @@ Result<void> UnitClient::set_axis_position(Axis axis, double position_mm) {
 Result<void> UnitClient::set_input(std::uint16_t input, double value) {
   return run_acting({.code = CommandCode::set_input, .input = input, .input_value = value}, kShortLimit,
                     "Read the inputs of the unit.");
+}
+
+namespace {
+constexpr std::string_view kReadTools = "Read the table of tools of the unit.";
+}  // namespace
+
+Result<void> UnitClient::select_tool(std::uint16_t number) {
+  return run_acting({.code = CommandCode::select_tool, .tool = number}, kShortLimit, kReadTools);
+}
+Result<void> UnitClient::set_tool(const Tool& tool) {
+  return run_acting({.code = CommandCode::set_tool, .tool = tool.number, .tool_offset_mm = tool.offset_mm}, kShortLimit,
+                    kReadTools);
+}
+Result<void> UnitClient::remove_tool(std::uint16_t number) {
+  return run_acting({.code = CommandCode::remove_tool, .tool = number}, kShortLimit, kReadTools);
 }
 
 Result<void> UnitClient::output_compensation(Axis axis, double output_um, bool relay_on) {

@@ -87,6 +87,8 @@ class UnitClient {
   [[nodiscard]] Result<ActiveMap> active_map();
   [[nodiscard]] Result<MonitorSample> monitor();
   [[nodiscard]] Result<LiveInputs> live_inputs();
+  [[nodiscard]] Result<ControlLines> control_lines();
+  [[nodiscard]] Result<ToolTable> tool_table();
   /// What hosts did to the unit, or tried: the newest `most` as the blocks they came in, the oldest first.
   [[nodiscard]] Result<std::vector<Registers>> event_blocks(std::size_t most);
 
@@ -115,6 +117,9 @@ class UnitClient {
   [[nodiscard]] Result<void> output_compensation(Axis axis, double output_um, bool relay_on);
   /// @param input  0 … 15 a temperature [degC], 16 the load [kg]; one without a wire
   [[nodiscard]] Result<void> set_input(std::uint16_t input, double value);
+  [[nodiscard]] Result<void> select_tool(std::uint16_t number);
+  [[nodiscard]] Result<void> set_tool(const Tool& tool);
+  [[nodiscard]] Result<void> remove_tool(std::uint16_t number);
   [[nodiscard]] Result<void> output_off();
   /// What is written to axis memory, committed and abandoned afterwards belongs to this staging; the unit refuses it
   /// as soon as another one has begun or ended.

@@ -58,7 +58,10 @@ constexpr std::array<std::string_view, kCommandCount> kCommandNames{"none",
                                                                     "check memory",
                                                                     "stop",
                                                                     "arm",
-                                                                    "set live input"};
+                                                                    "set live input",
+                                                                    "select tool",
+                                                                    "set tool",
+                                                                    "remove tool"};
 
 }  // namespace
 
@@ -82,6 +85,9 @@ bool acts_at_once(CommandCode code) noexcept {
     case CommandCode::clear_fault:
     case CommandCode::reset_unit:
     case CommandCode::set_input:
+    case CommandCode::select_tool:
+    case CommandCode::set_tool:
+    case CommandCode::remove_tool:
       return true;
     default:
       return false;
@@ -100,6 +106,11 @@ ExchangeTerms exchange_terms(std::string_view code, std::string_view serial_numb
 
 bool switches_off(CommandCode code) noexcept {
   return code == CommandCode::stop || code == CommandCode::output_off || code == CommandCode::enter_integration;
+}
+
+std::string_view name_of(ToolState state) noexcept {
+  constexpr std::array<std::string_view, kToolStateCount> names{"none", "acting", "changing", "unknown"};
+  return names[std::min<std::size_t>(static_cast<std::size_t>(state), names.size() - 1)];
 }
 
 std::string_view name_of(CommandState state) noexcept {

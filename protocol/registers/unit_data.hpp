@@ -133,6 +133,33 @@ struct LiveInputs {
   friend bool operator==(const LiveInputs&, const LiveInputs&) = default;
 };
 
+/// Numbers travel: append only.
+enum class ToolState : std::uint16_t {
+  none = 0,      ///< none is selected: the tool offset of the parameters acts
+  acting = 1,    ///< the selected one
+  changing = 2,  ///< the output is on its way to the selected one
+  unknown = 3,   ///< the selected number is not in the table, or none came: the one before acts
+};
+inline constexpr std::uint16_t kToolStateCount = 4;
+[[nodiscard]] std::string_view name_of(ToolState state) noexcept;
+enum class BatteryState : std::uint16_t { good = 0, low = 1 };
+
+/// The wires between the unit and the control, the tool, and the battery that keeps the memory.
+struct ControlLines {
+  std::uint16_t tool = 0;  ///< selected last; 0: none
+  ToolState tool_state = ToolState::none;
+  Vector3 tool_offset_mm{};        ///< that acts now
+  std::uint16_t tools = 0;         ///< in the table
+  bool tool_wired = false;         ///< the control selects; otherwise an armed host does
+  bool control_on_wired = false;   ///< the control's "power on" is wired to the unit
+  bool control_on = true;          ///< what that wire says
+  bool compensating_out = false;   ///< output to the control: the unit compensates
+  bool fault_out = false;          ///< output to the control: there is a fault
+  BatteryState battery = BatteryState::good;
+  std::uint32_t battery_age_s = 0;  ///< since it was new, by the clock that it keeps running
+  friend bool operator==(const ControlLines&, const ControlLines&) = default;
+};
+
 /// Why the unit does not do what it is asked. The number travels: append only.
 enum class UnitError : std::uint16_t {
   none = 0,
@@ -186,8 +213,11 @@ enum class CommandCode : std::uint16_t {
   stop = 16,          ///< ends the command under way
   arm = 17,           ///< as a command it ends the arming of this host, which begins with an exchange (ArmShare)
   set_input = 18,     ///< input, input_value; in every mode; an input without a wire of its own
+  select_tool = 19,   ///< tool; in every mode; refused where the control selects
+  set_tool = 20,      ///< tool, tool_offset_mm: into the table, in every mode; an offset that acts is followed
+  remove_tool = 21,   ///< tool; in every mode; not the selected one
 };
-inline constexpr std::uint16_t kCommandCount = 19;
+inline constexpr std::uint16_t kCommandCount = 22;
 [[nodiscard]] std::string_view name_of(CommandCode code) noexcept;
 
 /// What the bank to write holds when a staging begins.
@@ -278,6 +308,9 @@ struct SessionState {
 enum class CommandState : std::uint16_t { idle = 0, busy = 1, done = 2, refused = 3, failed = 4 };
 [[nodiscard]] std::string_view name_of(CommandState state) noexcept;
 
+/// Of a tool offset in a command.
+inline constexpr double kToolStep_mm = 1e-4;
+
 /// What a host did to the unit, or tried.
 struct HostEvent {
   std::uint32_t number = 0;              ///< counts from 1; 0: no such event
@@ -320,6 +353,8 @@ struct Command {
   double output_um = 0.0;
   std::uint16_t input = 0;   ///< 0 … 15 temperature, 16 load
   double input_value = 0.0;  ///< degC, kg
+  std::uint16_t tool = 0;
+  Vector3 tool_offset_mm{};  ///< travels in steps of kToolStep_mm
   bool relay_on = false;
   StagingFrom staging_from = StagingFrom::cleared;
   Address address = 0;

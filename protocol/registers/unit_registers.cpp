@@ -2,6 +2,7 @@
 #include "protocol/registers/unit_registers.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -176,6 +177,42 @@ void fields(Pass& pass, T& live) {
   }
 }
 
+/// Wires and outputs travel as one mask, the first as its lowest bit.
+template <class Pass, Is<ControlLines> T>
+void fields(Pass& pass, T& lines) {
+  std::uint16_t mask = 0;
+  unsigned bit = 0;
+  for (const bool one : {lines.tool_wired, lines.control_on_wired, lines.control_on, lines.compensating_out,
+                         lines.fault_out})
+    mask = static_cast<std::uint16_t>(mask | static_cast<unsigned>(one) << bit++);
+  pass.number(lines.tool, "tool");
+  pass.one_of(lines.tool_state, kToolStateCount, "state of the tool");
+  for (auto& mm : lines.tool_offset_mm) pass.real(mm, "tool offset");
+  pass.number(lines.tools, "tools");
+  pass.number(mask, "wires");
+  pass.one_of(lines.battery, 2, "battery");
+  pass.number(lines.battery_age_s, "age of the battery");
+  if constexpr (!std::is_const_v<T>) {
+    bit = 0;
+    for (bool* one : {&lines.tool_wired, &lines.control_on_wired, &lines.control_on, &lines.compensating_out,
+                      &lines.fault_out})
+      *one = (static_cast<unsigned>(mask) >> bit++ & 1u) != 0;
+  }
+}
+
+/// A tool offset travels as whole steps.
+void tool_offset(FieldWriter& pass, const Vector3& offset_mm) {
+  for (const double mm : offset_mm)
+    pass.number(static_cast<std::int32_t>(std::lround(std::clamp(mm / kToolStep_mm, -2e9, 2e9))), "tool offset");
+}
+void tool_offset(FieldReader& pass, Vector3& offset_mm) {
+  for (double& mm : offset_mm) {
+    std::int32_t steps = 0;
+    pass.number(steps, "tool offset");
+    mm = steps * kToolStep_mm;
+  }
+}
+
 template <class Pass, class T>
 void arguments(Pass& pass, T& command) {
   switch (command.code) {
@@ -189,6 +226,12 @@ void arguments(Pass& pass, T& command) {
     case CommandCode::set_input:
       pass.one_of(command.input, kLiveInputs, "input");
       return pass.real(command.input_value, "input");
+    case CommandCode::select_tool:
+    case CommandCode::remove_tool:
+      return pass.number(command.tool, "tool");
+    case CommandCode::set_tool:
+      pass.number(command.tool, "tool");
+      return tool_offset(pass, command.tool_offset_mm);
     case CommandCode::begin_staging:
       return pass.one_of(command.staging_from, 3, "staging from");
     case CommandCode::commit_staged:
@@ -376,6 +419,7 @@ ECS_BLOCK(UnitStatus, "the status");
 ECS_BLOCK(ActiveMap, "the active map");
 ECS_BLOCK(MonitorSample, "the monitor sample");
 ECS_BLOCK(LiveInputs, "the live inputs");
+ECS_BLOCK(ControlLines, "the lines to the control");
 ECS_BLOCK(CommandResult, "the command result");
 ECS_BLOCK(WindowAck, "the acknowledgement");
 ECS_BLOCK(SessionState, "the session");

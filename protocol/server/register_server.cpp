@@ -14,7 +14,7 @@ namespace ecs::protocol {
 namespace {
 
 constexpr std::array kAnswers{kIdentity, kStatus,  kMonitor, kPointers,  kCommandResult, kWindowAck, kMemory,
-                              kChecks,   kSession, kEvents,  kActiveMap, kArmAnswer,     kInputs};
+                              kChecks,   kSession, kEvents,  kActiveMap, kArmAnswer,     kInputs,    kControlLines};
 constexpr std::array kEchoed{kEcho,         kReadSelect,  kCheckSelect, kWindowOpen, kCommand,
                              kResultSelect, kSessionOpen, kEventSelect, kArmShare,   kArmConfirm};
 constexpr std::array kWithCheck{kSessionOpen, kArmShare, kArmConfirm};
@@ -111,6 +111,7 @@ Registers RegisterServer::answer(const Block& block) {
   if (block == kActiveMap) return registers_of(active_map_of(*unit_), echo_);
   if (block == kMonitor) return registers_of(unit_->monitor(), echo_);
   if (block == kInputs) return registers_of(unit_->live_inputs(), echo_);
+  if (block == kControlLines) return registers_of(unit_->control_lines(), echo_);
   if (block == kPointers) return pointer_registers_of(unit_->status(), echo_);
   if (block == kCommandResult) return registers_of(result_selected(), echo_);
   if (block == kSession) return registers_of(session_asked(), echo_);
