@@ -180,6 +180,35 @@ void add_squareness(std::vector<Field>& table) {
       words("A0Z", "Z to Y"), "um/m", range, [](auto& p) -> auto& { return p.A0Z_um_per_m; }));
 }
 
+/// What changes while the unit compensates.
+void add_tools(std::vector<Field>& table) {
+  const Group group = Group::compensation;
+  table.push_back(number(
+      {"compensation.tool_rate_um_per_s", group,
+       "Fastest change of the output after another tool was selected, so that no axis steps.", ""},
+      "um/s", {0.1, 10'000.0}, [](auto& p) -> auto& { return p.tool_rate_um_per_s; }));
+  table.push_back(number(
+      {"compensation.load_range_kg", group,
+       "Largest load on the machine, from which the unit computes how wrong its output may be while the load is "
+       "unknown; 0 if that is not to be supervised.",
+       ""},
+      "kg", {0.0, 1e6}, [](auto& p) -> auto& { return p.load_range_kg; }));
+  table.push_back(number(
+      {"compensation.unknown_input_limit_um", group,
+       "The unit opens its relays if an unknown tool or load could make its output wrong by more than this.", ""},
+      "um", {0.1, 10'000.0}, [](auto& p) -> auto& { return p.unknown_input_limit_um; }));
+  for (const Axis a : kAllAxes) {
+    const auto i = index_of(a);
+    table.push_back(number(
+        {fmt::format("compensation.tool_range_mm.{}", small_letter_of(a)), group,
+         fmt::format("Largest tool offset along {} in the unit's table of tools; 0 along every axis if no tool is "
+                     "selected while the unit compensates.",
+                     letter_of(a)),
+         ""},
+        "mm", {0.0, 10'000.0}, [i](auto& p) -> auto& { return p.tool_range_mm[i]; }));
+  }
+}
+
 void add_compensation(std::vector<Field>& table) {
   const Group group = Group::compensation;
   table.push_back(integer(
@@ -227,6 +256,7 @@ void add_compensation(std::vector<Field>& table) {
          ""},
         "mm", {-10'000.0, 10'000.0}, [i](auto& p) -> auto& { return p.tool_offset_mm[i]; }));
   }
+  add_tools(table);
   add_squareness(table);  // a table of its own, so it follows what stands in [compensation]
 }
 

@@ -25,6 +25,7 @@ namespace ecs::app {
   FAMILY(kUtilityCommands)   \
   FAMILY(kUtilityDatum)      \
   FAMILY(kUtilityInputs)     \
+  FAMILY(kUtilityTools)      \
   FAMILY(kUnitAccess)        \
   FAMILY(kMemory)            \
   FAMILY(kModelBeginning)    \
