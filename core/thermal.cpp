@@ -13,6 +13,7 @@ namespace ecs {
 namespace {
 
 constexpr double kLargestCoefficient = 1e5, kLargestReference = 1e6, kLongestLag_s = 1e7, kFurthest_mm = 1e6;
+constexpr double kFastestActive_s = 1.0, kLargestActive_um = 500.0;
 
 bool within(double value, double least, double greatest) noexcept { return value >= least && value <= greatest; }
 
@@ -20,7 +21,7 @@ bool within(double value, double least, double greatest) noexcept { return value
 void add_translation(const ThermalRow& row, std::size_t observed, ThermalPolynomial& to) noexcept {
   const std::size_t a = index_of(moving_axis(row.component));
   const double c = row.coefficient, o = row.origin_mm;
-  if (row.law == ThermalLaw::shift) {
+  if (row.law == ThermalLaw::shift || row.law == ThermalLaw::active) {
     to.offset[observed] += c;
   } else if (row.law == ThermalLaw::growth) {
     to.gain[a][observed] += c * 1e-3;
@@ -62,7 +63,7 @@ void add_scaled(const ThermalPolynomial& of_one, double by, ThermalPolynomial& t
 }  // namespace
 
 namespace {
-constexpr WordTable<ThermalLaw, kThermalLaws> kLaws{{"shift", "growth", "bending"}};
+constexpr WordTable<ThermalLaw, kThermalLaws> kLaws{{"shift", "growth", "bending", "active"}};
 }  // namespace
 
 std::string_view name_of(ThermalLaw law) noexcept { return kLaws.of(law); }
@@ -72,6 +73,9 @@ bool sound(const ThermalRow& row) noexcept {
   const bool known = index_of(row.component) < kCurves && static_cast<std::uint8_t>(row.law) < kThermalLaws &&
                      row.source < kThermalSources;
   if (!known || (is_angular(row.component) && row.law != ThermalLaw::shift)) return false;
+  const bool active = row.law == ThermalLaw::active;
+  if (active != (row.source == kDeviationSource)) return false;
+  if (active && !(row.lag_s >= kFastestActive_s && within(row.reference, 0.1, kLargestActive_um))) return false;
   if (row.minus != kNoInput && (row.minus >= kTemperatureInputs || row.source >= kTemperatureInputs)) return false;
   return within(row.coefficient, -kLargestCoefficient, kLargestCoefficient) &&
          within(row.reference, follows_motion(row.source) ? 1.0 : -kLargestReference, kLargestReference) &&
@@ -96,7 +100,7 @@ void compile_thermal(std::span<const ThermalRow> rows, const ThermalSettings& se
   const TermTable terms = terms_in_scope(*physical, *chain, p.scope, p.plane);
   for (const ThermalRow& from : rows) {
     ThermalWorking::Row& row = working.rows[working.count++];
-    row = {{}, {}, {}, from.source, from.minus, from.reference, from.lag_s};
+    row = {{}, {}, {}, from.source, from.minus, from.reference, from.lag_s, from.law == ThermalLaw::active};
     for (const Term& term : terms) {
       if (term.component != from.component) continue;
       if (term.has_lever)
@@ -116,8 +120,9 @@ std::string_view name_of(InputState state) noexcept {
 
 namespace {
 
-/// A load is a number that somebody states: it has a range alone.
+/// A load is a number that somebody states, a deviation goes to zero: they have a range alone.
 bool in_range(std::size_t input, const ThermalSettings& s, double value) noexcept {
+  if (input == kDeviationInput) return within(value, -kLargestDeviation_um, kLargestDeviation_um);
   return input == kLoadInput ? within(value, 0.0, kGreatestLoad_kg) : within(value, s.least_degC, s.greatest_degC);
 }
 
@@ -128,6 +133,7 @@ InputState judged(std::size_t i, const ThermalState::Input& input, const InputVa
   if (!in_range(i, s, now.value)) return InputState::out_of_range;
   if (i == kLoadInput) return InputState::good;
   if (input.age_s > s.longest_age_s) return InputState::missing;
+  if (i == kDeviationInput) return InputState::good;
   if (s.stuck_s > 0.0 && input.same_s >= s.stuck_s) return InputState::stuck;
   const double drift_degC = s.fastest_degC_per_s * std::min(input.doubtful_s, s.hold_s);
   if (input.has_value && !(std::abs(now.value - input.held) <= s.step_degC + drift_degC)) return InputState::jumping;
@@ -155,7 +161,7 @@ bool watch(std::size_t i, ThermalState::Input& input, const InputValue& now, con
     input.good_s += seconds;
     if (input.good_s < kBelievedAfter_s) return false;
   }
-  const bool first = !input.has_value || i == kLoadInput;
+  const bool first = !input.has_value || i == kLoadInput || i == kDeviationInput;
   const double most = s.fastest_degC_per_s * seconds;
   input.held = first ? now.value : input.held + std::clamp(now.value - input.held, -most, most);
   input.has_value = true;
@@ -167,9 +173,10 @@ bool watch(std::size_t i, ThermalState::Input& input, const InputValue& now, con
 /// Of the inputs a row follows, longest doubtful.
 double doubtful_s(const ThermalState& state, const ThermalWorking::Row& row) noexcept {
   double longest_s = 0.0;
-  for (const std::uint8_t number : {row.source, row.minus}) {
-    if (number >= kLiveInputs) continue;
-    const ThermalState::Input& input = state.inputs[number];
+  for (const std::uint8_t source : {row.source, row.minus}) {
+    const auto number = input_of_source(source);
+    if (!number) continue;
+    const ThermalState::Input& input = state.inputs[*number];
     if (is_doubtful(input.state)) longest_s = std::max(longest_s, input.doubtful_s);
   }
   return longest_s;
@@ -177,8 +184,11 @@ double doubtful_s(const ThermalState& state, const ThermalWorking::Row& row) noe
 
 /// Without a first value a row has no D.
 bool has_values(const ThermalState& state, const ThermalWorking::Row& row) noexcept {
-  return (row.source >= kLiveInputs || state.inputs[row.source].has_value) &&
-         (row.minus == kNoInput || state.inputs[row.minus].has_value);
+  const auto has_value = [&](std::uint8_t source) {
+    const auto number = input_of_source(source);
+    return !number || state.inputs[*number].has_value;
+  };
+  return has_value(row.source) && has_value(row.minus);
 }
 
 double input_of(const ThermalState& state, const ThermalWorking::Row& row, const Vector3& moved_mm,
@@ -187,12 +197,20 @@ double input_of(const ThermalState& state, const ThermalWorking::Row& row, const
     const double mm_per_min = seconds > 0.0 ? moved_mm[row.source - kMotionOfX] / seconds * 60.0 : 0.0;
     return std::min(1.0, mm_per_min / row.reference);
   }
+  if (row.active) return state.inputs[kDeviationInput].held;
   return state.inputs[row.source].held - (row.minus == kNoInput ? row.reference : state.inputs[row.minus].held);
 }
 
 double size_um(const ThermalPolynomial& of_one, const Vector3& position_mm) noexcept {
   const Lanes um = value_um(of_one, position_mm);
   return std::abs(um[0]) + std::abs(um[1]) + std::abs(um[2]);
+}
+
+/// An active row stands still while its instrument is in doubt.
+void work_against(const ThermalState::Input& deviation, const ThermalWorking::Row& row, double seconds,
+                  double& sum_um) noexcept {
+  if (deviation.state != InputState::good) return;
+  sum_um = std::clamp(sum_um - deviation.held * seconds / row.lag_s, -row.reference, row.reference);
 }
 
 void sum_up(const ThermalWorking& working, ThermalState& state) noexcept {
@@ -221,8 +239,8 @@ bool begin_thermal(const ThermalWorking& working, ThermalState& state, const Inp
   state.position_mm = position_mm;
   std::array<bool, kLiveInputs> used{};
   for (std::size_t k = 0; k < working.count; ++k)
-    for (const std::uint8_t number : {working.rows[k].source, working.rows[k].minus})
-      if (number < kLiveInputs) used[number] = true;
+    for (const std::uint8_t source : {working.rows[k].source, working.rows[k].minus})
+      if (const auto number = input_of_source(source)) used[*number] = true;
   bool doubtful = false;
   for (std::size_t i = 0; i < kLiveInputs; ++i)
     if (used[i]) doubtful = watch(i, state.inputs[i], inputs[i], working.settings, 0.0) || doubtful;
@@ -230,6 +248,7 @@ bool begin_thermal(const ThermalWorking& working, ThermalState& state, const Inp
   for (std::size_t k = 0; k < working.count; ++k) {
     const ThermalWorking::Row& row = working.rows[k];
     if (!has_values(state, row)) continue;
+    if (row.active) continue;  // it begins with nothing
     const double now = input_of(state, row, {}, 0.0);
     const bool follows = stored != nullptr && row.lag_s > 0.0;
     state.lagged[k] = follows ? now + (stored->lagged[k] - now) * std::exp(-age_s / row.lag_s) : now;
@@ -253,7 +272,9 @@ bool step_thermal(const ThermalWorking& working, ThermalState& state, const Inpu
       working.settings.rate_um_per_s * seconds / static_cast<double>(std::max<std::size_t>(working.count, 1));
   for (std::size_t k = 0; k < working.count; ++k) {
     const ThermalWorking::Row& row = working.rows[k];
-    if (has_values(state, row)) {
+    if (row.active) {
+      work_against(state.inputs[kDeviationInput], row, seconds, state.lagged[k]);
+    } else if (has_values(state, row)) {
       const double now = input_of(state, row, moved_mm, seconds);
       if (!state.has_begun[k]) state.lagged[k] = follows_motion(row.source) ? 0.0 : now;
       state.has_begun[k] = true;

@@ -1,8 +1,10 @@
-// Thermal and load terms in the loop (thesis 9.1, 9.3): rows of the memory image that follow live inputs, the watch
-// over those inputs, and the slow loop that turns both into what a tick adds. A row adds, along every direction in
-// which its component acts,
-//   shift  c·D        growth  c·p·D        bending  c·p²·D        with p from its origin [m],
+// Thermal and load terms in the loop (thesis 9.1, 9.3) and active compensation (9.6): rows of the memory image that
+// follow live inputs, the watch over those inputs, and the slow loop that turns both into what a tick adds. A row adds,
+// along every direction in which its component acts,
+//   shift  c·D        growth  c·p·D        bending  c·p²·D        active  c·D        with p from its origin [m],
 // where D follows, with a lag of first order, one input less a reference, or the difference of two inputs (ISO 230-3).
+// Of an active row D works against a measured deviation until nothing of it is left: D' = −deviation / lag, within
+// ±reference.
 // No heap, no exception, bounded time. Does not live here: the bytes (memory_image.hpp), the tick (tick.hpp).
 #pragma once
 
@@ -22,18 +24,29 @@ struct UnitParameters;
 
 inline constexpr std::size_t kTemperatureInputs = 16;
 inline constexpr std::size_t kLoadInput = kTemperatureInputs;       ///< the mass on the machine, kg
-inline constexpr std::size_t kLiveInputs = kTemperatureInputs + 1;  ///< temperatures 0 … 15, load 16
+inline constexpr std::size_t kDeviationInput = kTemperatureInputs + 1;  ///< what an instrument on the machine shows, um
+inline constexpr std::size_t kLiveInputs = kTemperatureInputs + 2;  ///< temperatures 0 … 15, load 16, deviation 17
 inline constexpr std::size_t kToolInput = kLiveInputs;              ///< in faults alone: the number of the tool
 inline constexpr std::size_t kMostThermalRows = 32;
 inline constexpr std::uint8_t kNoInput = 255;
 
-/// What a row follows: a live input (its number), or the motion of an axis, which warms a machine without a sensor.
-inline constexpr std::uint8_t kMotionOfX = kLiveInputs;
-inline constexpr std::uint8_t kThermalSources = kMotionOfX + kAxes;
-[[nodiscard]] constexpr bool follows_motion(std::uint8_t source) noexcept { return source >= kMotionOfX; }
+/// What a row follows: a live input, or the motion of an axis, which warms a machine without a sensor. Numbers are
+/// stored: 0 … 16 an input, 17 … 19 the motion of X, Y, Z, 20 the deviation.
+inline constexpr std::uint8_t kMotionOfX = 17;
+inline constexpr std::uint8_t kDeviationSource = kMotionOfX + kAxes;
+inline constexpr std::uint8_t kThermalSources = kDeviationSource + 1;
+[[nodiscard]] constexpr bool follows_motion(std::uint8_t source) noexcept {
+  return source >= kMotionOfX && source < kDeviationSource;
+}
+/// The live input that a row follows; nothing: motion, or no input at all.
+[[nodiscard]] constexpr std::optional<std::size_t> input_of_source(std::uint8_t source) noexcept {
+  if (source == kDeviationSource) return kDeviationInput;
+  if (source < kMotionOfX) return source;
+  return std::nullopt;
+}
 
-enum class ThermalLaw : std::uint8_t { shift, growth, bending };
-inline constexpr std::uint8_t kThermalLaws = 3;
+enum class ThermalLaw : std::uint8_t { shift, growth, bending, active };
+inline constexpr std::uint8_t kThermalLaws = 4;
 
 [[nodiscard]] std::string_view name_of(ThermalLaw law) noexcept;
 [[nodiscard]] std::optional<ThermalLaw> thermal_law_named(std::string_view word) noexcept;
@@ -41,12 +54,13 @@ inline constexpr std::uint8_t kThermalLaws = 3;
 struct ThermalRow {
   Component component = Component::EXX;  ///< a curve: its direction and its axis; a rotation only with `shift`
   ThermalLaw law = ThermalLaw::shift;
-  std::uint8_t source = 0;        ///< 0 … 15 temperature, 16 load, 17 … 19 motion of X, Y, Z
+  std::uint8_t source = 0;        ///< 0 … 15 temperature, 16 load, 17 … 19 motion of X, Y, Z, 20 deviation
   std::uint8_t minus = kNoInput;  ///< temperature that is taken off; kNoInput: the reference is
   /// Of compensation (−error): um, um/m or um/m² (of a rotation um/m) for each degC or kg; of motion at full duty.
   double coefficient = 0.0;
-  double reference = 20.0;  ///< degC or kg at which the row is zero; of motion the mean speed of full duty, mm/min
-  double lag_s = 0.0;       ///< time constant with which the machine follows the input; 0: none
+  /// degC or kg at which the row is zero; of motion the mean speed of full duty, mm/min; of an active row its limit, um.
+  double reference = 20.0;
+  double lag_s = 0.0;  ///< time constant with which the machine follows the input; 0: none. Of an active row above 0
   double origin_mm = 0.0;   ///< machine coordinate from which p counts
   friend bool operator==(const ThermalRow&, const ThermalRow&) = default;
 };
@@ -64,6 +78,7 @@ struct ThermalSettings {
   friend bool operator==(const ThermalSettings&, const ThermalSettings&) = default;
 };
 inline constexpr double kGreatestLoad_kg = 1e6;
+inline constexpr double kLargestDeviation_um = 1000.0;  ///< of an instrument that works
 
 /// Finite, and within ranges in which the loop can neither overflow nor divide by zero.
 [[nodiscard]] bool sound(const ThermalRow& row) noexcept;
@@ -97,6 +112,7 @@ struct ThermalWorking {
     std::uint8_t minus = kNoInput;
     double reference = 0.0;
     double lag_s = 0.0;
+    bool active = false;
   };
   ThermalSettings settings{};
   std::array<Row, kMostThermalRows> rows{};
@@ -121,7 +137,7 @@ inline constexpr std::uint16_t kInputStateCount = 6;
 
 /// What arrives at an input.
 struct InputValue {
-  double value = 0.0;        ///< degC, of the load kg; any number
+  double value = 0.0;        ///< degC, of the load kg, of the deviation um; any number
   bool present = false;      ///< false: nothing is connected, or the wire is open
   std::uint32_t number = 0;  ///< another number: a new value
 };

@@ -134,6 +134,11 @@ void Simulation::tick() {
 /// The rack's input module reads the machine's sensors.
 void Simulation::sense() {
   const double now_s = machine_.time_s();
+  if (const auto along = description_.settings.deviation) {
+    const double shown_um = tool_now(false).error_um[index_of(*along)];
+    wires_.deviation_um = deviation_fails_ ? std::nullopt : std::optional(shown_um);
+    unit_->control(wires_);
+  }
   unit_->sense(sensors_degC(now_s), now_s - sensed_s_);
   sensed_s_ = now_s;
 }
@@ -141,7 +146,8 @@ void Simulation::sense() {
 void Simulation::step() {
   if (real_time_) real_time_->wait(period_s());
   const auto between = static_cast<std::uint64_t>(std::max(1L, std::lround(kThermalStep_s / period_s())));
-  if (unit_ != nullptr && ticks_ % between == 0 && unit_->senses()) sense();
+  const bool wanted = unit_ != nullptr && (unit_->senses() || description_.settings.deviation);
+  if (wanted && ticks_ % between == 0) sense();
   const Drives drives = unit_ == nullptr ? Drives{} : unit_->tick(machine_.signals());
   steady_ticks_ = same(drives, drives_) ? steady_ticks_ + 1 : 0;
   drives_ = drives;

@@ -47,6 +47,7 @@ class RealTime {
 struct ControlWires {
   std::optional<std::uint16_t> tool;  ///< number of the tool in the spindle; 0: none
   std::optional<bool> power_on;       ///< the control is ready: its drives have power, its position loops are closed
+  std::optional<double> deviation_um;  ///< of an instrument that stays on the machine, ten times a second
   friend bool operator==(const ControlWires&, const ControlWires&) = default;
 };
 
@@ -120,6 +121,8 @@ class Simulation {
   /// The control's "power on": without it the drives stand still, and its place is lost.
   void switch_control(bool on);
   [[nodiscard]] bool control_on() const { return control_on_; }
+  /// The instrument that shows a deviation gives no signal any more.
+  void lose_deviation(bool lost) { deviation_fails_ = lost; }
 
   [[nodiscard]] MachineTool& machine() { return machine_; }
   [[nodiscard]] const MachineTool& machine() const { return machine_; }
@@ -169,6 +172,7 @@ class Simulation {
   ComponentValues stop_scatter_{};
   std::uint16_t tool_ = 0;
   bool control_on_ = true;
+  bool deviation_fails_ = false;
   ControlWires wires_{};
   Compensator* unit_ = nullptr;
   std::function<bool()> pause_;

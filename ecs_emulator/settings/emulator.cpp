@@ -217,7 +217,7 @@ EmulatorSettings settings_of(TomlReader& reader, const toml::table& table, const
   EmulatorSettings settings;
   reader.only(table,
               {"serial_number", "seed", "errors", "load_kg", "tool_offset_mm", "tool", "tool_wires", "power_on_wire",
-               "axis", "laser"},
+               "deviation", "axis", "laser"},
               "emulator");
   serial_number_into(reader, table, settings.serial_number);
   seed_into(reader, table, settings.seed);
@@ -229,6 +229,10 @@ EmulatorSettings settings_of(TomlReader& reader, const toml::table& table, const
   settings.tools = magazine_of(reader, table);
   flag_into(reader, table, "tool_wires", settings.tool_wires);
   flag_into(reader, table, "power_on_wire", settings.power_on_wire);
+  if (const auto axis = reader.word(table, "deviation")) {
+    settings.deviation = axis->size() == 1 ? axis_of(axis->front()) : std::nullopt;
+    if (!settings.deviation) reader.complain(*table.get("deviation"), "deviation: expected X, Y or Z");
+  }
   if (const auto errors = reader.word(table, "errors")) settings.errors = folder / *errors;
   if (const auto* laser = reader.child(table, "laser")) settings.laser = read_laser_settings(reader, *laser);
   if (const auto* axes = reader.child(table, "axis")) {

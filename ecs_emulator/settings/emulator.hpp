@@ -149,6 +149,7 @@ struct EmulatorSettings {
   std::vector<MagazineTool> tools;
   bool tool_wires = false;     ///< the control's tool number is wired to the unit
   bool power_on_wire = false;  ///< the control's "power on" is wired to the unit
+  std::optional<Axis> deviation;  ///< an instrument on the machine shows the unit the error of the tool along it
   std::filesystem::path errors;  ///< errors file; empty: a perfect machine
   PerAxis<AxisSettings> axes{};
   LaserSettings laser{};

@@ -171,6 +171,10 @@ protocol::CommandResult Unit::set_input(const Command& command) {
     return refused(UnitError::bad_argument, fmt::format("temperature input {} is wired to a sensor", i + 1));
   if (i == kLoadInput && !(command.input_value >= 0.0 && command.input_value <= kGreatestLoad_kg))
     return refused(UnitError::bad_argument, fmt::format("expected a load of 0 to {:.0f} kg", kGreatestLoad_kg));
+  if (i == kDeviationInput && deviation_wired_)
+    return refused(UnitError::bad_argument, "an instrument on the machine is wired to this input");
+  if (i == kDeviationInput && !(std::abs(command.input_value) <= kLargestDeviation_um))
+    return refused(UnitError::bad_argument, fmt::format("expected a deviation within ±{:.0f} um", kLargestDeviation_um));
   const ThermalSettings& limits = map_->thermal.settings;
   if (i < kTemperatureInputs &&
       !(command.input_value >= limits.least_degC && command.input_value <= limits.greatest_degC))

@@ -312,7 +312,7 @@ bool is_column_of(std::string_view column, std::string_view sensor) {
 
 bool Unit::senses() const {
   const bool follows = mode_ == UnitMode::compensating && (map_->thermal.count > 0 || !tool_known_);
-  return follows || std::any_of(settings_.sensors.begin(), settings_.sensors.end(),
+  return follows || deviation_wired_ || std::any_of(settings_.sensors.begin(), settings_.sensors.end(),
                                 [](const std::string& sensor) { return !sensor.empty(); });
 }
 
@@ -422,7 +422,11 @@ void Unit::control_lost() {
 
 void Unit::control(const ControlWires& wires) {
   const ControlWires before = std::exchange(wires_, wires);
+  deviation_wired_ = deviation_wired_ || wires.deviation_um;
   if (!powered_ || hung_) return;
+  if (deviation_wired_)
+    inputs_[kDeviationInput] = {wires.deviation_um.value_or(0.0), wires.deviation_um.has_value(),
+                                inputs_[kDeviationInput].number + 1};
   if (before.power_on.value_or(true) && !wires.power_on.value_or(true)) control_lost();
   if (wires.tool != before.tool) select_tool();
 }
@@ -439,6 +443,7 @@ protocol::ControlLines Unit::control_lines() {
   lines.tool_wired = wires_.tool.has_value();
   lines.control_on_wired = wires_.power_on.has_value();
   lines.control_on = wires_.power_on.value_or(true);
+  lines.deviation = input_status(kDeviationInput);
   lines.compensating_out = mode_ == UnitMode::compensating;
   lines.fault_out = fault_ != Fault::none;
   lines.battery = battery_;
@@ -464,15 +469,19 @@ protocol::LiveInputs Unit::live_inputs() {
     live.thermal_um = {um[0], um[1], um[2]};
     if (thermal_.stored_age_s) live.stored_age_s = static_cast<std::uint32_t>(*thermal_.stored_age_s);
   }
-  for (std::size_t i = 0; i < kLiveInputs; ++i) {
-    protocol::InputStatus& input = live.inputs[i];
-    input.wired = i < kTemperatureInputs && !settings_.sensors[i].empty();
-    if (std::isfinite(inputs_[i].value)) input.value = inputs_[i].value;
-    if (!loops) continue;
-    input.state = thermal_.inputs[i].state;
-    input.faults = thermal_.inputs[i].faults;
-  }
+  for (std::size_t i = 0; i < live.inputs.size(); ++i) live.inputs[i] = input_status(i);
   return live;
+}
+
+protocol::InputStatus Unit::input_status(std::size_t input) const {
+  protocol::InputStatus status;
+  status.wired = input < kTemperatureInputs ? !settings_.sensors[input].empty()
+                                            : input == kDeviationInput && deviation_wired_;
+  if (std::isfinite(inputs_[input].value)) status.value = inputs_[input].value;
+  if (mode_ != UnitMode::compensating || map_->thermal.count == 0) return status;
+  status.state = thermal_.inputs[input].state;
+  status.faults = thermal_.inputs[input].faults;
+  return status;
 }
 
 protocol::Identity Unit::identity() {

@@ -155,6 +155,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   void command_step();
   void begin_thermal();
   void report_doubtful_input();
+  [[nodiscard]] protocol::InputStatus input_status(std::size_t input) const;
   void store_thermal();
   void select_tool();
   void control_lost();
@@ -210,6 +211,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   };
   std::array<FailedSensor, kTemperatureInputs> failures_{};
   ControlWires wires_{};
+  bool deviation_wired_ = false;
   ToolTable tools_{};
   bool tool_known_ = true;  ///< the selected number is in the table, or none is selected
   bool tool_changes_ = false;

@@ -75,14 +75,16 @@ std::string take_uncertainty(MapHeader& header, std::string_view value) {
   return {};
 }
 
-/// Number of an input in words, from 1: "5", "load", "motion_X".
+/// Number of an input in words, from 1: "5", "load", "motion_X", "deviation".
 std::string input_word(std::uint8_t source) {
+  if (source == kDeviationSource) return "deviation";
   if (follows_motion(source)) return fmt::format("motion_{}", letter_of(static_cast<Axis>(source - kMotionOfX)));
   return source == kLoadInput ? "load" : std::to_string(source + 1);
 }
 
 std::optional<std::uint8_t> input_named(std::string_view word) {
   if (word == "load") return static_cast<std::uint8_t>(kLoadInput);
+  if (word == "deviation") return kDeviationSource;
   if (word.size() == 8 && word.starts_with("motion_"))
     if (const auto axis = axis_of(word.back())) return static_cast<std::uint8_t>(kMotionOfX + index_of(*axis));
   const auto number = integer_in(word);
@@ -212,6 +214,7 @@ std::string to_text(const ThermalRow& row) {
 std::string source_text(const MapHeader& header, std::uint8_t source) {
   if (follows_motion(source)) return fmt::format("the motion of {}", letter_of(static_cast<Axis>(source - kMotionOfX)));
   if (source == kLoadInput) return "the load";
+  if (source == kDeviationSource) return "the deviation that an instrument shows";
   const auto its = std::ranges::find(header.inputs, source, &NamedInput::input);
   return its == header.inputs.end() ? fmt::format("input {}", source + 1)
                                     : fmt::format("input {} ({})", source + 1, its->sensor);

@@ -123,13 +123,16 @@ struct InputStatus {
   friend bool operator==(const InputStatus&, const InputStatus&) = default;
 };
 
+/// The deviation that an instrument shows is with the lines (ControlLines): one more would not fit a block.
+inline constexpr std::size_t kInputsInBlock = kLoadInput + 1;
+
 /// The live inputs and the thermal rows that follow them (core/thermal.hpp).
 struct LiveInputs {
   std::uint32_t stored_age_s =
       kUnused;             ///< age that the stored state of the lags had when the loop began; kUnused: none
   std::uint16_t rows = 0;  ///< of the map in the loop
   Vector3 thermal_um{};    ///< what the rows add to the compensation now
-  std::array<InputStatus, kLiveInputs> inputs{};  ///< temperatures 1 … 16, then the load
+  std::array<InputStatus, kInputsInBlock> inputs{};  ///< temperatures 1 … 16, then the load
   friend bool operator==(const LiveInputs&, const LiveInputs&) = default;
 };
 
@@ -153,6 +156,7 @@ struct ControlLines {
   bool tool_wired = false;         ///< the control selects; otherwise an armed host does
   bool control_on_wired = false;   ///< the control's "power on" is wired to the unit
   bool control_on = true;          ///< what that wire says
+  InputStatus deviation{};         ///< that an instrument on the machine shows, um
   bool compensating_out = false;   ///< output to the control: the unit compensates
   bool fault_out = false;          ///< output to the control: there is a fault
   BatteryState battery = BatteryState::good;

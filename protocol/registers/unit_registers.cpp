@@ -159,20 +159,25 @@ void fields(Pass& pass, T& sample) {
   for (const Axis a : kAllAxes) sample_fields(pass, sample.axes[index_of(a)], a);
 }
 
+template <class Pass, class T>
+void input_fields(Pass& pass, T& input) {
+  pass.one_of(input.state, kInputStateCount, "input state");
+  pass.real(input.value, "input");
+  pass.number(input.faults, "input faults");
+}
+
 /// The wired inputs travel as one mask.
 template <class Pass, Is<LiveInputs> T>
 void fields(Pass& pass, T& live) {
   std::uint32_t wired = 0;
-  for (std::size_t i = 0; i < kLiveInputs; ++i) wired |= live.inputs[i].wired ? 1u << i : 0u;
+  for (std::size_t i = 0; i < kInputsInBlock; ++i) wired |= live.inputs[i].wired ? 1u << i : 0u;
   pass.number(live.stored_age_s, "age of the stored state");
   pass.number(live.rows, "thermal rows");
   for (auto& um : live.thermal_um) pass.real(um, "thermal compensation");
   pass.number(wired, "wired inputs");
-  for (std::size_t i = 0; i < kLiveInputs; ++i) {
+  for (std::size_t i = 0; i < kInputsInBlock; ++i) {
     auto& input = live.inputs[i];
-    pass.one_of(input.state, kInputStateCount, "input state");
-    pass.real(input.value, "input");
-    pass.number(input.faults, "input faults");
+    input_fields(pass, input);
     if constexpr (!std::is_const_v<T>) input.wired = (wired >> i & 1) != 0;
   }
 }
@@ -183,7 +188,7 @@ void fields(Pass& pass, T& lines) {
   std::uint16_t mask = 0;
   unsigned bit = 0;
   for (const bool one : {lines.tool_wired, lines.control_on_wired, lines.control_on, lines.compensating_out,
-                         lines.fault_out})
+                         lines.fault_out, lines.deviation.wired})
     mask = static_cast<std::uint16_t>(mask | static_cast<unsigned>(one) << bit++);
   pass.number(lines.tool, "tool");
   pass.one_of(lines.tool_state, kToolStateCount, "state of the tool");
@@ -192,10 +197,11 @@ void fields(Pass& pass, T& lines) {
   pass.number(mask, "wires");
   pass.one_of(lines.battery, 2, "battery");
   pass.number(lines.battery_age_s, "age of the battery");
+  input_fields(pass, lines.deviation);
   if constexpr (!std::is_const_v<T>) {
     bit = 0;
     for (bool* one : {&lines.tool_wired, &lines.control_on_wired, &lines.control_on, &lines.compensating_out,
-                      &lines.fault_out})
+                      &lines.fault_out, &lines.deviation.wired})
       *one = (static_cast<unsigned>(mask) >> bit++ & 1u) != 0;
   }
 }

@@ -81,7 +81,7 @@ void draw_axis(Canvas& canvas, const Area& area, int row, Axis axis, const AxisS
 /// What the unit adds for heat and load, and its inputs; empty: none is wired, set or followed.
 std::string inputs_text(const protocol::LiveInputs& live) {
   std::string text;
-  for (std::size_t i = 0; i < kLiveInputs; ++i) {
+  for (std::size_t i = 0; i < live.inputs.size(); ++i) {
     const protocol::InputStatus& input = live.inputs[i];
     if (input.state == InputState::unused && !input.wired && input.value == 0.0) continue;
     const std::string name = i == kLoadInput ? "load" : std::to_string(i + 1);

@@ -23,7 +23,7 @@ Cell input_cell(std::size_t i, const protocol::InputStatus& input) {
 
 Cell inputs_cell(const protocol::LiveInputs& live) {
   Cell list{Json::array(), "input       value       state         faults  from\n"};
-  for (std::size_t i = 0; i < kLiveInputs; ++i) {
+  for (std::size_t i = 0; i < live.inputs.size(); ++i) {
     const protocol::InputStatus& input = live.inputs[i];
     if (input.state != InputState::unused || input.wired || input.value != 0.0) list.add(input_cell(i, input));
   }
