@@ -9,14 +9,14 @@ namespace ecs {
 namespace {
 
 constexpr std::uint32_t kToolMagic = 0x544F4F4C;  // "TOOL"
-constexpr std::uint32_t kToolsAt = 16, kCheckAt = kToolsAt + kMostTools * kStoredToolBytes;
-static_assert(kCheckAt + 4 <= kToolTableBytes);
-constexpr double kFurthest_mm = 1e6;
+constexpr std::uint32_t kToolsAt = 16, kTableCheckAt = kToolsAt + kMostTools * kStoredToolBytes;
+static_assert(kTableCheckAt + 4 <= kToolTableBytes);
+constexpr double kFurthestTool_mm = 1e6;
 
-std::uint32_t crc_of(ByteView slot) noexcept { return static_cast<std::uint32_t>(::crc32_z(0, slot.data(), kCheckAt)); }
+std::uint32_t crc_of_table(ByteView slot) noexcept { return static_cast<std::uint32_t>(::crc32_z(0, slot.data(), kTableCheckAt)); }
 
 std::optional<ToolTable> table_in(ByteView slot) noexcept {
-  if (load_big<std::uint32_t>(slot, 0) != kToolMagic || load_big<std::uint32_t>(slot, kCheckAt) != crc_of(slot))
+  if (load_big<std::uint32_t>(slot, 0) != kToolMagic || load_big<std::uint32_t>(slot, kTableCheckAt) != crc_of_table(slot))
     return std::nullopt;
   ToolTable table{load_big<std::uint32_t>(slot, 4), load_big<std::uint16_t>(slot, 8), {}};
   for (std::size_t k = 0; k < kMostTools; ++k) {
@@ -25,7 +25,7 @@ std::optional<ToolTable> table_in(ByteView slot) noexcept {
     tool.number = load_big<std::uint16_t>(slot, at);
     for (std::size_t a = 0; a < kAxes; ++a) {
       tool.offset_mm[a] = load_double(slot, at + 8 + 8 * a);
-      if (!(std::abs(tool.offset_mm[a]) <= kFurthest_mm)) return std::nullopt;
+      if (!(std::abs(tool.offset_mm[a]) <= kFurthestTool_mm)) return std::nullopt;
     }
   }
   return table;
@@ -74,7 +74,7 @@ void encode_tools(const ToolTable& table, Bytes slot) noexcept {
     store_big(slot, at, table.tools[k].number);
     for (std::size_t a = 0; a < kAxes; ++a) store_double(slot, at + 8 + 8 * a, table.tools[k].offset_mm[a]);
   }
-  store_big(slot, kCheckAt, crc_of(slot));
+  store_big(slot, kTableCheckAt, crc_of_table(slot));
 }
 
 }  // namespace ecs

@@ -166,7 +166,7 @@ const std::vector<RequestOption> kJogOptions{
 };
 const std::vector<RequestOption> kFaultOptions{
     {"NAME", word,
-     "ram_stuck, corrupt, overrun, hang, power_fails or battery (unit); sensor (input of the unit); transducer, marker, switch "
+     "ram_stuck, corrupt, overrun, hang, power_fails or battery (unit); sensor or deviation (input of the unit); transducer, marker, switch "
      "or miscount (axis); no_reply, lost_request, bad_crc, slow_reply, garbage_before, drop_byte, cut_tail or "
      "stale_reply (line); clear: remove every fault",
      Need::required},
@@ -175,7 +175,7 @@ const std::vector<RequestOption> kFaultOptions{
     {"--level", integer, "level of the stuck bit or switch, 0 or 1, for ram_stuck and switch (1)"},
     {"--bits", integer, "mask of the inverted bits, 1 to 255, for corrupt (1)"},
     {"--axis", word, "axis, for transducer, marker, switch and miscount"},
-    {"--back", flag, "remove the fault again, for transducer, marker, switch, sensor and battery"},
+    {"--back", flag, "remove the fault again, for transducer, marker, switch, sensor, deviation and battery"},
     {"--us", number, "additional time in each period, for overrun [us] (1000000)"},
     {"--input", integer, "temperature input, from 1 on, for sensor (1)"},
     {"--how", word, "failure of the sensor: open, stuck or shifted"},

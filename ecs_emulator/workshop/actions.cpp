@@ -285,8 +285,16 @@ Result<void> empty_battery(const Workshop& workshop, Arguments& arguments) {
   return {};
 }
 
+Result<void> lose_deviation(const Workshop& workshop, Arguments& arguments) {
+  const bool back = arguments.flag("back");
+  ECS_DO(arguments.checked());
+  workshop.simulation->lose_deviation(!back);
+  return {};
+}
+
 Result<void> clear(const Workshop& workshop, Arguments& arguments) {
   ECS_DO(arguments.checked());
+  workshop.simulation->lose_deviation(false);
   if (workshop.line != nullptr) workshop.line->clear();
   if (workshop.unit != nullptr) {
     workshop.unit->memory().repair();
@@ -309,7 +317,7 @@ struct NamedFault {
   Provoke provoke;
   bool in_unit;
 };
-constexpr std::array<NamedFault, 12> kFaults{{{"clear", clear, false},
+constexpr std::array<NamedFault, 13> kFaults{{{"clear", clear, false},
                                               {"transducer", lose<&AxisOfMachine::lose_transducer>, false},
                                               {"marker", lose<&AxisOfMachine::lose_marker>, false},
                                               {"switch", hang_switch, false},
@@ -320,6 +328,7 @@ constexpr std::array<NamedFault, 12> kFaults{{{"clear", clear, false},
                                               {"hang", hang, true},
                                               {"power_fails", power_fails, true},
                                               {"sensor", fail_sensor, true},
+                                              {"deviation", lose_deviation, false},
                                               {"battery", empty_battery, true}}};
 
 }  // namespace

@@ -49,7 +49,8 @@ TEST_CASE("every region of memory lies where docs/unit.md says") {
   CHECK(is_region(kBankA, 0x100000, 5 * kOneModule));
   CHECK(is_region(kBankB, 0x200000, 5 * kOneModule));
   CHECK(is_region(kThermalRecord, 0x0F1000, 640));
-  CHECK(kRegions.size() == 6);
+  CHECK(is_region(kToolRecord, 0x0F2000, 4160));
+  CHECK(kRegions.size() == 7);
   CHECK(bank_bytes(1) == kOneModule);
   CHECK(kMostValues == 160'000);
   CHECK(kUserRegisters == 0x040000);

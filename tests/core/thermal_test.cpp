@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <random>
 
@@ -64,6 +65,53 @@ ThermalRow growth_of_x(double lag_s = 0.0) {
 }
 
 }  // namespace
+
+TEST_CASE("an active row takes a deviation away slowly, within its limit, and stands still without its instrument") {
+  const ThermalRow row{Component::EZX, ThermalLaw::active, kDeviationSource, kNoInput, 1.0, 25.0, 20.0, 0.0};
+  REQUIRE(sound(row));
+  Loop loop({row}, {}, {.rate_um_per_s = 2.0, .hold_s = 30.0});
+  const double error_um = 12.0;
+  const auto run = [&](double seconds, double of_um) {
+    double largest_step_um = 0.0;
+    for (double t = 0.0; t < seconds; t += kStep_s) {
+      const double before_um = loop.um()[2];
+      loop.inputs[kDeviationInput].value = of_um + before_um;
+      loop.step();
+      largest_step_um = std::max(largest_step_um, std::abs(loop.um()[2] - before_um));
+    }
+    return largest_step_um;
+  };
+  loop.inputs[kDeviationInput].value = error_um;
+  CHECK_FALSE(loop.begin());
+  CHECK(loop.um()[2] == 0.0);
+  CHECK(run(20.0, error_um) <= 0.2 + 1e-12);
+  CHECK(loop.um()[2] == Approx(-error_um * (1.0 - std::exp(-1.0))).epsilon(0.02));
+  run(300.0, error_um);
+  CHECK(loop.um()[2] == Approx(-error_um).epsilon(1e-3));
+  run(600.0, 40.0);
+  CHECK(loop.um()[2] == Approx(-25.0));  // not beyond its limit
+  run(300.0, error_um);
+  loop.inputs[kDeviationInput].present = false;
+  CHECK(loop.run(1.0) == 1);
+  CHECK(loop.input(kDeviationInput) == InputState::missing);
+  CHECK(loop.um()[2] == Approx(-error_um).epsilon(1e-3));
+  loop.run(60.0);
+  CHECK(std::abs(loop.um()[2]) < 1e-9);  // faded out after it was held
+}
+
+TEST_CASE("an active row needs a deviation, a time constant and a limit") {
+  const ThermalRow good{Component::EYX, ThermalLaw::active, kDeviationSource, kNoInput, -1.0, 25.0, 20.0, 0.0};
+  CHECK(sound(good));
+  for (const auto& change : std::vector<std::function<void(ThermalRow&)>>{
+           [](ThermalRow& r) { r.source = 3; }, [](ThermalRow& r) { r.law = ThermalLaw::shift; },
+           [](ThermalRow& r) { r.lag_s = 0.5; }, [](ThermalRow& r) { r.reference = 0.0; },
+           [](ThermalRow& r) { r.reference = 600.0; }, [](ThermalRow& r) { r.minus = 2; },
+           [](ThermalRow& r) { r.component = Component::EAX; }}) {
+    ThermalRow bad = good;
+    change(bad);
+    CHECK_FALSE(sound(bad));
+  }
+}
 
 TEST_CASE("shift, growth and bending are c D, c p D and c p^2 D along the direction of their component") {
   Loop loop({{Component::EZZ, ThermalLaw::shift, 0, kNoInput, 2.4, 21.0, 0.0, 0.0},

@@ -37,13 +37,13 @@ const std::vector<ThermalRow> kRows{{Component::ECX, ThermalLaw::shift, 0, kNoIn
                                     {Component::EAZ, ThermalLaw::shift, 1, kNoInput, -2.0, 20.0, 0.0, 0.0},
                                     {Component::EYY, ThermalLaw::growth, 1, kNoInput, 9.0, 20.0, 0.0, 0.0}};
 
-struct Loop {
+struct ToolLoop {
   std::unique_ptr<CompiledMap> map = std::make_unique<CompiledMap>();
   TickState state;
   ThermalState thermal;
   InputValues inputs{};
 
-  Loop(const std::vector<PlannedTable>& tables, const UnitParameters& p, const Vector3& position_mm) {
+  ToolLoop(const std::vector<PlannedTable>& tables, const UnitParameters& p, const Vector3& position_mm) {
     const auto image = image_of(p, tables, "", kRows);
     REQUIRE(check_image(image).fault == ImageFault::none);
     REQUIRE(compile(ImageView(image), *map).fault == Fault::none);
@@ -58,8 +58,9 @@ struct Loop {
   }
 };
 
-UnitParameters parameters_for(std::string_view configuration) {
+UnitParameters parameters_with_tools(std::string_view configuration) {
   UnitParameters p;
+  p.configuration = {};
   std::copy(configuration.begin(), configuration.end(), p.configuration.begin());
   p.tool_range_mm = {400.0, 400.0, 400.0};
   for (AxisParameters& axis : p.axes) axis.output_limit_um = 10'000.0;
@@ -79,16 +80,16 @@ TEST_CASE("after a change of the tool the loop adds what a map compiled with tha
   std::uniform_real_distribution<double> place(-480.0, 480.0), offset(-400.0, 400.0);
   for (const char* const configuration : {"TXYZ", "XTYZ", "XYTZ", "TZX"}) {
     for (int trial = 0; trial < 50; ++trial) {
-      UnitParameters p = parameters_for(configuration);
+      UnitParameters p = parameters_with_tools(configuration);
       if (std::string_view(configuration) == "TZX") p.axis_present = {true, false, true};
       p.tool_offset_mm = {offset(random), 0.0, offset(random)};
       const auto tables = random_tables(random);
       const Vector3 position_mm{place(random), p.axis_present[1] ? place(random) : 0.0, place(random)};
       const Vector3 tool_mm{offset(random), offset(random), offset(random)};
-      Loop changed(tables, p, position_mm);
+      ToolLoop changed(tables, p, position_mm);
       CHECK(change_tool(*changed.map, changed.state, changed.thermal, tool_mm, kAtOnce));
       p.tool_offset_mm = tool_mm;
-      Loop compiled(tables, p, position_mm);
+      ToolLoop compiled(tables, p, position_mm);
       CHECK(largest_difference(changed.compensation_um(), compiled.compensation_um()) < 1e-9);
     }
   }
@@ -100,7 +101,7 @@ TEST_CASE("while the tool changes no axis is corrected by more than the limit mo
   int changes = 0;
   double largest_um = 0.0;
   for (int trial = 0; trial < 100; ++trial) {
-    Loop loop(random_tables(random), parameters_for("XYTZ"), {place(random), place(random), place(random)});
+    ToolLoop loop(random_tables(random), parameters_with_tools("XYTZ"), {place(random), place(random), place(random)});
     Vector3 before_um = loop.compensation_um();
     for (int tool = 0; tool < 10; ++tool, ++changes) {
       const Vector3 tool_mm{offset(random), offset(random), offset(random)};
@@ -120,7 +121,7 @@ TEST_CASE("while the tool changes no axis is corrected by more than the limit mo
 
 TEST_CASE("what a tool offset does for each mm is the change that it makes") {
   std::mt19937_64 random(3);
-  Loop loop(random_tables(random), parameters_for("TXYZ"), {-120.0, 310.0, 45.0});
+  ToolLoop loop(random_tables(random), parameters_with_tools("TXYZ"), {-120.0, 310.0, 45.0});
   const Vector3 before_um = loop.compensation_um();
   const PerAxis<Vector3> effect = tool_effect_um_per_mm(*loop.map, loop.state, loop.thermal);
   for (std::size_t l = 0; l < kAxes; ++l) {

@@ -56,22 +56,25 @@ struct InputRequest {
   double value = 0.0;
   static Fields<InputRequest> fields() {
     using R = InputRequest;
-    return {{"INPUT", &R::input, "number of a temperature input, 1 to 16, or load", Need::required},
-            {"VALUE", &R::value, "temperature [degC], or load [kg]", Need::required}};
+    return {{"INPUT", &R::input, "number of a temperature input, 1 to 16; load or deviation", Need::required},
+            {"VALUE", &R::value, "temperature [degC], load [kg] or deviation [um]", Need::required}};
   }
 };
 
 Result<Outcome> set_input(VerbContext& context, const InputRequest& request) {
   const auto number = integer_in(request.input);
-  const bool load = request.input == "load";
-  if (!load && !(number && *number >= 1 && *number <= static_cast<long long>(kTemperatureInputs)))
-    return problem(ProblemKind::usage,
-                   fmt::format("INPUT: expected 1 to {}, or load, got {}", kTemperatureInputs, request.input));
-  const auto input = static_cast<std::uint16_t>(load ? static_cast<long long>(kLoadInput) : *number - 1);
+  const bool load = request.input == "load", deviation = request.input == "deviation";
+  const bool temperature = number && *number >= 1 && *number <= static_cast<long long>(kTemperatureInputs);
+  if (!load && !deviation && !temperature)
+    return problem(ProblemKind::usage, fmt::format("INPUT: expected 1 to {}, load or deviation, got {}",
+                                                   kTemperatureInputs, request.input));
+  const auto input = static_cast<std::uint16_t>(load        ? static_cast<long long>(kLoadInput)
+                                                : deviation ? static_cast<long long>(kDeviationInput)
+                                                            : *number - 1);
   ECS_TRY(unit, open_unit(context));
   ECS_DO(unit.client().set_input(input, request.value));
   return outcome_of(record_cell("input {input}: {value} {unit}", "input"_is(request.input), "value"_is(request.value),
-                                "unit"_is(load ? "kg" : "degC")));
+                                "unit"_is(load ? "kg" : deviation ? "um" : "degC")));
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ z_mm = -180.0
 )";
 }
 
-CommandResult set_tool(Bench& bench, std::uint16_t number, const Vector3& offset_mm) {
+CommandResult put_into_table(Bench& bench, std::uint16_t number, const Vector3& offset_mm) {
   return bench.tell(Command{.code = CommandCode::set_tool, .tool = number, .tool_offset_mm = offset_mm});
 }
 CommandResult select_tool(Bench& bench, std::uint16_t number) {
@@ -67,7 +67,7 @@ struct ToolBench : Bench {
   void begin() {
     compensate(compensation_of);
     for (const MagazineTool& tool : simulation.description().settings.tools)
-      REQUIRE(set_tool(*this, tool.number, tool.offset_mm).state == CommandState::done);
+      REQUIRE(put_into_table(*this, tool.number, tool.offset_mm).state == CommandState::done);
   }
   [[nodiscard]] double error_um() {
     const ToolPose pose = simulation.tool_now(false);
@@ -114,7 +114,8 @@ TEST_CASE("the control changes the tool while the unit compensates: no axis step
     largest_error_um = std::max(largest_error_um, b.error_um());
   }
   INFO("step ", largest_step_um, " um, error ", largest_error_um, " um, of a change without compensation ", without_um);
-  CHECK(largest_step_um <= b.parameters.tool_rate_um_per_s * b.unit.period_s() + 1e-9);
+  // an axis that follows its own compensation finds another value of the map there
+  CHECK(largest_step_um <= 1.05 * b.parameters.tool_rate_um_per_s * b.unit.period_s());
   CHECK(without_um > 5.0);
   CHECK(largest_error_um < 0.1);
   CHECK(b.unit.mode() == UnitMode::compensating);
@@ -187,11 +188,11 @@ TEST_CASE("an unknown load isolates the unit where its rows could be off by more
 
 TEST_CASE("a host fills the table and selects in every mode, and is told what cannot be") {
   ToolBench b(false);
-  CHECK(contains(set_tool(b, 5, {0.0, 0.0, -100.0}).text, "beyond the tool range of the parameters"));
+  CHECK(contains(put_into_table(b, 5, {0.0, 0.0, -100.0}).text, "beyond the tool range of the parameters"));
   b.begin();
   CHECK(b.unit.control_lines().tools == 3);
   CHECK(contains(select_tool(b, 5).text, "tool 5 is not in the table"));
-  CHECK(contains(set_tool(b, 0, {}).text, "expected a tool number from 1 to 9999"));
+  CHECK(contains(put_into_table(b, 0, {}).text, "expected a tool number from 1 to 9999"));
   CHECK(select_tool(b, 2).state == CommandState::done);
   CHECK(contains(b.tell(Command{.code = CommandCode::remove_tool, .tool = 2}).text, "this tool is selected"));
   CHECK(b.tell(Command{.code = CommandCode::remove_tool, .tool = 30}).state == CommandState::done);
@@ -199,12 +200,33 @@ TEST_CASE("a host fills the table and selects in every mode, and is told what ca
   REQUIRE(b.simulation.dwell(2.0));
   CHECK(b.unit.control_lines().tool_offset_mm == Vector3{0.0, 0.0, -250.0});
   // the acting tool is measured again: the output follows
-  CHECK(set_tool(b, 2, {0.0, 0.0, -251.0}).state == CommandState::done);
-  CHECK(b.largest_step_um(1000) <= b.parameters.tool_rate_um_per_s * b.unit.period_s() + 1e-9);
+  CHECK(put_into_table(b, 2, {0.0, 0.0, -251.0}).state == CommandState::done);
+  CHECK(b.largest_step_um(1000) <= 1.05 * b.parameters.tool_rate_um_per_s * b.unit.period_s());
   CHECK(b.unit.control_lines().tool_offset_mm == Vector3{0.0, 0.0, -251.0});
   ToolBench wired;
   wired.begin();
   CHECK(contains(select_tool(wired, 2).text, "the control selects the tool by its wires"));
+}
+
+TEST_CASE("the unit takes away what an instrument on the machine shows, and lets go where it gives no signal") {
+  Bench b("[[contribution]]\ncomponent = \"EZX\"\nformula = \"9 + 0.001*p\"\n",
+          ideal_machine() + "[emulator]\ndeviation = \"Z\"\n");
+  b.thermal = {{Component::EZX, ThermalLaw::active, kDeviationSource, kNoInput, 1.0, 30.0, 20.0, 0.0}};
+  b.thermal_settings.hold_s = 10.0;
+  b.compensate();
+  REQUIRE(b.simulation.move_to({-300.0, -100.0, -50.0}, 0.0));
+  const double before_um = b.simulation.tool_now(false).error_um[2];
+  CHECK(std::abs(before_um) > 5.0);
+  REQUIRE(b.simulation.run_for(200.0));
+  CHECK(std::abs(b.simulation.tool_now(false).error_um[2]) < 0.05 * std::abs(before_um));
+  CHECK(b.unit.control_lines().deviation.state == InputState::good);
+  CHECK(b.unit.fault() == Fault::none);
+  b.simulation.lose_deviation(true);
+  REQUIRE(b.simulation.run_for(60.0));
+  CHECK(b.unit.fault() == Fault::live_input);
+  CHECK(b.unit.status().fault_address == kDeviationInput + 1);
+  CHECK(b.simulation.tool_now(false).error_um[2] == Approx(before_um).epsilon(0.05));
+  CHECK(b.unit.mode() == UnitMode::compensating);
 }
 
 TEST_CASE("without the control's power on the relays open, and every axis has to be referenced again") {

@@ -97,6 +97,7 @@ TEST_CASE("every block has the length that the register map gives it") {
   CHECK(registers_of(ActiveMap{}, 0).size() == kActiveMap.count);
   CHECK(registers_of(MonitorSample{}, 0).size() == kMonitor.count);
   CHECK(registers_of(LiveInputs{}, 0).size() == kInputs.count);
+  CHECK(registers_of(ControlLines{}, 0).size() == kControlLines.count);
   CHECK(registers_of(CommandResult{}, 0).size() == kCommandResult.count);
   CHECK(registers_of(WindowAck{}, 0).size() == kWindowAck.count);
   CHECK(registers_of(Command{}, 0).size() == kCommand.count);
@@ -124,8 +125,34 @@ TEST_CASE("the live inputs come back from their registers as they were") {
   Command command{.code = CommandCode::set_input, .input = 16, .input_value = 812.5};
   CHECK(must(value_in<Command>(registers_of(command, 9))) == command);
   Registers registers = registers_of(command, 9);
-  registers[11] = 17;  // the first argument
-  CHECK(contains(must_fail(value_in<Command>(registers)).message, "input: expected a number below 17"));
+  registers[11] = 18;  // the first argument
+  CHECK(contains(must_fail(value_in<Command>(registers)).message, "input: expected a number below 18"));
+}
+
+TEST_CASE("the lines to the control and the commands on tools come back from their registers as they were") {
+  ControlLines lines;
+  lines.tool = 4711;
+  lines.tool_state = ToolState::changing;
+  lines.tool_offset_mm = {0.125, -3.5, 151.0625};
+  lines.tools = 64;
+  lines.battery = BatteryState::low;
+  lines.battery_age_s = 315'360'000;
+  lines.deviation = {InputState::missing, -1.75, 12, true};
+  for (bool* const flag : {&lines.tool_wired, &lines.control_on_wired, &lines.control_on, &lines.compensating_out,
+                           &lines.fault_out, &lines.deviation.wired}) {
+    *flag = !*flag;
+    CHECK(must(value_in<ControlLines>(registers_of(lines, 9))) == lines);
+  }
+  for (const CommandCode code : {CommandCode::select_tool, CommandCode::remove_tool}) {
+    const Command command{.code = code, .tool = 9999};
+    CHECK(must(value_in<Command>(registers_of(command, 9))) == command);
+  }
+  const Command set{.code = CommandCode::set_tool, .tool = 12, .tool_offset_mm = {-2.5, 0.0, 150.0}};
+  CHECK(must(value_in<Command>(registers_of(set, 9))) == set);
+  const Command fine{.code = CommandCode::set_tool, .tool = 12, .tool_offset_mm = {0.12344, 0.0, -9999.99996}};
+  const Vector3 back_mm = must(value_in<Command>(registers_of(fine, 9))).tool_offset_mm;
+  CHECK(back_mm[0] == Approx(0.1234));
+  CHECK(back_mm[2] == Approx(-10'000.0));
 }
 
 TEST_CASE("answer blocks do not overlap and fit one read") {
@@ -141,7 +168,8 @@ TEST_CASE("answer blocks do not overlap and fit one read") {
   CHECK(kArmShare.end() <= kArmConfirm.first);
   CHECK(kArmConfirm.end() <= kInputs.first);
   CHECK(kInputs.count <= kMostRead);
-  CHECK(kInputs.end() <= kRegisterSpace);
+  CHECK(kInputs.end() <= kControlLines.first);
+  CHECK(kControlLines.end() <= kRegisterSpace);
   CHECK(kEcho.end() <= kReadSelect.first);
   CHECK(kReadSelect.end() <= kWindowOpen.first);
   CHECK(kWindowOpen.end() <= kCommand.first);
