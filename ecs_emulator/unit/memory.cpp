@@ -25,7 +25,7 @@ namespace {
 constexpr std::uint8_t kErasedEprom = 0xFF;
 constexpr std::uint32_t kIdentificationAt = 0x400;
 constexpr std::string_view kIdentification =
-    "ECS UNIT FIRMWARE 1.0 VIRTUAL WORKSHOP\n"
+    "ECS UNIT FIRMWARE 1.1 VIRTUAL WORKSHOP\n"
     "EPROM 000000-00FFFF RAM 040000-04FFFF AXIS MEMORY 100000 AND 200000\n";
 
 /// Reset vectors of the 68000 and the identification.

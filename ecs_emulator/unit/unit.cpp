@@ -487,7 +487,7 @@ protocol::InputStatus Unit::input_status(std::size_t input) const {
 protocol::Identity Unit::identity() {
   protocol::Identity identity;
   identity.firmware_major = 1;
-  identity.firmware_minor = 0;
+  identity.firmware_minor = 1;
   identity.serial_number = settings_.serial_number;
   identity.unit_name = "ECS unit, virtual workshop";
   identity.memory_modules = memory_.modules();

@@ -270,6 +270,12 @@ std::string arguments_in_words(const Command& command) {
       return std::string(1, letter_of(command.axis));
     case CommandCode::run_user_software:
       return fmt::format("0x{:06X}", command.address);
+    case CommandCode::select_tool:
+    case CommandCode::remove_tool:
+      return fmt::format("tool {}", command.tool);
+    case CommandCode::set_tool:
+      return fmt::format("{}: {:.6g} {:.6g} {:.6g}", command.tool, command.tool_offset_mm[0],
+                         command.tool_offset_mm[1], command.tool_offset_mm[2]);
     case CommandCode::arm:
       return minutes_in_words(0);
     default:
