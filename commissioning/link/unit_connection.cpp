@@ -165,8 +165,10 @@ void UnitConnection::look() {
 void UnitConnection::look_at_inputs() {
   next_inputs_ = Clock::now() + kBetweenInputs;
   const auto inputs = unit_link_->client().live_inputs();
+  const auto lines = unit_link_->client().control_lines();
   const std::lock_guard lock(mutex_);
   state_.inputs = inputs ? std::optional(*inputs) : std::nullopt;
+  state_.lines = lines ? std::optional(*lines) : std::nullopt;
   ++changes_;
 }
 

@@ -49,6 +49,7 @@ struct WatchedUnit {
 struct SampledUnit : WatchedUnit {
   std::deque<protocol::MonitorSample> samples;  ///< oldest first, at most kKept
   std::optional<protocol::LiveInputs> inputs;   ///< read every few seconds while somebody watches
+  std::optional<protocol::ControlLines> lines;  ///< the same; nothing: the unit has none (firmware before 1.1)
 };
 
 class UnitConnection {

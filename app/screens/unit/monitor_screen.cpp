@@ -13,6 +13,7 @@
 #include "app/ui/chart.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
+#include "base/text.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/plot/figure.hpp"
 #include "commissioning/plot/picture_export.hpp"
@@ -94,8 +95,27 @@ std::string inputs_text(const protocol::LiveInputs& live) {
                      live.thermal_um[2], text);
 }
 
+/// The tool, the control and the deviation, as far as there is something to say; begins with blanks.
+std::string lines_text(const protocol::ControlLines& lines) {
+  std::string text;
+  if (lines.tool_state != protocol::ToolState::none)
+    text += fmt::format("   tool {}{}", lines.tool,
+                        lines.tool_state == protocol::ToolState::acting
+                            ? ""
+                            : fmt::format(" ({})", name_of(lines.tool_state)));
+  if (lines.deviation.state != InputState::unused)
+    text += fmt::format("   deviation: {:+.2f} um", lines.deviation.value);
+  if (!lines.control_on) text += "   the control is off";
+  if (lines.battery == protocol::BatteryState::low) text += "   battery low";
+  return text;
+}
+
 bool any_doubtful(const protocol::LiveInputs& live) {
   return std::ranges::any_of(live.inputs, [](const auto& input) { return is_doubtful(input.state); });
+}
+bool any_doubtful(const protocol::ControlLines& lines) {
+  return lines.tool_state == protocol::ToolState::unknown || is_doubtful(lines.deviation.state) || !lines.control_on ||
+         lines.battery == protocol::BatteryState::low;
 }
 
 /// @param age_s  of the newest sample
@@ -125,8 +145,12 @@ void draw_monitor(Canvas& canvas, const Area& area, const SampledUnit& unit, dou
   const Area below{area.row + row, area.column + 1, std::min(2, area.rows - row), area.columns - 2};
   if (!unit.problem.empty())
     canvas.paragraph(below, 0, unit.problem, Tone::bad);
-  else if (unit.inputs)
-    canvas.paragraph(below, 0, inputs_text(*unit.inputs), any_doubtful(*unit.inputs) ? Tone::warning : Tone::plain);
+  else if (unit.inputs) {
+    const std::string of_inputs = inputs_text(*unit.inputs), of_lines = unit.lines ? lines_text(*unit.lines) : "";
+    const bool doubtful = any_doubtful(*unit.inputs) || (unit.lines && any_doubtful(*unit.lines));
+    canvas.paragraph(below, 0, of_inputs.empty() ? std::string(trimmed(of_lines)) : of_inputs + of_lines,
+                     doubtful ? Tone::warning : Tone::plain);
+  }
 }
 
 class MonitorScreen final : public KeyedScreen {
