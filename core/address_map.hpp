@@ -37,8 +37,8 @@ inline constexpr Region kBankB{0x200000, kBankBytes, false, "axis memory bank B"
 inline constexpr Region kThermalRecord{0x0F1000, 2 * kStoredThermalBytes, false, "thermal record"};
 /// The table of tools, two slots (tools.hpp); the unit writes it at a command.
 inline constexpr Region kToolRecord{0x0F2000, 2 * kToolTableBytes, false, "tool table"};
-inline constexpr std::array<Region, 7> kRegions{kEprom, kSystemRam, kCommitRecords, kThermalRecord, kToolRecord,
-                                                kBankA, kBankB};
+inline constexpr std::array<Region, 7> kRegions{kEprom,      kSystemRam, kCommitRecords, kThermalRecord,
+                                                kToolRecord, kBankA,     kBankB};
 
 [[nodiscard]] constexpr bool in_axis_memory(Address address) {
   return kBankA.contains(address) || kBankB.contains(address);

@@ -31,8 +31,8 @@ constexpr void store_double(Bytes bytes, std::size_t at, double value) noexcept 
   store_big(bytes, at, std::bit_cast<std::uint64_t>(value));
 }
 
-/// A record in battery-backed memory has two slots of equal size and is written into the older one, so that one is sound
-/// whenever the supply fails.
+/// A record in battery-backed memory has two slots of equal size and is written into the older one, so that one is
+/// sound whenever the supply fails.
 /// @param region  both slots  @param read  of a slot: an optional with the member `sequence`; nothing: not sound
 /// @return        the newer record; nothing: neither slot is sound
 template <class Read>

@@ -36,8 +36,9 @@ constexpr std::array<FaultText, kFaultCount> kFaults{{
      "send parameters and map again, or compare the unit with its map"},
     {"live_input", "a live input is missing or implausible: its terms are held, then fade out",
      "check this sensor and its cable (`ecs utility inputs`); compensation goes on without it"},
-    {"unknown_input", "the unit does not know the load or the tool, and its output could be wrong by more than the limit",
-     "state the load (`ecs utility input load KG`) or the tool (`ecs utility tool`), then enter compensation mode again"},
+    {"unknown_input", "the load or the tool is unknown: the output could be wrong beyond the limit",
+     "state the load (`ecs utility input load KG`) or the tool (`ecs utility tool`), then enter compensation mode "
+     "again"},
 }};
 
 constexpr WordTable<UnitMode, 5> kModes{{"starting", "integration", "datuming", "compensating", "halted"}};

@@ -23,7 +23,7 @@ namespace ecs {
 struct UnitParameters;
 
 inline constexpr std::size_t kTemperatureInputs = 16;
-inline constexpr std::size_t kLoadInput = kTemperatureInputs;       ///< the mass on the machine, kg
+inline constexpr std::size_t kLoadInput = kTemperatureInputs;           ///< the mass on the machine, kg
 inline constexpr std::size_t kDeviationInput = kTemperatureInputs + 1;  ///< what an instrument on the machine shows, um
 inline constexpr std::size_t kLiveInputs = kTemperatureInputs + 2;  ///< temperatures 0 … 15, load 16, deviation 17
 inline constexpr std::size_t kToolInput = kLiveInputs;              ///< in faults alone: the number of the tool
@@ -58,10 +58,11 @@ struct ThermalRow {
   std::uint8_t minus = kNoInput;  ///< temperature that is taken off; kNoInput: the reference is
   /// Of compensation (−error): um, um/m or um/m² (of a rotation um/m) for each degC or kg; of motion at full duty.
   double coefficient = 0.0;
-  /// degC or kg at which the row is zero; of motion the mean speed of full duty, mm/min; of an active row its limit, um.
+  /// degC or kg at which the row is zero; of motion the mean speed of full duty, mm/min; of an active row its limit,
+  /// um.
   double reference = 20.0;
   double lag_s = 0.0;  ///< time constant with which the machine follows the input; 0: none. Of an active row above 0
-  double origin_mm = 0.0;   ///< machine coordinate from which p counts
+  double origin_mm = 0.0;  ///< machine coordinate from which p counts
   friend bool operator==(const ThermalRow&, const ThermalRow&) = default;
 };
 
@@ -105,9 +106,9 @@ struct alignas(16) ThermalPolynomial {
 /// The rows of a map, compiled for the chain, scope and tool of its parameters.
 struct ThermalWorking {
   struct Row {
-    ThermalPolynomial of_one{};   ///< for D = 1, with the tool offset
-    PerAxis<Lanes> of_tool{};     ///< of its offset, for D = 1 and each mm of a tool offset along x, y, z
-    Lanes without_tool{};         ///< its offset without a tool
+    ThermalPolynomial of_one{};  ///< for D = 1, with the tool offset
+    PerAxis<Lanes> of_tool{};    ///< of its offset, for D = 1 and each mm of a tool offset along x, y, z
+    Lanes without_tool{};        ///< its offset without a tool
     std::uint8_t source = 0;
     std::uint8_t minus = kNoInput;
     double reference = 0.0;

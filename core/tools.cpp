@@ -13,10 +13,13 @@ constexpr std::uint32_t kToolsAt = 16, kTableCheckAt = kToolsAt + kMostTools * k
 static_assert(kTableCheckAt + 4 <= kToolTableBytes);
 constexpr double kFurthestTool_mm = 1e6;
 
-std::uint32_t crc_of_table(ByteView slot) noexcept { return static_cast<std::uint32_t>(::crc32_z(0, slot.data(), kTableCheckAt)); }
+std::uint32_t crc_of_table(ByteView slot) noexcept {
+  return static_cast<std::uint32_t>(::crc32_z(0, slot.data(), kTableCheckAt));
+}
 
 std::optional<ToolTable> table_in(ByteView slot) noexcept {
-  if (load_big<std::uint32_t>(slot, 0) != kToolMagic || load_big<std::uint32_t>(slot, kTableCheckAt) != crc_of_table(slot))
+  if (load_big<std::uint32_t>(slot, 0) != kToolMagic ||
+      load_big<std::uint32_t>(slot, kTableCheckAt) != crc_of_table(slot))
     return std::nullopt;
   ToolTable table{load_big<std::uint32_t>(slot, 4), load_big<std::uint16_t>(slot, 8), {}};
   for (std::size_t k = 0; k < kMostTools; ++k) {

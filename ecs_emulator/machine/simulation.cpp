@@ -95,8 +95,8 @@ void Simulation::rewire() {
 
 bool Simulation::has_tool(std::uint16_t number) const {
   const auto& tools = description_.settings.tools;
-  return number == 0 || std::any_of(tools.begin(), tools.end(),
-                                    [&](const MagazineTool& tool) { return tool.number == number; });
+  return number == 0 ||
+         std::any_of(tools.begin(), tools.end(), [&](const MagazineTool& tool) { return tool.number == number; });
 }
 
 void Simulation::change_tool(std::uint16_t number) {

@@ -45,8 +45,8 @@ class RealTime {
 
 /// What the wires from the control say; nothing: there is no such wire.
 struct ControlWires {
-  std::optional<std::uint16_t> tool;  ///< number of the tool in the spindle; 0: none
-  std::optional<bool> power_on;       ///< the control is ready: its drives have power, its position loops are closed
+  std::optional<std::uint16_t> tool;   ///< number of the tool in the spindle; 0: none
+  std::optional<bool> power_on;        ///< the control is ready: its drives have power, its position loops are closed
   std::optional<double> deviation_um;  ///< of an instrument that stays on the machine, ten times a second
   friend bool operator==(const ControlWires&, const ControlWires&) = default;
 };

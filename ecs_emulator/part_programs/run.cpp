@@ -183,9 +183,9 @@ class ProgramRunner {
     result_.summary = std::move(summary);
     for (const auto& [number, line] : result_.summary.tools)
       if (!simulation_.has_tool(static_cast<std::uint16_t>(number)))
-        return problem_at(program_.file, line, 0,
-                          fmt::format("M06: the magazine has no tool {}; see [[emulator.tool]] of the machine file",
-                                      number));
+        return problem_at(
+            program_.file, line, 0,
+            fmt::format("M06: the magazine has no tool {}; see [[emulator.tool]] of the machine file", number));
     if (!order_.axis) return {};
     if (result_.summary.readings == 0) return wrong("expected a program with readings (M08)");
     if (result_.summary.readings > kMostReadings)

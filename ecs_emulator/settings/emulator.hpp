@@ -145,12 +145,12 @@ struct EmulatorSettings {
   std::string serial_number = "EMULATOR-1";  ///< up to 16 characters
   std::uint64_t seed = 1;
   double load_kg = 0.0;
-  Vector3 tool_offset_mm{};      ///< from the point that the unlevered machine carries to the tool point
+  Vector3 tool_offset_mm{};  ///< from the point that the unlevered machine carries to the tool point
   std::vector<MagazineTool> tools;
-  bool tool_wires = false;     ///< the control's tool number is wired to the unit
-  bool power_on_wire = false;  ///< the control's "power on" is wired to the unit
+  bool tool_wires = false;        ///< the control's tool number is wired to the unit
+  bool power_on_wire = false;     ///< the control's "power on" is wired to the unit
   std::optional<Axis> deviation;  ///< an instrument on the machine shows the unit the error of the tool along it
-  std::filesystem::path errors;  ///< errors file; empty: a perfect machine
+  std::filesystem::path errors;   ///< errors file; empty: a perfect machine
   PerAxis<AxisSettings> axes{};
   LaserSettings laser{};
 };

@@ -174,7 +174,8 @@ protocol::CommandResult Unit::set_input(const Command& command) {
   if (i == kDeviationInput && deviation_wired_)
     return refused(UnitError::bad_argument, "an instrument on the machine is wired to this input");
   if (i == kDeviationInput && !(std::abs(command.input_value) <= kLargestDeviation_um))
-    return refused(UnitError::bad_argument, fmt::format("expected a deviation within ±{:.0f} um", kLargestDeviation_um));
+    return refused(UnitError::bad_argument,
+                   fmt::format("expected a deviation within ±{:.0f} um", kLargestDeviation_um));
   const ThermalSettings& limits = map_->thermal.settings;
   if (i < kTemperatureInputs &&
       !(command.input_value >= limits.least_degC && command.input_value <= limits.greatest_degC))

@@ -312,8 +312,9 @@ bool is_column_of(std::string_view column, std::string_view sensor) {
 
 bool Unit::senses() const {
   const bool follows = mode_ == UnitMode::compensating && (map_->thermal.count > 0 || !tool_known_);
-  return follows || deviation_wired_ || std::any_of(settings_.sensors.begin(), settings_.sensors.end(),
-                                [](const std::string& sensor) { return !sensor.empty(); });
+  return follows || deviation_wired_ ||
+         std::any_of(settings_.sensors.begin(), settings_.sensors.end(),
+                     [](const std::string& sensor) { return !sensor.empty(); });
 }
 
 void Unit::sense(const std::vector<NamedTemperature>& shown, double seconds) {
@@ -475,8 +476,8 @@ protocol::LiveInputs Unit::live_inputs() {
 
 protocol::InputStatus Unit::input_status(std::size_t input) const {
   protocol::InputStatus status;
-  status.wired = input < kTemperatureInputs ? !settings_.sensors[input].empty()
-                                            : input == kDeviationInput && deviation_wired_;
+  status.wired =
+      input < kTemperatureInputs ? !settings_.sensors[input].empty() : input == kDeviationInput && deviation_wired_;
   if (std::isfinite(inputs_[input].value)) status.value = inputs_[input].value;
   if (mode_ != UnitMode::compensating || map_->thermal.count == 0) return status;
   status.state = thermal_.inputs[input].state;

@@ -166,7 +166,8 @@ const std::vector<RequestOption> kJogOptions{
 };
 const std::vector<RequestOption> kFaultOptions{
     {"NAME", word,
-     "ram_stuck, corrupt, overrun, hang, power_fails or battery (unit); sensor or deviation (input of the unit); transducer, marker, switch "
+     "ram_stuck, corrupt, overrun, hang, power_fails or battery (unit); sensor or deviation (input of the unit); "
+     "transducer, marker, switch "
      "or miscount (axis); no_reply, lost_request, bad_crc, slow_reply, garbage_before, drop_byte, cut_tail or "
      "stale_reply (line); clear: remove every fault",
      Need::required},

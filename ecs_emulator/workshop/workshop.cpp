@@ -374,8 +374,7 @@ Answer change_tool(const Workshop& workshop, Arguments& arguments) {
 /// "Power on" of the control.
 Answer switch_control(const Workshop& workshop, Arguments& arguments) {
   const std::string state = arguments.word("state");
-  if (state != "on" && state != "off")
-    arguments.complain(fmt::format("state: expected on or off, got \"{}\"", state));
+  if (state != "on" && state != "off") arguments.complain(fmt::format("state: expected on or off, got \"{}\"", state));
   ECS_DO(arguments.checked());
   workshop.simulation->switch_control(state == "on");
   workshop.simulation->come_to_rest();

@@ -151,14 +151,14 @@ enum class BatteryState : std::uint16_t { good = 0, low = 1 };
 struct ControlLines {
   std::uint16_t tool = 0;  ///< selected last; 0: none
   ToolState tool_state = ToolState::none;
-  Vector3 tool_offset_mm{};        ///< that acts now
-  std::uint16_t tools = 0;         ///< in the table
-  bool tool_wired = false;         ///< the control selects; otherwise an armed host does
-  bool control_on_wired = false;   ///< the control's "power on" is wired to the unit
-  bool control_on = true;          ///< what that wire says
-  InputStatus deviation{};         ///< that an instrument on the machine shows, um
-  bool compensating_out = false;   ///< output to the control: the unit compensates
-  bool fault_out = false;          ///< output to the control: there is a fault
+  Vector3 tool_offset_mm{};       ///< that acts now
+  std::uint16_t tools = 0;        ///< in the table
+  bool tool_wired = false;        ///< the control selects; otherwise an armed host does
+  bool control_on_wired = false;  ///< the control's "power on" is wired to the unit
+  bool control_on = true;         ///< what that wire says
+  InputStatus deviation{};        ///< that an instrument on the machine shows, um
+  bool compensating_out = false;  ///< output to the control: the unit compensates
+  bool fault_out = false;         ///< output to the control: there is a fault
   BatteryState battery = BatteryState::good;
   std::uint32_t battery_age_s = 0;  ///< since it was new, by the clock that it keeps running
   friend bool operator==(const ControlLines&, const ControlLines&) = default;

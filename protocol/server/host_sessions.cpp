@@ -274,8 +274,8 @@ std::string arguments_in_words(const Command& command) {
     case CommandCode::remove_tool:
       return fmt::format("tool {}", command.tool);
     case CommandCode::set_tool:
-      return fmt::format("{}: {:.6g} {:.6g} {:.6g}", command.tool, command.tool_offset_mm[0],
-                         command.tool_offset_mm[1], command.tool_offset_mm[2]);
+      return fmt::format("{}: {:.6g} {:.6g} {:.6g}", command.tool, command.tool_offset_mm[0], command.tool_offset_mm[1],
+                         command.tool_offset_mm[2]);
     case CommandCode::arm:
       return minutes_in_words(0);
     default:

@@ -99,10 +99,9 @@ std::string inputs_text(const protocol::LiveInputs& live) {
 std::string lines_text(const protocol::ControlLines& lines) {
   std::string text;
   if (lines.tool_state != protocol::ToolState::none)
-    text += fmt::format("   tool {}{}", lines.tool,
-                        lines.tool_state == protocol::ToolState::acting
-                            ? ""
-                            : fmt::format(" ({})", name_of(lines.tool_state)));
+    text += fmt::format(
+        "   tool {}{}", lines.tool,
+        lines.tool_state == protocol::ToolState::acting ? "" : fmt::format(" ({})", name_of(lines.tool_state)));
   if (lines.deviation.state != InputState::unused)
     text += fmt::format("   deviation: {:+.2f} um", lines.deviation.value);
   if (!lines.control_on) text += "   the control is off";

@@ -74,7 +74,9 @@ Result<Outcome> set_input(VerbContext& context, const InputRequest& request) {
   ECS_TRY(unit, open_unit(context));
   ECS_DO(unit.client().set_input(input, request.value));
   return outcome_of(record_cell("input {input}: {value} {unit}", "input"_is(request.input), "value"_is(request.value),
-                                "unit"_is(load ? "kg" : deviation ? "um" : "degC")));
+                                "unit"_is(load        ? "kg"
+                                          : deviation ? "um"
+                                                      : "degC")));
 }
 
 }  // namespace

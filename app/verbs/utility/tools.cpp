@@ -1,4 +1,6 @@
 // `ecs utility tools, tool`: the table of tools in the unit, which of them acts, and the wires to the control.
+#include "core/tools.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,7 +13,6 @@
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "core/tools.hpp"
 #include "laser/csv_table.hpp"
 #include "protocol/registers/unit_data.hpp"
 
@@ -63,8 +64,8 @@ Result<Outcome> show_tools(VerbContext& context, const cli::Nothing&) {
   return outcome_of(record_cell(
       "{selected}{tool_wired}{battery}{tools}", "selected"_is(acting_cell(lines)),
       "state"_is(name_of(lines.tool_state)),
-      "acting_mm"_is(Cell{Json{{"x", lines.tool_offset_mm[0]}, {"y", lines.tool_offset_mm[1]},
-                               {"z", lines.tool_offset_mm[2]}}, {}}),
+      "acting_mm"_is(Cell{
+          Json{{"x", lines.tool_offset_mm[0]}, {"y", lines.tool_offset_mm[1]}, {"z", lines.tool_offset_mm[2]}}, {}}),
       "tool_wired"_is(lines.tool_wired, wires_text(lines)), "control_on_wired"_is(lines.control_on_wired),
       "control_on"_is(lines.control_on), "compensating_output"_is(lines.compensating_out),
       "fault_output"_is(lines.fault_out), "battery"_is(battery_cell(lines)), "battery_age_s"_is(lines.battery_age_s),

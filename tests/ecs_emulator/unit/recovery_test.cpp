@@ -183,7 +183,8 @@ TEST_CASE("every fault of the unit isolates it, says why, and is recovered from"
 
 TEST_CASE("no fault is left out") {
   for (std::uint16_t f = 1; f < kFaultCount; ++f) {
-    if (static_cast<Fault>(f) == Fault::live_input) continue;  // ends nothing (live_inputs_test.cpp)
+    if (static_cast<Fault>(f) == Fault::live_input) continue;     // ends nothing (live_inputs_test.cpp)
+    if (static_cast<Fault>(f) == Fault::unknown_input) continue;  // needs inputs or tools (tools_test.cpp)
     bool met = false;
     for (const Case& one : kCases) met = met || one.fault == static_cast<Fault>(f);
     CHECK_MESSAGE(met, text_of(static_cast<Fault>(f)).name);
