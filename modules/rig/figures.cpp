@@ -160,16 +160,17 @@ struct Motion {
   std::vector<double> asked_mm, slide_mm, compensation_um;
 };
 
-Motion motion_of(const SlideErrors& errors, bool compensated, double feed_mm_min) {
+/// @param injection  nothing: not compensated
+Motion motion_of(const SlideErrors& errors, std::optional<Injection> injection, double feed_mm_min) {
   Rig rig(ServoParameters{}, errors, 0.0, 1);
-  if (compensated) {
+  if (injection) {
     RigTables tables;
     tables.increment_mm = Rig::kPulse_um / errors.linear_um_per_mm;  // the travel over which the error grows by a pulse
     for (double p = 0.0; p <= kMovingTravel_mm + tables.increment_mm; p += tables.increment_mm) {
       tables.forward_um.push_back(-errors.linear_um_per_mm * p);
       tables.reverse_um.push_back(-errors.linear_um_per_mm * p);
     }
-    rig.compensate_with(tables, Approach::forward);
+    rig.compensate_with(tables, Approach::forward, *injection);
   }
   Motion motion;
   int step = 0;
@@ -205,6 +206,24 @@ BeforeAfter calibrated_twice(const RigPlan& plan, std::uint64_t seed) {
   both.after = calibrated(rig, plan, true);
   both.band_after = band_of(both.after);
   return both;
+}
+
+/// The three places of thesis 3.3, each also with a position loop whose gain is not what the unit was told.
+void add_injections(std::vector<RigNumber>& numbers, const RigBand& before, RigPlan plan, std::uint64_t seed) {
+  constexpr double kWrongGain = 1.1;
+  constexpr std::array<std::pair<Injection, std::string_view>, 3> kPlaces{
+      {{Injection::control_registers, "control registers"},
+       {Injection::feedback, "feedback"},
+       {Injection::velocity_command, "velocity command"}}};
+  const RigTables tables = tables_of(before, plan);
+  for (const auto& [injection, where] : kPlaces) {
+    const auto add = [&](std::string_view what, std::string_view unit, double here) {
+      numbers.push_back({"3.1", fmt::format("{}: {}", where, what), std::string(unit), std::nullopt, here});
+    };
+    add("error band", "mm", band_with(tables, plan, injection, 1.0, seed).error_band_um * 1e-3);
+    add("band, loop gain 10 % higher", "mm", band_with(tables, plan, injection, kWrongGain, seed).error_band_um * 1e-3);
+    add("largest error moving", "um", largest(moving_error(kStepFeed_mm_min, injection).compensated_um));
+  }
 }
 
 void add_band(std::vector<RigNumber>& numbers, const std::string& figure, const RigBand& band, double thesis_band_mm,
@@ -254,12 +273,12 @@ ServoStep servo_step(const ServoParameters& servo, double distance_mm, double fe
   return step;
 }
 
-MovingError moving_error(double feed_mm_min) {
+MovingError moving_error(double feed_mm_min, Injection injection) {
   SlideErrors wrong;
   wrong.linear_um_per_mm = 0.25;
-  const Motion ideal = motion_of({}, false, feed_mm_min);
-  const Motion bare = motion_of(wrong, false, feed_mm_min);
-  const Motion mended = motion_of(wrong, true, feed_mm_min);
+  const Motion ideal = motion_of({}, std::nullopt, feed_mm_min);
+  const Motion bare = motion_of(wrong, std::nullopt, feed_mm_min);
+  const Motion mended = motion_of(wrong, injection, feed_mm_min);
   MovingError moving;
   moving.desired_mm = ideal.asked_mm;
   for (std::size_t k = 0; k < ideal.slide_mm.size(); ++k) {
@@ -268,6 +287,13 @@ MovingError moving_error(double feed_mm_min) {
     moving.compensation_um.push_back(mended.compensation_um[k]);
   }
   return moving;
+}
+
+RigBand band_with(const RigTables& tables, const RigPlan& plan, Injection injection, double loop_gain,
+                  std::uint64_t seed) {
+  Rig rig({}, rig_slide_errors(), plan.from_mm, seed_of(seed, 2, 0));
+  rig.compensate_with(tables, Approach::forward, injection, loop_gain);
+  return band_of(calibrated(rig, plan, true));
 }
 
 Result<std::vector<RigNumber>> draw_rig_figures(const std::filesystem::path& folder, std::uint64_t seed) {
@@ -295,6 +321,7 @@ Result<std::vector<RigNumber>> draw_rig_figures(const std::filesystem::path& fol
       folder, {&full_travel.band_before, &full_travel.band_after, &two_turns.band_before, &two_turns.band_after}));
 
   std::vector<RigNumber> numbers;
+  add_injections(numbers, full_travel.band_before, whole, seed);
   add_step(numbers, step, printed);
   numbers.push_back(
       {"3.5", "largest error of the moving slide, compensated", "um", Rig::kPulse_um, largest(moving.compensated_um)});

@@ -9,6 +9,7 @@ namespace ecs::emulator {
 namespace {
 
 constexpr double kLoop_s = 0.001;      ///< period of the prototype's loop
+constexpr double kExchange_s = 0.05;   ///< between two exchanges of data with the registers of the control
 constexpr double kCountsPerUm = 10.0;  ///< of the compensation's D/A converter
 constexpr double kTravel_mm = 450.0;
 
@@ -83,12 +84,13 @@ Rig::Rig(const ServoParameters& servo, const SlideErrors& errors, double start_m
   slide_mm_ = start_mm + errors_.forward_um(start_mm) * 1e-3;
 }
 
-void Rig::compensate_with(const RigTables& tables, Approach approach) {
+void Rig::compensate_with(const RigTables& tables, Approach approach, Injection injection, double loop_gain) {
   const UnitParameters parameters = unit_parameters(drive_.parameters());
   const auto image = image_of(parameters, tables);
   unit_ = std::make_unique<Unit>();
   (void)compile(ImageView(image), unit_->map);  // made a few lines above: sound
-  unit_->added_V_per_count = drive_.parameters().dac_V_per_pulse / (Rig::kPulse_um * kCountsPerUm);
+  unit_->added_V_per_count = drive_.parameters().dac_V_per_pulse / (Rig::kPulse_um * kCountsPerUm) / loop_gain;
+  unit_->injection = injection;
   start(unit_->state, {drive_.encoder_pulses(), 0, 0}, {asked_mm_, 0.0, 0.0},
         {approach, Approach::forward, Approach::forward});
 }
@@ -98,13 +100,24 @@ void Rig::move_slide() {
   slide_mm_ = std::clamp(slide_mm_, nut + errors_.forward_um(nut) * 1e-3, nut + errors_.reverse_um(nut) * 1e-3);
 }
 
+bool Rig::begins_period(double period_s) const {
+  const double step_s = drive_.parameters().step_s;
+  return static_cast<std::uint64_t>(static_cast<double>(steps_) * step_s / period_s) !=
+         static_cast<std::uint64_t>(static_cast<double>(steps_ + 1) * step_s / period_s);
+}
+
 void Rig::step() {
   const ServoParameters& p = drive_.parameters();
-  if (unit_ && static_cast<std::uint64_t>(static_cast<double>(steps_) * p.step_s / kLoop_s) !=
-                   static_cast<std::uint64_t>(static_cast<double>(steps_ + 1) * p.step_s / kLoop_s))
-    tick(unit_->map, unit_->state, {drive_.encoder_pulses(), 0, 0});
-  const double added_V = unit_ ? unit_->added_V_per_count * unit_->state.dac_counts[0] : 0.0;
-  drive_.step((asked_mm_ - start_mm_) / p.screw_mm_per_rad * p.encoder_pulses_per_rad, added_V);
+  double added_V = 0.0, added_pulses = 0.0;
+  if (unit_) {
+    if (begins_period(kLoop_s)) tick(unit_->map, unit_->state, {drive_.encoder_pulses(), 0, 0});
+    if (unit_->injection == Injection::velocity_command)
+      added_V = unit_->added_V_per_count * unit_->state.dac_counts[0];
+    else if (unit_->injection == Injection::feedback || begins_period(kExchange_s))
+      unit_->pulses = std::round(unit_->state.compensation_um[0] / kPulse_um);
+    added_pulses = unit_->pulses;
+  }
+  drive_.step((asked_mm_ - start_mm_) / p.screw_mm_per_rad * p.encoder_pulses_per_rad + added_pulses, added_V);
   move_slide();
   ++steps_;
 }

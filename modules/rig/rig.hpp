@@ -47,6 +47,13 @@ struct RigTables {
   std::vector<double> reverse_um;
 };
 
+/// Where the compensation enters the position loop (thesis 3.3, figure 3.1).
+enum class Injection : std::uint8_t {
+  velocity_command,   ///< a voltage beside the control's, as fine as its D/A converter; the thesis's choice
+  control_registers,  ///< whole pulses, each time the control exchanges data with the unit
+  feedback,           ///< whole pulses added to those of the transducer
+};
+
 class Rig {
  public:
   static constexpr double kPulse_um = 2.0;  ///< resolution of the encoder
@@ -54,7 +61,9 @@ class Rig {
 
   /// Puts the unit to work, as referenced where the axis stands now. Values are stored to the resolution of the
   /// encoder.
-  void compensate_with(const RigTables& tables, Approach approach);
+  /// @param loop_gain  of the control and its D/A converter, as a share of what the unit was told
+  void compensate_with(const RigTables& tables, Approach approach, Injection injection = Injection::velocity_command,
+                       double loop_gain = 1.0);
 
   /// Pulses for a move at a constant feed, then `dwell_s` more.
   template <class Each>
@@ -88,8 +97,11 @@ class Rig {
     CompiledMap map;
     TickState state;
     double added_V_per_count = 0.0;
+    Injection injection = Injection::velocity_command;
+    double pulses = 0.0;  ///< of compensation, where it does not enter as a voltage
   };
   void step();
+  [[nodiscard]] bool begins_period(double period_s) const;
   void move_slide();
   [[nodiscard]] double nut_mm() const { return start_mm_ + drive_.nut_mm(); }
 
@@ -165,7 +177,11 @@ struct MovingError {
   std::vector<double> compensated_um;
   std::vector<double> compensation_um;  ///< what the unit adds
 };
-[[nodiscard]] MovingError moving_error(double feed_mm_min);
+[[nodiscard]] MovingError moving_error(double feed_mm_min, Injection injection = Injection::velocity_command);
+
+/// The ±3σ band of a rig whose compensation enters there.
+[[nodiscard]] RigBand band_with(const RigTables& tables, const RigPlan& plan, Injection injection, double loop_gain,
+                                std::uint64_t seed);
 
 /// Runs all experiments; writes each figure's data as CSV and, where gnuplot is installed, its picture as SVG.
 /// @return the numbers

@@ -191,11 +191,12 @@ void Forger::guess() {
 /// With the check of everybody: what switches off is carried out, anything else is not.
 void Forger::give_command() {
   Command command;
-  command.code = static_cast<CommandCode>(1 + draw(17));
+  command.code = static_cast<CommandCode>(1 + draw(protocol::kCommandCount - 1));
   if (chance(random_, 0.3)) command.code = CommandCode::output_off;
   command.output_um = 50.0;
   command.relay_on = true;
   command.length = 1000;
+  command.tool = 1;
   command.asker = {std::array{std::uint32_t{0}, own_session_, other_session_}[draw(3)], 7};
   command.sequence = 1 + draw(200);
   command.clock_ms = static_cast<std::uint32_t>(

@@ -473,6 +473,15 @@ void World::give_rare_command(protocol::UnitClient& client) {
     case 4:
       (void)client.enter_integration();
       break;
+    case 5:
+      (void)client.set_tool({static_cast<std::uint16_t>(1 + draw(3)), {}});
+      break;
+    case 6:
+      (void)client.select_tool(static_cast<std::uint16_t>(draw(4)));
+      break;
+    case 7:
+      (void)client.remove_tool(static_cast<std::uint16_t>(1 + draw(3)));
+      break;
     default:
       (void)client.set_axis_position(Axis::X, 1.0);
       break;

@@ -125,6 +125,23 @@ TEST_CASE("compensation made from a calibration leaves the scatter, for both app
   CHECK(after.error_band_um < 0.2 * before.error_band_um);
 }
 
+TEST_CASE(
+    "wherever the compensation enters the loop it leaves the same band; only a voltage depends on the loop gain") {
+  const RigPlan plan = two_turns();
+  Rig bare({}, rig_slide_errors(), 20.0, 5);
+  const RigTables tables = tables_of(band_of(calibrated(bare, plan, false)), plan);
+  const auto band_um = [&](Injection injection, double loop_gain) {
+    return band_with(tables, plan, injection, loop_gain, 6).error_band_um;
+  };
+  const double voltage_um = band_um(Injection::velocity_command, 1.0);
+  for (const Injection pulses : {Injection::control_registers, Injection::feedback}) {
+    CHECK(std::abs(band_um(pulses, 1.0) - voltage_um) < 2.0 * Rig::kPulse_um);
+    CHECK(band_um(pulses, 1.1) == band_um(pulses, 1.0));
+  }
+  // a loop that is stiffer by a tenth leaves an eleventh of the 200 um that are compensated
+  CHECK(band_um(Injection::velocity_command, 1.1) - voltage_um == Approx(200.0 / 11.0).epsilon(0.5));
+}
+
 TEST_CASE("the band is that of means and three standard deviations, whatever the approach") {
   laser::MeasurementSet set;
   const auto add = [&](double position_mm, Approach approach, std::vector<double> errors) {
