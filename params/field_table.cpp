@@ -183,6 +183,7 @@ void add_squareness(std::vector<Field>& table) {
 /// What changes while the unit compensates.
 void add_tools(std::vector<Field>& table) {
   const Group group = Group::compensation;
+  const std::size_t before = table.size();
   table.push_back(number(
       {"compensation.tool_rate_um_per_s", group,
        "Fastest change of the output after another tool was selected, so that no axis steps.", ""},
@@ -207,6 +208,7 @@ void add_tools(std::vector<Field>& table) {
          ""},
         "mm", {0.0, 10'000.0}, [i](auto& p) -> auto& { return p.tool_range_mm[i]; }));
   }
+  for (std::size_t k = before; k < table.size(); ++k) table[k].may_be_absent = true;
 }
 
 void add_compensation(std::vector<Field>& table) {

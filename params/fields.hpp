@@ -37,6 +37,7 @@ struct Field {
   double least = 0.0;
   double most = 0.0;
   bool zero_allowed = true;
+  bool may_be_absent = false;  ///< a file without it is complete: its default is as if the parameter did not exist
   std::vector<std::string> choices;                  ///< of a choice
   std::string accepts;                               ///< of a text: what may stand there, in words
   std::string help;                                  ///< what it does and how to find the value, plain words, one line

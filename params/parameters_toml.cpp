@@ -59,7 +59,7 @@ class ParametersReader {
       const bool given = given_.contains(field.key);
       if (field.axis && given) named[index_of(*field.axis)] = true;
       const bool absent = field.axis && !file_.parameters.axis_present[index_of(*field.axis)];
-      if (!absent && !given) file_.defaulted.push_back(field.key);
+      if (!absent && !given && !field.may_be_absent) file_.defaulted.push_back(field.key);
     }
     for (const Axis axis : kAllAxes)
       if (file_.parameters.axis_present[index_of(axis)] && !named[index_of(axis)])

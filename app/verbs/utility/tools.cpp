@@ -140,7 +140,10 @@ struct ToolRequest {
   bool remove = false;
   static Fields<ToolRequest> fields() {
     using R = ToolRequest;
-    Fields<R> offset{cli::Argument{"--offset", {}, "put the tool with this offset X,Y,Z [mm] into the table instead"},
+    Fields<R> offset{cli::Argument{.name = "--offset",
+                                   .into = {},
+                                   .help = "put the tool with this offset X,Y,Z [mm] into the table instead",
+                                   .by_commas = true},
                      [](R& r) -> cli::Argument::Target {
                        return cli::OnNumbers([&r](const std::vector<double>& mm) { r.offset_mm = mm; });
                      }};
