@@ -48,12 +48,31 @@ void compile_tables(const ImageView& image, Interpolation interpolation, const C
   }
 }
 
-void add_squareness(const Term& term, const UnitParameters& p, SquarenessAction& action) noexcept {
+void add_squareness(const Term& term, SquarenessAction& of_one) noexcept {
   // parameters hold the error, the unit adds compensation
   const double per_mm = -term.sign / 1000.0;
-  if (term.component == Component::C0Y) action.x_by_y = per_mm * p.C0Y_um_per_m;
-  if (term.component == Component::B0Z) action.x_by_z = per_mm * p.B0Z_um_per_m;
-  if (term.component == Component::A0Z) action.y_by_z = per_mm * p.A0Z_um_per_m;
+  if (term.component == Component::C0Y) of_one.x_by_y = per_mm;
+  if (term.component == Component::B0Z) of_one.x_by_z = per_mm;
+  if (term.component == Component::A0Z) of_one.y_by_z = per_mm;
+}
+
+void set_squareness(CompiledMap& map, const Vector3& um_per_m) noexcept {
+  const SquarenessAction& of_one = map.squareness_of_one;
+  map.squareness_um_per_m = um_per_m;
+  map.squareness = {of_one.x_by_y * um_per_m[0], of_one.x_by_z * um_per_m[1], of_one.y_by_z * um_per_m[2]};
+}
+
+/// The share of a change that corrects no axis by more than `most_um` more or less.
+double share_within(const Vector3& change_um, double most_um) noexcept {
+  double largest_um = 0.0;
+  for (const double um : change_um) largest_um = std::max(largest_um, std::abs(um));
+  return largest_um <= most_um ? 1.0 : most_um / largest_um;
+}
+
+Vector3 part_of_the_way(const Vector3& from, const Vector3& to, double share) noexcept {
+  if (share >= 1.0) return to;
+  return {from[0] + (to[0] - from[0]) * share, from[1] + (to[1] - from[1]) * share,
+          from[2] + (to[2] - from[2]) * share};
 }
 
 void add_rotation(const Term& term, const UnitParameters& p, AngularAction& action, ToolAction& tool) noexcept {
@@ -78,12 +97,13 @@ void set_levers(CompiledMap& map, const Vector3& tool_offset_mm) noexcept {
 void compile_terms(const TermTable& terms, const UnitParameters& p, CompiledMap& map) noexcept {
   for (const Term& term : terms) {
     if (is_squareness(term.component))
-      add_squareness(term, p, map.squareness);
+      add_squareness(term, map.squareness_of_one);
     else if (term.has_lever)
       add_rotation(term, p, map.angular[index_of(moving_axis(term.component))],
                    map.tool[index_of(moving_axis(term.component))]);
   }
   set_levers(map, p.tool_offset_mm);
+  set_squareness(map, {p.C0Y_um_per_m, p.B0Z_um_per_m, p.A0Z_um_per_m});
 }
 
 void compile_axes(const UnitParameters& p, CompiledMap& map) noexcept {
@@ -125,7 +145,7 @@ void clear_working(CompiledMap& map) noexcept {
   map.curves = {};
   map.angular = {};
   map.tool = {};
-  map.squareness = {};
+  map.squareness_of_one = {};
   map.axes = {};
   map.output = {};
   map.value[0] = 0.0;
@@ -321,15 +341,23 @@ bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal
   Vector3 change_um{};
   for (std::size_t l = 0; l < kAxes; ++l)
     for (std::size_t o = 0; o < kAxes; ++o) change_um[o] += effect[l][o] * (offset_mm[l] - map.tool_offset_mm[l]);
-  double largest_um = 0.0;
-  for (const double um : change_um) largest_um = std::max(largest_um, std::abs(um));
-  const bool reached = largest_um <= most_um;
-  Vector3 next_mm = offset_mm;
-  for (std::size_t l = 0; l < kAxes && !reached; ++l)
-    next_mm[l] = map.tool_offset_mm[l] + (offset_mm[l] - map.tool_offset_mm[l]) * (most_um / largest_um);
+  const double share = share_within(change_um, most_um);
+  const Vector3 next_mm = part_of_the_way(map.tool_offset_mm, offset_mm, share);
   set_levers(map, next_mm);
   set_tool_of_rows(map.thermal, thermal, next_mm);
-  return reached;
+  return share >= 1.0;
+}
+
+bool change_squareness(CompiledMap& map, const TickState& state, const Vector3& um_per_m, double most_um) noexcept {
+  const SquarenessAction& of_one = map.squareness_of_one;
+  const Vector3& now = map.squareness_um_per_m;
+  const Vector3& at_mm = state.position_mm;
+  const double share = share_within(
+      {of_one.x_by_y * (um_per_m[0] - now[0]) * at_mm[1] + of_one.x_by_z * (um_per_m[1] - now[1]) * at_mm[2],
+       of_one.y_by_z * (um_per_m[2] - now[2]) * at_mm[2], 0.0},
+      most_um);
+  set_squareness(map, part_of_the_way(now, um_per_m, share));
+  return share >= 1.0;
 }
 
 std::optional<SelectedValue> selected_value(const CompiledMap& map, const TickState& state, Axis moving,

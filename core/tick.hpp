@@ -76,6 +76,8 @@ struct CompiledMap {
   PerAxis<ToolAction> tool{};
   Vector3 tool_offset_mm{};  ///< that `angular` and `thermal` reckon with; change_tool() changes it
   SquarenessAction squareness{};
+  SquarenessAction squareness_of_one{};  ///< of 1 um/m of each
+  Vector3 squareness_um_per_m{};         ///< C0Y, B0Z, A0Z that `squareness` corrects; change_squareness() changes them
   PerAxis<AxisWorking> axes{};
   OutputWorking output{};
   double period_s = 0.001;
@@ -133,6 +135,10 @@ void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>&
 /// @return         that offset is reached
 bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal, const Vector3& offset_mm,
                  double most_um) noexcept;
+
+/// Corrects other squareness errors C0Y, B0Z, A0Z from now on, between two ticks, with the limit of change_tool().
+/// Those that scope and axes do not contain stay without effect.
+bool change_squareness(CompiledMap& map, const TickState& state, const Vector3& um_per_m, double most_um) noexcept;
 
 /// Address pointer of one curve ("last geometric error values selected", thesis 5.3).
 struct SelectedValue {

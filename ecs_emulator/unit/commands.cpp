@@ -71,6 +71,7 @@ protocol::CommandResult Unit::begin(const Command& command) {
   if (command.code == CommandCode::select_tool || command.code == CommandCode::set_tool ||
       command.code == CommandCode::remove_tool)
     return change_tools(command);
+  if (command.code == CommandCode::try_squareness) return try_squareness(command.squareness_um_per_m);
   silent_s_ = 0.0;
   if (mode_ == UnitMode::halted) return refused(UnitError::unit_fault, "halted: switch the unit off and on");
   if (command.code == CommandCode::stop) return stop();
@@ -182,6 +183,19 @@ protocol::CommandResult Unit::set_input(const Command& command) {
     return refused(UnitError::bad_argument,
                    fmt::format("expected {:.6g} to {:.6g} degC", limits.least_degC, limits.greatest_degC));
   inputs_[i] = {command.input_value, true, inputs_[i].number + 1};
+  return done();
+}
+
+/// It acts on the map as it is compiled, and is gone with it.
+protocol::CommandResult Unit::try_squareness(const Vector3& um_per_m) {
+  constexpr double kLargest_um_per_m = 10'000.0;
+  if (mode_ != UnitMode::compensating) return refused(UnitError::bad_argument, "the unit does not compensate");
+  for (const double value : um_per_m)
+    if (!(std::abs(value) <= kLargest_um_per_m))
+      return refused(UnitError::bad_argument,
+                     fmt::format("expected squareness values within ±{:.0f} um/m", kLargest_um_per_m));
+  squareness_target_um_per_m_ = um_per_m;
+  squareness_changes_ = true;
   return done();
 }
 

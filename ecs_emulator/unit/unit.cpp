@@ -184,7 +184,7 @@ bool Unit::quiet() const {
   if (hung_ || mode_ == UnitMode::starting || restart_) return false;
   if (mode_ == UnitMode::datuming)
     return std::none_of(watches_.begin(), watches_.end(), [](const DatumWatch& watch) { return watch.counting(); });
-  if (mode_ == UnitMode::compensating && tool_changes_) return false;
+  if (mode_ == UnitMode::compensating && (tool_changes_ || squareness_changes_)) return false;
   if (mode_ == UnitMode::compensating)
     return std::all_of(at_limit_s_.begin(), at_limit_s_.end(), [](double seconds) { return seconds == 0.0; });
   const bool driven =
@@ -264,6 +264,7 @@ void Unit::begin_compensating() {
   start(tick_, counts, position, approach);
   begin_thermal();
   tool_target_mm_ = parameters_.tool_offset_mm;
+  squareness_changes_ = false;
   select_tool();
   (void)change_tool(*map_, tick_, thermal_, tool_target_mm_, std::numeric_limits<double>::infinity());
   at_limit_s_ = {};
@@ -284,8 +285,9 @@ void Unit::compensate_step() {
   if (!transducers_sound()) return;
   PerAxis<std::int64_t> counts{};
   for (std::size_t a = 0; a < kAxes; ++a) counts[a] = modules_[a].counts();
-  if (tool_changes_)
-    tool_changes_ = !change_tool(*map_, tick_, thermal_, tool_target_mm_, parameters_.tool_rate_um_per_s * period_s());
+  const double most_um = parameters_.tool_rate_um_per_s * period_s();
+  if (tool_changes_) tool_changes_ = !change_tool(*map_, tick_, thermal_, tool_target_mm_, most_um);
+  if (squareness_changes_) squareness_changes_ = !change_squareness(*map_, tick_, squareness_target_um_per_m_, most_um);
   if (map_->thermal.count > 0)
     ecs::tick(*map_, tick_, counts, thermal_.acting);
   else
@@ -439,6 +441,10 @@ protocol::ControlLines Unit::control_lines() {
   lines.tool_state = !tool_known_ ? ToolState::unknown : tools_.selected == 0 ? ToolState::none : ToolState::acting;
   if (tool_changes_) lines.tool_state = ToolState::changing;
   lines.tool_offset_mm = mode_ == UnitMode::compensating ? map_->tool_offset_mm : parameters_.tool_offset_mm;
+  lines.squareness_um_per_m =
+      mode_ == UnitMode::compensating
+          ? (squareness_changes_ ? squareness_target_um_per_m_ : map_->squareness_um_per_m)
+          : Vector3{parameters_.C0Y_um_per_m, parameters_.B0Z_um_per_m, parameters_.A0Z_um_per_m};
   lines.tools = static_cast<std::uint16_t>(
       std::count_if(tools_.tools.begin(), tools_.tools.end(), [](const Tool& tool) { return tool.number != 0; }));
   lines.tool_wired = wires_.tool.has_value();

@@ -181,6 +181,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] protocol::CommandResult output(const protocol::Command& command);
   [[nodiscard]] protocol::CommandResult set_input(const protocol::Command& command);
   [[nodiscard]] protocol::CommandResult change_tools(const protocol::Command& command);
+  [[nodiscard]] protocol::CommandResult try_squareness(const Vector3& um_per_m);
   [[nodiscard]] protocol::CommandResult run_user_software(Address start, std::uint32_t argument);
   [[nodiscard]] protocol::CommandResult user_software_step();
   [[nodiscard]] protocol::CommandResult stop();
@@ -215,6 +216,8 @@ class Unit final : public protocol::UnitPort, public Compensator {
   ToolTable tools_{};
   bool tool_known_ = true;  ///< the selected number is in the table, or none is selected
   bool tool_changes_ = false;
+  bool squareness_changes_ = false;
+  Vector3 squareness_target_um_per_m_{};
   Vector3 tool_target_mm_{};  ///< offset of the tool that was known last
   protocol::BatteryState battery_ = protocol::BatteryState::good;
   double clock_s_ = 0.0;   ///< that the battery keeps running, of the workshop

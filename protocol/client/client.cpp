@@ -367,6 +367,10 @@ Result<void> UnitClient::set_tool(const Tool& tool) {
 Result<void> UnitClient::remove_tool(std::uint16_t number) {
   return run_acting({.code = CommandCode::remove_tool, .tool = number}, kShortLimit, kReadTools);
 }
+Result<void> UnitClient::try_squareness(const Vector3& um_per_m) {
+  return run_acting({.code = CommandCode::try_squareness, .squareness_um_per_m = um_per_m}, kShortLimit,
+                    "Read which squareness the unit corrects.");
+}
 
 Result<void> UnitClient::output_compensation(Axis axis, double output_um, bool relay_on) {
   const Command command{

@@ -120,6 +120,8 @@ class UnitClient {
   [[nodiscard]] Result<void> select_tool(std::uint16_t number);
   [[nodiscard]] Result<void> set_tool(const Tool& tool);
   [[nodiscard]] Result<void> remove_tool(std::uint16_t number);
+  /// @param um_per_m  C0Y, B0Z, A0Z
+  [[nodiscard]] Result<void> try_squareness(const Vector3& um_per_m);
   [[nodiscard]] Result<void> output_off();
   /// What is written to axis memory, committed and abandoned afterwards belongs to this staging; the unit refuses it
   /// as soon as another one has begun or ended.

@@ -73,9 +73,9 @@ inline constexpr Block kActiveMap{0x05A0, 38};
 inline constexpr Block kArmAnswer{0x05D0, 29};
 /// echo, age of the stored state in s (2), rows, X Y Z of their compensation (4 each), wired inputs (2), 17 inputs
 inline constexpr Block kInputs{0x0640, 120};
-/// echo, tool, its state, offset x y z (4 each), tools in the table, wires and outputs as bits, battery, its age in s
-/// (2), state, value (4) and faults of the deviation
-inline constexpr Block kControlLines{0x06C0, 26};
+/// echo, tool, its state, offset x y z, squareness C0Y B0Z A0Z (4 each), tools in the table, wires and outputs as bits,
+/// battery, its age in s (2), state, value (4) and faults of the deviation
+inline constexpr Block kControlLines{0x06C0, 38};
 inline constexpr std::uint16_t kRegisterSpace = 0x0700;  ///< nothing lies at or above
 
 // The memory window: a stretch of memory is written as up to 64 numbered blocks, then acknowledged all at once.

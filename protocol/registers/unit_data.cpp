@@ -61,7 +61,8 @@ constexpr std::array<std::string_view, kCommandCount> kCommandNames{"none",
                                                                     "set live input",
                                                                     "select tool",
                                                                     "set tool",
-                                                                    "remove tool"};
+                                                                    "remove tool",
+                                                                    "try squareness"};
 
 }  // namespace
 
@@ -88,6 +89,7 @@ bool acts_at_once(CommandCode code) noexcept {
     case CommandCode::select_tool:
     case CommandCode::set_tool:
     case CommandCode::remove_tool:
+    case CommandCode::try_squareness:
       return true;
     default:
       return false;

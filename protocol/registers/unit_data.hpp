@@ -152,6 +152,7 @@ struct ControlLines {
   std::uint16_t tool = 0;  ///< selected last; 0: none
   ToolState tool_state = ToolState::none;
   Vector3 tool_offset_mm{};       ///< that acts now
+  Vector3 squareness_um_per_m{};  ///< C0Y, B0Z, A0Z that are corrected now, tried ones included
   std::uint16_t tools = 0;        ///< in the table
   bool tool_wired = false;        ///< the control selects; otherwise an armed host does
   bool control_on_wired = false;  ///< the control's "power on" is wired to the unit
@@ -220,8 +221,10 @@ enum class CommandCode : std::uint16_t {
   select_tool = 19,   ///< tool; in every mode; refused where the control selects
   set_tool = 20,      ///< tool, tool_offset_mm: into the table, in every mode; an offset that acts is followed
   remove_tool = 21,   ///< tool; in every mode; not the selected one
+  /// squareness_um_per_m: corrected from now on until the unit leaves compensation mode, only while it compensates
+  try_squareness = 22,
 };
-inline constexpr std::uint16_t kCommandCount = 22;
+inline constexpr std::uint16_t kCommandCount = 23;
 [[nodiscard]] std::string_view name_of(CommandCode code) noexcept;
 
 /// What the bank to write holds when a staging begins.
@@ -314,6 +317,7 @@ enum class CommandState : std::uint16_t { idle = 0, busy = 1, done = 2, refused 
 
 /// Of a tool offset in a command.
 inline constexpr double kToolStep_mm = 1e-4;
+inline constexpr double kSquarenessStep_um_per_m = 1e-4;  ///< of a squareness value in a command
 
 /// What a host did to the unit, or tried.
 struct HostEvent {
@@ -358,7 +362,8 @@ struct Command {
   std::uint16_t input = 0;   ///< 0 … 15 temperature, 16 load
   double input_value = 0.0;  ///< degC, kg
   std::uint16_t tool = 0;
-  Vector3 tool_offset_mm{};  ///< travels in steps of kToolStep_mm
+  Vector3 tool_offset_mm{};       ///< travels in steps of kToolStep_mm
+  Vector3 squareness_um_per_m{};  ///< C0Y, B0Z, A0Z; travel in steps of kSquarenessStep_um_per_m
   bool relay_on = false;
   StagingFrom staging_from = StagingFrom::cleared;
   Address address = 0;

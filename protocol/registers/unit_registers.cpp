@@ -193,6 +193,7 @@ void fields(Pass& pass, T& lines) {
   pass.number(lines.tool, "tool");
   pass.one_of(lines.tool_state, kToolStateCount, "state of the tool");
   for (auto& mm : lines.tool_offset_mm) pass.real(mm, "tool offset");
+  for (auto& um_per_m : lines.squareness_um_per_m) pass.real(um_per_m, "squareness");
   pass.number(lines.tools, "tools");
   pass.number(mask, "wires");
   pass.one_of(lines.battery, 2, "battery");
@@ -206,16 +207,16 @@ void fields(Pass& pass, T& lines) {
   }
 }
 
-/// A tool offset travels as whole steps.
-void tool_offset(FieldWriter& pass, const Vector3& offset_mm) {
-  for (const double mm : offset_mm)
-    pass.number(static_cast<std::int32_t>(std::lround(std::clamp(mm / kToolStep_mm, -2e9, 2e9))), "tool offset");
+/// Three values that travel as whole steps.
+void in_steps(FieldWriter& pass, const Vector3& values, double step, std::string_view name) {
+  for (const double value : values)
+    pass.number(static_cast<std::int32_t>(std::lround(std::clamp(value / step, -2e9, 2e9))), name);
 }
-void tool_offset(FieldReader& pass, Vector3& offset_mm) {
-  for (double& mm : offset_mm) {
+void in_steps(FieldReader& pass, Vector3& values, double step, std::string_view name) {
+  for (double& value : values) {
     std::int32_t steps = 0;
-    pass.number(steps, "tool offset");
-    mm = steps * kToolStep_mm;
+    pass.number(steps, name);
+    value = steps * step;
   }
 }
 
@@ -237,7 +238,9 @@ void arguments(Pass& pass, T& command) {
       return pass.number(command.tool, "tool");
     case CommandCode::set_tool:
       pass.number(command.tool, "tool");
-      return tool_offset(pass, command.tool_offset_mm);
+      return in_steps(pass, command.tool_offset_mm, kToolStep_mm, "tool offset");
+    case CommandCode::try_squareness:
+      return in_steps(pass, command.squareness_um_per_m, kSquarenessStep_um_per_m, "squareness");
     case CommandCode::begin_staging:
       return pass.one_of(command.staging_from, 3, "staging from");
     case CommandCode::commit_staged:

@@ -118,7 +118,7 @@ class Fuzz(UploadRun):
         host.open_window = (host.windows, where + 234 * rng.randrange(4), length, self.token)
         window = [0] + host.asker() + modbus.long(host.windows) + modbus.long(host.open_window[1]) + modbus.long(
             length) + modbus.long(self.token) + [coded]
-        code = rng.choice([c for c in range(0, 22) if c != modbus.RESET] + [modbus.BEGIN] * 4)
+        code = rng.choice([c for c in range(0, 23) if c != modbus.RESET] + [modbus.BEGIN] * 4)
         arguments = [rng.choice((0, 1, 2, 0x10, 0x20, 240, rng.getrandbits(16))) for _ in range(8)]
         command = host.block(code, arguments)[:-4]
         number = rng.choice((0, 1, 0x0F00, rng.getrandbits(16)))

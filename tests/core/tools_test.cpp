@@ -119,6 +119,31 @@ TEST_CASE("while the tool changes no axis is corrected by more than the limit mo
   CHECK(largest_um <= 0.02 + 1e-9);
 }
 
+TEST_CASE("squareness that changes while the loop runs is corrected as a map compiled with it, and no axis steps") {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> place(-480.0, 480.0), squareness(-80.0, 80.0);
+  const auto tables = random_tables(random);
+  for (int k = 0; k < 100; ++k) {
+    UnitParameters p = parameters_with_tools("TXYZ");
+    const Vector3 position_mm{place(random), place(random), place(random)};
+    p.C0Y_um_per_m = squareness(random);
+    ToolLoop changed(tables, p, position_mm);
+    Vector3 before_um = changed.compensation_um();
+    const Vector3 wanted{squareness(random), squareness(random), squareness(random)};
+    bool reached = false;
+    for (int period = 0; period < 2000 && !reached; ++period) {
+      reached = change_squareness(*changed.map, changed.state, wanted, 0.1);
+      const Vector3 now_um = changed.compensation_um();
+      CHECK(largest_difference(now_um, before_um) <= 0.1 + 1e-9);
+      before_um = now_um;
+    }
+    REQUIRE(reached);
+    p.C0Y_um_per_m = wanted[0], p.B0Z_um_per_m = wanted[1], p.A0Z_um_per_m = wanted[2];
+    ToolLoop compiled(tables, p, position_mm);
+    CHECK(largest_difference(before_um, compiled.compensation_um()) < 1e-9);
+  }
+}
+
 TEST_CASE("what a tool offset does for each mm is the change that it makes") {
   std::mt19937_64 random(3);
   ToolLoop loop(random_tables(random), parameters_with_tools("TXYZ"), {-120.0, 310.0, 45.0});

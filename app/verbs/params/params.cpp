@@ -251,16 +251,21 @@ Result<Outcome> scale(VerbContext&, const ScaleRequest& request) {
 struct AdjustRequest {
   std::string component;
   double reading_um = 0.0, over_mm = 0.0, nothing_um = 1.0;
+  bool trial = false;
   static Fields<AdjustRequest> fields() {
     using R = AdjustRequest;
-    return {{"COMPONENT", &R::component, "squareness value", Words{"C0Y", "B0Z", "A0Z"}, Need::required},
-            {"UM", &R::reading_um,
-             "displacement of the tool that the indicator shows: along X for C0Y and B0Z, along Y for A0Z [um]",
-             Need::required},
-            {"--over-mm", &R::over_mm,
-             "distance over which it shows this, in the positive direction of Y for C0Y, of Z for B0Z and A0Z [mm]",
-             Range{1.0, 1e5}, Need::required},
-            {"--nothing-um", &R::nothing_um, "reading that counts as nothing [um]", Range{0.0, 1e3}}};
+    return {
+        {"COMPONENT", &R::component, "squareness value", Words{"C0Y", "B0Z", "A0Z"}, Need::required},
+        {"UM", &R::reading_um,
+         "displacement of the tool that the indicator shows: along X for C0Y and B0Z, along Y for A0Z [um]",
+         Need::required},
+        {"--over-mm", &R::over_mm,
+         "distance over which it shows this, in the positive direction of Y for C0Y, of Z for B0Z and A0Z [mm]",
+         Range{1.0, 1e5}, Need::required},
+        {"--nothing-um", &R::nothing_um, "reading that counts as nothing [um]", Range{0.0, 1e3}},
+        {"--trial", &R::trial,
+         "only try the value: the unit keeps compensating, and nothing is stored until the command is given without "
+         "--trial"}};
   }
 };
 
@@ -275,10 +280,51 @@ std::optional<double> squareness_left(const UnitParameters& parameters, Componen
   return std::nullopt;
 }
 
-/// The value changed by what the indicator shows, sent, and the unit back in the mode in which it was (thesis 7.2.4).
+/// The parameters sent, and the unit back in the mode in which it was.
+Result<void> send_adjusted(VerbContext& context, UnitLink& unit, const UnitParameters& parameters, bool compensated) {
+  ECS_DO(unit.client().enter_integration());
+  auto sent = send_parameters(unit.client(), parameters, {}, UnfitMap::refuse, progress_bar(context, "sending"));
+  if (!sent) {
+    if (compensated)
+      sent.error().message +=
+          ". The unit no longer compensates: it is in integration mode. Correct the cause and repeat the command, or "
+          "run `ecs utility mode compensate`";
+    return tl::unexpected(sent.error());
+  }
+  if (!compensated) return {};
+  ECS_DO(begin_compensation(unit.client()));
+  ask_to_reference(context, unit, "every axis");
+  return {};
+}
+
+/// What is done with a value: its words, and whether the unit stores it.
+struct Adjusted {
+  std::string_view done, then;
+  bool sends = false;
+};
+Adjusted adjusted(const AdjustRequest& request, bool shows_nothing, bool tried, bool compensated) {
+  if (shows_nothing && (request.trial || !tried))
+    return {"{component}: {before} um/m stays: the indicator shows nothing above {nothing_um} um\n",
+            tried ? "it is only tried: give the command without --trial to store it\n" : ""};
+  if (request.trial)
+    return {"{component}: {before} -> {after} um/m, tried\n{then}",
+            "the unit keeps compensating; measure again, and give the command without --trial to store the value\n"};
+  return {"{component}: {before} -> {after} um/m, sent and verified\n{then}",
+          compensated ? "the unit compensates again when every axis has been referenced; then measure again\n"
+                      : "the unit is in integration mode\n",
+          true};
+}
+
+/// The value changed by what the indicator shows, and tried or sent (thesis 7.2.4).
 Result<Outcome> adjust(VerbContext& context, const AdjustRequest& request) {
   ECS_TRY(unit, open_unit(context));
   ECS_TRY(status, unit.client().status());
+  if (request.trial && status.mode != UnitMode::compensating)
+    return problem(
+        ProblemKind::refused,
+        fmt::format("--trial: expected a unit that compensates, and its mode is {}. Give the command without "
+                    "--trial, or run `ecs utility mode compensate` first",
+                    name_of(status.mode)));
   ECS_TRY(parameters, receive_parameters(unit.client()));
   const Component component = *component_of(request.component);
   const auto left = squareness_left(parameters, component, request.reading_um, request.over_mm);
@@ -286,36 +332,32 @@ Result<Outcome> adjust(VerbContext& context, const AdjustRequest& request) {
     return problem(ProblemKind::refused, fmt::format("the unit does not correct {}: its scope or its axes do not "
                                                      "contain it (compensation.scope)",
                                                      request.component));
-  const double before = squareness_um_per_m(parameters, component);
+  const Vector3 stored{parameters.C0Y_um_per_m, parameters.B0Z_um_per_m, parameters.A0Z_um_per_m};
+  Vector3 values = stored;
+  if (status.mode == UnitMode::compensating) {
+    ECS_TRY(lines, unit.client().control_lines());
+    values = lines.squareness_um_per_m;
+  }
+  double& value = values[static_cast<std::size_t>(component) - static_cast<std::size_t>(Component::C0Y)];
+  const double before = value;
   // a parameter of 0 says that nobody has measured it, and a map that needs it would not fit
   constexpr double kMeasuredAsZero_um_per_m = 1e-4;
-  const double sum = before + *left, after = std::abs(sum) < kMeasuredAsZero_um_per_m ? kMeasuredAsZero_um_per_m : sum;
   const bool shows_nothing = std::abs(request.reading_um) <= request.nothing_um;
+  if (!shows_nothing) value = before + *left;
+  if (!shows_nothing && std::abs(value) < kMeasuredAsZero_um_per_m) value = kMeasuredAsZero_um_per_m;
   const bool compensated = status.mode == UnitMode::compensating || status.mode == UnitMode::datuming;
-  if (!shows_nothing) {
+  const Adjusted told = adjusted(request, shows_nothing, values != stored, compensated);
+  if (request.trial && !shows_nothing) ECS_DO(unit.client().try_squareness(values));
+  if (told.sends) {
+    for (std::size_t i = 0; i < kAxes; ++i)
+      squareness_um_per_m(parameters, static_cast<Component>(static_cast<std::size_t>(Component::C0Y) + i)) = values[i];
     ECS_DO(params::set(parameters, fmt::format("compensation.squareness.{}_um_per_m", request.component),
-                       fmt::format("{:.4f}", after)));
-    ECS_DO(unit.client().enter_integration());
-    auto sent = send_parameters(unit.client(), parameters, {}, UnfitMap::refuse, progress_bar(context, "sending"));
-    if (!sent) {
-      if (compensated)
-        sent.error().message +=
-            ". The unit no longer compensates: it is in integration mode. Correct the cause and repeat the command, or "
-            "run `ecs utility mode compensate`";
-      return tl::unexpected(sent.error());
-    }
-    if (compensated) {
-      ECS_DO(begin_compensation(unit.client()));
-      ask_to_reference(context, unit, "every axis");
-    }
+                       fmt::format("{:.4f}", value)));
+    ECS_DO(send_adjusted(context, unit, parameters, compensated));
   }
-  return outcome_of(record_cell(
-      shows_nothing ? "{component}: {before} um/m stays: the indicator shows nothing above {nothing_um} um\n"
-                    : "{component}: {before} -> {after} um/m, sent and verified\n{then}",
-      "component"_is(request.component), "before"_is(before, 2), "after"_is(shows_nothing ? before : after, 2),
-      "nothing_um"_is(request.nothing_um), "adjusted"_is(!shows_nothing),
-      "then"_shown(compensated ? "the unit compensates again when every axis has been referenced; then measure again\n"
-                               : "the unit is in integration mode\n")));
+  return outcome_of(record_cell(told.done, "component"_is(request.component), "before"_is(before, 2),
+                                "after"_is(value, 2), "nothing_um"_is(request.nothing_um),
+                                "adjusted"_is(!shows_nothing), "stored"_is(told.sends), "then"_shown(told.then)));
 }
 
 struct SendRequest {

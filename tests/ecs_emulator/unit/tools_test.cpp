@@ -228,6 +228,29 @@ TEST_CASE("the unit takes away what an instrument on the machine shows, and lets
   CHECK(b.unit.mode() == UnitMode::compensating);
 }
 
+TEST_CASE("squareness is tried while the unit compensates, without a step, and is forgotten with the mode") {
+  ToolBench b;
+  const auto tried = [&](double C0Y) {
+    return b.tell(Command{.code = CommandCode::try_squareness, .squareness_um_per_m = {C0Y, 0.0, 0.0}});
+  };
+  CHECK(contains(tried(40.0).text, "the unit does not compensate"));
+  b.begin();
+  REQUIRE(b.simulation.move_to({-60.0, -210.0, -140.0}, 0.0));
+  REQUIRE(b.simulation.dwell(1.0));
+  const double before_um = b.compensation_um()[0];
+  CHECK(contains(tried(10'001.0).text, "expected squareness values within"));
+  REQUIRE(tried(40.0).state == CommandState::done);
+  CHECK(b.largest_step_um(3000) <= 1.05 * b.parameters.tool_rate_um_per_s * b.unit.period_s());
+  CHECK(b.compensation_um()[0] - before_um == Approx(0.040 * 210.0).epsilon(0.01));
+  CHECK(b.unit.control_lines().squareness_um_per_m == Vector3{40.0, 0.0, 0.0});
+  REQUIRE(b.tell(CommandCode::enter_integration).state == CommandState::done);
+  CHECK(b.unit.control_lines().squareness_um_per_m == Vector3{});
+  REQUIRE(b.tell(CommandCode::enter_compensation).state == CommandState::done);
+  b.reference_all();
+  REQUIRE(b.simulation.move_to({-60.0, -210.0, -140.0}, 0.0));
+  CHECK(b.compensation_um()[0] == Approx(before_um).epsilon(0.01));
+}
+
 TEST_CASE("without the control's power on the relays open, and every axis has to be referenced again") {
   ToolBench b;
   b.begin();
