@@ -134,6 +134,7 @@ TEST_CASE("the lines to the control and the commands on tools come back from the
   lines.tool = 4711;
   lines.tool_state = ToolState::changing;
   lines.tool_offset_mm = {0.125, -3.5, 151.0625};
+  lines.squareness_um_per_m = {-12.25, 0.0, 1e-4};
   lines.tools = 64;
   lines.battery = BatteryState::low;
   lines.battery_age_s = 315'360'000;
@@ -149,6 +150,9 @@ TEST_CASE("the lines to the control and the commands on tools come back from the
   }
   const Command set{.code = CommandCode::set_tool, .tool = 12, .tool_offset_mm = {-2.5, 0.0, 150.0}};
   CHECK(must(value_in<Command>(registers_of(set, 9))) == set);
+  const Command tried{.code = CommandCode::try_squareness, .squareness_um_per_m = {-12.3457, 0.0, 9999.5}};
+  const Vector3 back_um_per_m = must(value_in<Command>(registers_of(tried, 9))).squareness_um_per_m;
+  for (std::size_t i = 0; i < kAxes; ++i) CHECK(back_um_per_m[i] == Approx(tried.squareness_um_per_m[i]));
   const Command fine{.code = CommandCode::set_tool, .tool = 12, .tool_offset_mm = {0.12344, 0.0, -9999.99996}};
   const Vector3 back_mm = must(value_in<Command>(registers_of(fine, 9))).tool_offset_mm;
   CHECK(back_mm[0] == Approx(0.1234));
