@@ -323,7 +323,7 @@ Result<Outcome> adjust(VerbContext& context, const AdjustRequest& request) {
     return problem(
         ProblemKind::refused,
         fmt::format("--trial: expected a unit that compensates, and its mode is {}. Give the command without "
-                    "--trial, or run `ecs utility mode compensate` first",
+                    "--trial, or first run `ecs utility mode compensate` and reference every axis",
                     name_of(status.mode)));
   ECS_TRY(parameters, receive_parameters(unit.client()));
   const Component component = *component_of(request.component);

@@ -241,7 +241,7 @@ TEST_CASE("squareness is tried while the unit compensates, without a step, and i
   CHECK(contains(tried(10'001.0).text, "expected squareness values within"));
   REQUIRE(tried(40.0).state == CommandState::done);
   CHECK(b.largest_step_um(3000) <= 1.05 * b.parameters.tool_rate_um_per_s * b.unit.period_s());
-  CHECK(b.compensation_um()[0] - before_um == Approx(0.040 * 210.0).epsilon(0.01));
+  CHECK(b.compensation_um()[0] - before_um == Approx(0.040 * -210.0).epsilon(0.01));  // of an error of -C0Y y
   CHECK(b.unit.control_lines().squareness_um_per_m == Vector3{40.0, 0.0, 0.0});
   REQUIRE(b.tell(CommandCode::enter_integration).state == CommandState::done);
   CHECK(b.unit.control_lines().squareness_um_per_m == Vector3{});
