@@ -212,7 +212,7 @@ protocol::CommandResult Unit::change_tools(const Command& command) {
   if (command.code == CommandCode::remove_tool && command.tool == tools_.selected)
     return refused(UnitError::bad_argument, "this tool is selected");
   if (command.code == CommandCode::set_tool && !in_range(command.tool_offset_mm, parameters_))
-    return refused(UnitError::bad_argument, "beyond the tool range of the parameters");
+    return refused(UnitError::bad_argument, "beyond compensation.tool_range_mm of the parameters");
   ToolTable next = tools_;
   if (select)
     next.selected = command.tool;

@@ -13,6 +13,7 @@
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "commissioning/unit/transfer.hpp"
 #include "laser/csv_table.hpp"
 #include "protocol/registers/unit_data.hpp"
 
@@ -36,11 +37,16 @@ Cell tool_cell(const Tool& tool) {
 }
 
 Cell acting_cell(const protocol::ControlLines& lines) {
-  std::string text = lines.tool == 0 ? "no tool of the table is selected" : fmt::format("tool {}", lines.tool);
-  if (lines.tool_state == protocol::ToolState::changing) text += ": the output is on its way to it";
-  if (lines.tool_state == protocol::ToolState::unknown) text += " is not in the table: the tool before acts";
-  return {lines.tool, fmt::format("{}; acting offset X {:.4f}, Y {:.4f}, Z {:.4f} mm\n", text, lines.tool_offset_mm[0],
-                                  lines.tool_offset_mm[1], lines.tool_offset_mm[2])};
+  std::string text =
+      lines.tool == 0 ? "no tool of the table is selected" : fmt::format("tool {} is selected", lines.tool);
+  if (lines.tool_state == protocol::ToolState::unknown) text += ", and is not in the table: the tool before is kept";
+  if (!lines.compensating_out)
+    text += "; the unit does not compensate now\n";
+  else
+    text += fmt::format("{}; acting offset X {:.4f}, Y {:.4f}, Z {:.4f} mm\n",
+                        lines.tool_state == protocol::ToolState::changing ? ", the output is on its way to it" : "",
+                        lines.tool_offset_mm[0], lines.tool_offset_mm[1], lines.tool_offset_mm[2]);
+  return {lines.tool, text};
 }
 
 Cell battery_cell(const protocol::ControlLines& lines) {
@@ -107,17 +113,34 @@ struct SendToolsRequest {
   }
 };
 
+/// Why the unit would refuse one of them, found out before anything is sent.
+Result<void> check_tools(const std::string& file, const std::vector<Tool>& tools, const ToolTable& before,
+                         const UnitParameters& parameters) {
+  const Vector3& range_mm = parameters.tool_range_mm;
+  for (const Tool& tool : tools)
+    if (!in_range(tool.offset_mm, parameters))
+      return problem(
+          ProblemKind::refused,
+          fmt::format("{}: tool {} is beyond the tool range of the unit's parameters, X {:.10g}, Y {:.10g}, Z "
+                      "{:.10g} mm (compensation.tool_range_mm); nothing was sent",
+                      file, tool.number, range_mm[0], range_mm[1], range_mm[2]));
+  if (before.selected != 0 && std::ranges::find(tools, before.selected, &Tool::number) == tools.end())
+    return problem(ProblemKind::refused, fmt::format("{}: tool {} is selected, and is not in the file; select another "
+                                                     "one first; nothing was sent",
+                                                     file, before.selected));
+  return {};
+}
+
 /// What differs is sent, one tool after the other; what is not in the file is removed.
 Result<Outcome> send_tools(VerbContext& context, const SendToolsRequest& request) {
   ECS_TRY(tools, tools_in(request.file));
   ECS_TRY(unit, open_unit(context));
   ECS_TRY(before, unit.client().tool_table());
+  ECS_TRY(parameters, receive_parameters(unit.client()));
+  ECS_DO(check_tools(request.file, tools, before, parameters));
   std::size_t set = 0, removed = 0;
-  const auto stays = [&](const Tool& one) {
-    return std::ranges::any_of(tools, [&](const Tool& tool) { return tool.number == one.number; });
-  };
   for (const Tool& tool : tools_of(before)) {
-    if (stays(tool)) continue;
+    if (std::ranges::find(tools, tool.number, &Tool::number) != tools.end()) continue;
     ECS_DO(unit.client().remove_tool(tool.number));
     ++removed;
   }

@@ -188,7 +188,7 @@ TEST_CASE("an unknown load isolates the unit where its rows could be off by more
 
 TEST_CASE("a host fills the table and selects in every mode, and is told what cannot be") {
   ToolBench b(false);
-  CHECK(contains(put_into_table(b, 5, {0.0, 0.0, -100.0}).text, "beyond the tool range of the parameters"));
+  CHECK(contains(put_into_table(b, 5, {0.0, 0.0, -100.0}).text, "beyond compensation.tool_range_mm"));
   b.begin();
   CHECK(b.unit.control_lines().tools == 3);
   CHECK(contains(select_tool(b, 5).text, "tool 5 is not in the table"));
