@@ -45,7 +45,7 @@ ecs_folder(ecs_emulator/instruments base core ecs_emulator/errors ecs_emulator/m
            ecs_emulator/settings ecs_emulator/thermal laser laser/writers fmt::fmt nlohmann_json::nlohmann_json)
 ecs_folder(ecs_emulator/machine core ecs_emulator/drive ecs_emulator/errors ecs_emulator/random ecs_emulator/settings
            ecs_emulator/thermal params)
-ecs_folder(ecs_emulator/part_programs base ecs_emulator/instruments ecs_emulator/machine fmt::fmt
+ecs_folder(ecs_emulator/part_programs base core ecs_emulator/instruments ecs_emulator/machine fmt::fmt
            nlohmann_json::nlohmann_json)
 ecs_folder(ecs_emulator/random)
 ecs_folder(ecs_emulator/settings base core ecs_emulator/drive params fmt::fmt)
@@ -126,5 +126,5 @@ ecs_folder(app/verbs/model app/cli app/plot base commissioning/measurements comm
 ecs_folder(app/verbs/params app/cli base commissioning/parameters commissioning/session commissioning/unit core params
            fmt::fmt)
 ecs_folder(app/verbs/unit app/cli base commissioning/link commissioning/unit fmt::fmt)
-ecs_folder(app/verbs/utility app/cli base commissioning/session commissioning/unit core params protocol/registers
+ecs_folder(app/verbs/utility app/cli base commissioning/session commissioning/unit core laser params protocol/registers
            fmt::fmt)

@@ -1,7 +1,7 @@
 // Another tool in the running loop, against the product of the exact matrices of the chain with the tool at its end.
 // The machine here is known by what is measured on it: its matrices are chosen so that a laser on the measurement line
 // of an axis, and without a tool offset, shows the curves of the map. So no lever is written down here: which arms act
-// follows from the order of the matrices. Nothing of core/terms.cpp or of support/exact_machine.cpp takes part.
+// follows from the order of the matrices. Nothing of core/terms.cpp or of tests/support/exact_machine.cpp takes part.
 #include <algorithm>
 #include <array>
 #include <cmath>

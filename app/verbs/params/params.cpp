@@ -254,18 +254,17 @@ struct AdjustRequest {
   bool trial = false;
   static Fields<AdjustRequest> fields() {
     using R = AdjustRequest;
-    return {
-        {"COMPONENT", &R::component, "squareness value", Words{"C0Y", "B0Z", "A0Z"}, Need::required},
-        {"UM", &R::reading_um,
-         "displacement of the tool that the indicator shows: along X for C0Y and B0Z, along Y for A0Z [um]",
-         Need::required},
-        {"--over-mm", &R::over_mm,
-         "distance over which it shows this, in the positive direction of Y for C0Y, of Z for B0Z and A0Z [mm]",
-         Range{1.0, 1e5}, Need::required},
-        {"--nothing-um", &R::nothing_um, "reading that counts as nothing [um]", Range{0.0, 1e3}},
-        {"--trial", &R::trial,
-         "only try the value: the unit keeps compensating, and nothing is stored until the command is given without "
-         "--trial"}};
+    return {{"COMPONENT", &R::component, "squareness value", Words{"C0Y", "B0Z", "A0Z"}, Need::required},
+            {"UM", &R::reading_um,
+             "displacement of the tool that the indicator shows: along X for C0Y and B0Z, along Y for A0Z [um]",
+             Need::required},
+            {"--over-mm", &R::over_mm,
+             "distance over which it shows this, in the positive direction of Y for C0Y, of Z for B0Z and A0Z [mm]",
+             Range{1.0, 1e5}, Need::required},
+            {"--nothing-um", &R::nothing_um, "reading that counts as nothing [um]", Range{0.0, 1e3}},
+            {"--trial", &R::trial,
+             "only try the value: the unit keeps compensating, and stores the value when the command is given without "
+             "--trial"}};
   }
 };
 
