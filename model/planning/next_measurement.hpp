@@ -22,6 +22,16 @@ struct PairSeparation {
 /// The condition of a run that differs by that.
 inline constexpr const char* kTurnedOver = "with the square or straight edge turned over";
 
+/// Between two runs on a line the machine is warmed, the axis moved over its targets with the spindle turning, and
+/// after the warmest run left to cool: what grows, shifts or bends with temperature shows beside one zero of the
+/// readout.
+struct Warming {
+  int runs = 0;          ///< so many runs after the first begin warmer than the one before; later ones cooler
+  double minutes = 0.0;  ///< before each run after the first
+  double feed_mm_min = 6000.0;
+  double spindle_rpm = 3000.0;
+};
+
 /// One run as a person sets it up. Positions in machine coordinates.
 struct MeasurementProposal {
   std::string condition;  ///< what differs from the present set-up, in words: "as now", "at a quarter of the feed", …
@@ -38,7 +48,8 @@ struct MeasurementProposal {
   double overrun_mm = 5.0;     ///< motion in the sense of approach before the first target of a pass, at least
   bool short_overrun = false;  ///< that much before every target, after a reversal (pilgrim step)
   int runs = 1;
-  int first_run = 1;  ///< number of the first run, so that the run can join the present readings
+  std::optional<Warming> warming{};  ///< absent: one run begins when the one before ends
+  int first_run = 1;                 ///< number of the first run, so that the run can join the present readings
   double feed_mm_min = 2000.0;
   std::optional<double> second_feed_mm_min;                      ///< all runs once more at this feed
   double dwell_s = 2.0;                                          ///< at a target before the reading; 0: on the fly

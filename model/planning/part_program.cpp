@@ -165,14 +165,39 @@ class ProgramWriter {
   }
 
   void runs(double feed_mm_min) {
+    if (plan_.warming) {
+      for (int i = 0; i < plan_.runs; ++i) {
+        if (i > 0) change_temperature(*plan_.warming, i <= plan_.warming->runs);
+        one_run(feed_mm_min);
+      }
+      return;
+    }
     if (plan_.runs > 1) line(fmt::format("$REP {}", plan_.runs), fmt::format("REPEAT {} TIMES", plan_.runs));
+    one_run(feed_mm_min);
+    if (plan_.runs > 1) line("$END", "END OF RUNS");
+  }
+
+  /// To and fro over the targets with the spindle turning, or at rest for as long.
+  void change_temperature(const Warming& warming, bool warmer) {
+    const double low_mm = targets_.front(), high_mm = targets_.back();
+    if (!warmer) return block(fmt::format("G04H{:.0f}", kSecondsAMinute * warming.minutes), "LET THE MACHINE COOL");
+    const double strokes = warming.minutes * warming.feed_mm_min / (2.0 * std::max(high_mm - low_mm, 1.0));
+    block(fmt::format("M03S{:g}", warming.spindle_rpm), "WARM THE MACHINE");
+    block(fmt::format("G90G01{}F{:g}", to(low_mm), warming.feed_mm_min));
+    line(fmt::format("$REP {}", std::max(1, static_cast<int>(std::round(strokes)))));
+    block("G90G01" + to(high_mm));
+    block("G90G01" + to(low_mm));
+    line("$END");
+    block("M05");
+  }
+
+  void one_run(double feed_mm_min) {
     for (const int d : pass_senses(plan_)) {
       std::vector<double> targets = targets_;
       if (d < 0) std::ranges::reverse(targets);
       block("G90G00" + to(limited(targets.front() - d * plan_.overrun_mm)), "REMOVE BACKLASH BEFORE FIRST READING");
       pass(targets, d, feed_mm_min);
     }
-    if (plan_.runs > 1) line("$END", "END OF RUNS");
   }
 
   /// Number of equal steps from place i on.

@@ -54,9 +54,14 @@ std::vector<Stop> stops_of(const MeasurementProposal& proposal, double rapid_mm_
     }
     ++run;
   };
-  for (int i = 0; i < proposal.runs; ++i) one_run(proposal.feed_mm_min);
-  if (proposal.second_feed_mm_min)
-    for (int i = 0; i < proposal.runs; ++i) one_run(*proposal.second_feed_mm_min);
+  const auto all_runs = [&](double feed_mm_min) {
+    for (int i = 0; i < proposal.runs; ++i) {
+      if (proposal.warming && i > 0) now_s += kSecondsAMinute * proposal.warming->minutes;
+      one_run(feed_mm_min);
+    }
+  };
+  all_runs(proposal.feed_mm_min);
+  if (proposal.second_feed_mm_min) all_runs(*proposal.second_feed_mm_min);
   return stops;
 }
 

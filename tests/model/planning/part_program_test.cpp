@@ -17,7 +17,7 @@ struct Triggered {
   double dwell_s = 0.0;  ///< since the last motion
 };
 
-/// A control of the dialect: G00 G01 G04 G90 G91, X Y Z F H, M08 M09, $REP … $END.
+/// A control of the dialect: G00 G01 G04 G90 G91, X Y Z F H S, M03 M05 M08 M09, $REP … $END.
 class Control {
  public:
   explicit Control(Axis axis, Vector3 start) : axis_(axis), at_(start) {}
@@ -86,6 +86,8 @@ class Control {
         feed_ = number;
       else if (letter == 'M' && (code == 8 || code == 9))
         trigger = code == 8;
+      else if (letter == 'S' || (letter == 'M' && (code == 3 || code == 5)))
+        continue;  // the spindle, which only warms
       else if (letter >= 'X' && letter <= 'Z')
         coordinate[letter] = number;
       else
@@ -232,6 +234,25 @@ TEST_CASE("any plan is visited in the order of its target list") {
     if (n % 7 == 0) plan.second_feed_mm_min = 750.0;
     check_program(plan, mill());
   }
+}
+
+TEST_CASE("a machine that is measured cold and warm is warmed between runs, then left to cool, with one zero") {
+  auto plan = a_line({12.3, 100.0, 412.3});
+  plan.runs = 4;
+  plan.warming = Warming{.runs = 2, .minutes = 5.0};
+  check_program(plan, mill());
+  const std::string program = part_program(plan, mill());
+  check_holds(program, {"> M03S3000", "> G90G01X12.3F6000", "$REP 38", "> G90G01X412.3\n", "> M05", "> G04H300"});
+  const auto count = [&](const std::string& word) {
+    std::size_t found = 0;
+    for (std::size_t at = program.find(word); at != std::string::npos; at = program.find(word, at + 1)) ++found;
+    return found;
+  };
+  CHECK(count("M03") == 2);
+  CHECK(count("G04H300") == 1);
+  auto at_once = plan;
+  at_once.warming.reset();
+  CHECK(minutes_of(plan, {}) == Approx(minutes_of(at_once, {}) + 15.0));
 }
 
 TEST_CASE("the operator reads what to set up before the first block") {
