@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -17,6 +18,10 @@ constexpr double kFewestProgrammeTargets = 25.0;
 /// period that is no pitch; the second run tells what repeats from noise.
 constexpr double kShareOfTargets = 0.52;
 constexpr int kLookRuns = 2;
+/// Runs of a look at the cold and at the warm machine, and how many of them begin warmer than the one before; between
+/// two of them a body with a time constant of half an hour comes by a tenth to a quarter nearer to its end.
+constexpr int kWarmRuns = 5, kWarmerRuns = 2;
+constexpr double kLeastBetween_min = 2.0, kMostBetween_min = 8.0;
 /// The targets are moved by at most this share of the step, twice what ISO 230-2 asks for.
 constexpr double kMoved = 0.2;
 constexpr double kGoldenRatio = 0.6180339887498949;  ///< multiples of it fill 0 … 1 evenly (Weyl 1916)
@@ -74,16 +79,21 @@ void add(std::vector<InvestigatedLine>& lines, const params::Machine& machine, c
 
 std::string sentence_of(const MeasurementProposal& look, const std::string& parked) {
   return fmt::format(
-      "Measure {} along {}{}, {}{}: {} targets from {:g} to {:g} mm, both ways, {} {}, feed {:g} mm/min, {}{}; "
+      "Measure {} along {}{}, {}{}: {} targets from {:g} to {:g} mm, both ways, {} {}{}, feed {:g} mm/min, {}{}; "
       "about {:.0f} min.",
       name_of(look.sense), letter_of(look.axis), look.against_square ? " against a square" : "", look.condition,
       look.load_kg ? fmt::format(" of {:g} kg", *look.load_kg) : "", look.targets_mm.size(), look.targets_mm.front(),
-      look.targets_mm.back(), look.runs, look.runs == 1 ? "run" : "runs", look.feed_mm_min,
-      look.dwell_s > 0.0 ? fmt::format("{:g} s dwell", look.dwell_s) : "readings on the fly", parked, look.minutes);
+      look.targets_mm.back(), look.runs, look.runs == 1 ? "run" : "runs",
+      look.warming ? fmt::format(", {:.1f} min apart, of which {} of warming and {} of cooling", look.warming->minutes,
+                                 look.warming->runs, look.runs - 1 - look.warming->runs)
+                   : "",
+      look.feed_mm_min, look.dwell_s > 0.0 ? fmt::format("{:g} s dwell", look.dwell_s) : "readings on the fly", parked,
+      look.minutes);
 }
 
-/// The optics stand on the line already.
+/// The optics stand on the line already, the machine is as it is.
 MeasurementProposal again(MeasurementProposal look, const model::MeasuringTimes& times) {
+  if (std::exchange(look.warming, std::nullopt)) look.runs = kLookRuns;
   look.set_up_minutes = times.start_minutes;
   look.minutes = minutes_of(look, times);
   look.sentence = sentence_of(look, "");
@@ -140,9 +150,34 @@ MeasurementProposal first_look(const InvestigatedLine& line, const params::Machi
   const double all = static_cast<double>(programme_targets(machine, line.axis));
   MeasurementProposal look =
       run_on(line, machine, static_cast<std::size_t>(std::ceil(kShareOfTargets * all)), kLookRuns, times);
-  look.condition = "first look";
+  look.condition = kFirstLook;
   look.sentence = sentence_of(look, parked_text(look, machine));
   return look;
+}
+
+bool follows_temperatures(const params::Machine& machine) {
+  return std::any_of(machine.inputs.begin(), machine.inputs.end(), [](const auto& sensor) { return !sensor.empty(); });
+}
+
+std::optional<MeasurementProposal> look_cold_and_warm(const MeasurementProposal& look, const params::Machine& machine,
+                                                      const model::MeasuringTimes& times, double minutes) {
+  MeasurementProposal warm = look;
+  warm.condition = fmt::format("{}, cold and warm", kFirstLook);
+  warm.runs = kWarmRuns;
+  warm.warming = model::Warming{.runs = kWarmerRuns};
+  const double between = (minutes - minutes_of(warm, times)) / (kWarmRuns - 1);
+  if (between < kLeastBetween_min) return std::nullopt;
+  warm.warming->minutes = std::min(between, kMostBetween_min);
+  warm.minutes = minutes_of(warm, times);
+  warm.sentence = sentence_of(warm, parked_text(warm, machine));
+  return warm;
+}
+
+MeasurementProposal look_later(const MeasurementProposal& look, const params::Machine& machine) {
+  MeasurementProposal later = look;
+  later.condition = "cold and warm again, hours later";
+  later.sentence = sentence_of(later, parked_text(later, machine));
+  return later;
 }
 
 MeasurementProposal look_between(const MeasurementProposal& look, const model::MeasuringTimes& times) {

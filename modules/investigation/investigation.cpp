@@ -27,6 +27,8 @@ using model::Verdict;
 
 /// Runs in all: a bound, not a plan.
 constexpr std::size_t kMostRuns = 30;
+/// Of the minutes, kept from looks at lines cold and warm for runs that separate.
+constexpr double kShareToSeparate = 0.15;
 
 tl::unexpected<Problem> stopped() { return problem(ProblemKind::refused, "the investigation was stopped"); }
 
@@ -57,6 +59,8 @@ bool is_pitch(double period_mm, const params::MachineAxis& facts) {
   return false;
 }
 
+using FoundCause = std::pair<model::EffectInstance, double>;  ///< with its probability
+
 class Investigator {
  public:
   Investigator(const Model& model, const params::Machine& machine, Workshop& workshop,
@@ -76,7 +80,7 @@ class Investigator {
       result_.notes.push_back(fmt::format("no measurement: no run fits into {:g} minutes", options_.minutes));
       return std::move(result_);
     }
-    result_.verdict = diagnosis_->verdict;
+    result_.verdict = verdict();
     result_.programme = iso_programme(measured_lines_, machine_, options_.times);
     ECS_DO(add_causes());
     ECS_DO(compensate());
@@ -103,20 +107,42 @@ class Investigator {
 
   /// Nothing: the investigation is over.
   std::optional<MeasurementProposal> next_run() {
-    if (diagnosis_ && !waiting_.empty() && !settled() && !finds_nothing())
+    if (diagnosis_ && !waiting_.empty() && !settled() && !finds_nothing() && !follows_temperatures(machine_))
       if (auto here = separating_run(true)) return here;
     while (!waiting_.empty()) {
       const InvestigatedLine line = waiting_.front();
       waiting_.erase(waiting_.begin());
-      MeasurementProposal look = first_look(line, machine_, options_.times);
+      MeasurementProposal look = look_at(line);
       if (look.minutes <= minutes_left()) return look;
       result_.notes.push_back(
           fmt::format("{} along {} was not measured: {:.0f} minutes were available, {:.0f} are needed",
                       name_of(line.sense), letter_of(line.axis), minutes_left(), look.minutes));
     }
+    if (auto later = look_not_repeated()) return later;
     if (auto turned = artefact_not_turned_over()) return turned;
     if (!diagnosis_ || settled()) return std::nullopt;
     return separating_run(false);
+  }
+
+  /// Cold and warm where the unit knows temperatures, as long as each line can have as much, twice.
+  MeasurementProposal look_at(const InvestigatedLine& line) {
+    MeasurementProposal look = first_look(line, machine_, options_.times);
+    if (!follows_temperatures(machine_)) return look;
+    const double coming = 1.0 + static_cast<double>(waiting_.size());
+    const double share =
+        (minutes_left() - kShareToSeparate * options_.minutes) / (2.0 * coming + static_cast<double>(looks_.size()));
+    if (auto warm = look_cold_and_warm(look, machine_, options_.times, share)) return *warm;
+    result_.notes.push_back(fmt::format("{} along {} was not measured warm: {:.0f} minutes are too short for it",
+                                        name_of(line.sense), letter_of(line.axis), share));
+    return look;
+  }
+
+  [[nodiscard]] std::optional<MeasurementProposal> look_not_repeated() const {
+    for (const Look& look : looks_) {
+      MeasurementProposal later = look_later(look.proposal, machine_);
+      if (later.warming && !made_.contains(key_of(later)) && later.minutes <= minutes_left()) return later;
+    }
+    return std::nullopt;
   }
 
   /// Several causes at once are believed only after the same lines were measured on other targets as well: on few
@@ -162,7 +188,7 @@ class Investigator {
     model::MeasuringTimes times = options_.times;
     times.zeroed_each_run = true;
     const model::NextMeasurement next =
-        model::next_measurement(readings_.model_with_zeros(), readings_.observations(machine_), *diagnosis_, times);
+        model::next_measurement(model_so_far(), readings_.observations(machine_), *diagnosis_, times);
     bool too_long = false;
     for (const MeasurementProposal& proposed : next.proposals) {
       const MeasurementProposal proposal = as_looked_at(proposed);
@@ -292,8 +318,7 @@ class Investigator {
   Result<void> step(MeasurementProposal proposal) {
     if (cancelled()) return stopped();
     proposal.against_square = is_against_square(proposal);
-    const bool first =
-        proposal.condition == first_look({proposal.axis, proposal.sense}, machine_, options_.times).condition;
+    const bool first = proposal.condition.starts_with(kFirstLook);
     auto run = workshop_.measure({static_cast<int>(result_.steps.size()) + 1, proposal, false});
     made_.insert(key_of(proposal));
     last_ = proposal;
@@ -314,8 +339,9 @@ class Investigator {
     step.readings = run->set.readings.size();
     readings_.add(std::move(run->set), proposal.set_up_minutes + proposal.wait_minutes, proposal.against_square);
     ECS_DO(diagnose());
-    step.verdict = diagnosis_->verdict;
-    step.set = members_left(*diagnosis_);
+    step.verdict = verdict();
+    for (const auto& [effect, probability] : accepted_) step.set.push_back({to_text(effect), probability});
+    std::ranges::move(members_left(*diagnosis_), std::back_inserter(step.set));
     step.rms_um = diagnosis_->rms_um;
     result_.minutes += step.minutes;
     workshop_.keep(step);
@@ -324,17 +350,78 @@ class Investigator {
   }
 
   Result<void> diagnose() {
-    model::DiagnoseOptions options;
-    options.cancelled = options_.cancelled;
-    ECS_TRY(diagnosis, model::diagnose(readings_.model_with_zeros(), readings_.observations(machine_), options));
+    accepted_.clear();
+    if (follows_temperatures(machine_))
+      for (const Sense sense : readings_.senses()) ECS_DO(accept_proved(sense));
+    ECS_TRY(diagnosis, model::diagnose(model_so_far(), readings_.observations(machine_), diagnosing()));
     diagnosis_ = std::move(diagnosis);
     return {};
   }
 
+  [[nodiscard]] model::DiagnoseOptions diagnosing() const {
+    model::DiagnoseOptions options;
+    options.cancelled = options_.cancelled;
+    return options;
+  }
+
+  /// A diagnosis seeks few causes at once; heat brings one and more a line. So what follows the temperatures that the
+  /// unit knows is sought sense by sense, and taken into the model as long as it is proved without a rival there; the
+  /// rest, clock and other sensors among it, is diagnosed beside that. What a sensor explains is not sought in the
+  /// clock: a machine that warms up from the cold does both alike. What it explains but for a delay of the sensor is
+  /// told from noise only beside the clock.
+  Result<void> accept_proved(Sense sense) {
+    Model model = model_so_far();
+    std::erase_if(model.effects, [&](const model::EffectInstance& effect) {
+      if (!effect.is_user()) return effect.sense && effect.sense != sense;
+      return std::none_of(effect.formulas.begin(), effect.formulas.end(),
+                          [&](const model::UserFormula& formula) { return formula.sense == sense; });
+    });
+    for (const bool clock : {false, true}) {
+      const model::Observations known = readings_.observations_of_unit(machine_, sense, clock);
+      for (std::size_t before = 0; before != model.effects.size();) {
+        before = model.effects.size();
+        ECS_TRY(diagnosis, model::diagnose(model, known, diagnosing()));
+        accept_proved(diagnosis, clock, model);
+      }
+    }
+    return {};
+  }
+
+  /// @param clock  only what follows inputs
+  void accept_proved(const Diagnosis& diagnosis, bool clock, Model& model) {
+    for (const Candidate& candidate : diagnosis.candidates) {
+      const bool follows = follows_inputs(candidate.effect);
+      if (!candidate.named || credible_set_of(candidate).size() > 1 || (clock && !follows)) continue;
+      model.effects.push_back(at_its_value(candidate.effect));
+      if (follows) accepted_.emplace_back(model.effects.back(), candidate.probability);
+    }
+  }
+
+  /// The unit knows the temperatures that the effect follows.
+  [[nodiscard]] bool follows_inputs(const model::EffectInstance& effect) const {
+    const auto& live = effect.definition().live;
+    return is_carried(effect, machine_) && std::any_of(live.begin(), live.end(), [](const model::LiveTerm& row) {
+             return row.source == model::LiveSource::sensor || row.source == model::LiveSource::material ||
+                    row.source == model::LiveSource::difference;
+           });
+  }
+
+  [[nodiscard]] Model model_so_far() const {
+    Model model = readings_.model_with_zeros();
+    for (const auto& [effect, probability] : accepted_) model.effects.push_back(effect);
+    return model;
+  }
+
+  /// Of the base model: the causes that were taken into it are missing there.
+  [[nodiscard]] Verdict verdict() const {
+    if (accepted_.empty() || diagnosis_->verdict == Verdict::missing_effect) return diagnosis_->verdict;
+    return diagnosis_->verdict == Verdict::adequate ? Verdict::missing_effect : Verdict::partly_explained;
+  }
+
   Result<void> add_causes() {
     const model::Observations data = readings_.observations(machine_);
-    Model whole = readings_.model_with_zeros();
-    std::vector<std::pair<model::EffectInstance, double>> added;  // with the probability
+    Model whole = model_so_far();
+    std::vector<FoundCause> added = accepted_;
     for (const Candidate& candidate : diagnosis_->candidates) {
       if (!candidate.in_answer()) continue;
       ECS_TRY(with, model::add_effect(whole, data, model::request_of(candidate.effect), ""));
@@ -448,7 +535,8 @@ class Investigator {
   std::vector<Look> looks_;
   std::set<RunKey> made_;
   std::optional<MeasurementProposal> last_;
-  std::optional<Diagnosis> diagnosis_;
+  std::optional<Diagnosis> diagnosis_;  ///< beside what was accepted
+  std::vector<FoundCause> accepted_;    ///< proved
   bool others_asked_ = false;
   bool loaded_ = false;  ///< a load was put on the machine, and is there still
   Investigation result_;

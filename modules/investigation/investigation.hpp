@@ -52,10 +52,24 @@ struct InvestigatedLine {
 /// one to start another run on it. Choices, the same for the programme of ISO 230-2.
 [[nodiscard]] model::MeasuringTimes workshop_times();
 
+inline constexpr const char* kFirstLook = "first look";
 /// Two bidirectional runs, so that repeats show the noise, over targets moved from even places by up to a fifth of the
 /// step (ISO 230-2:2014, 5.3.2, so that no period hides between them). @pre the machine has the axis
 [[nodiscard]] model::MeasurementProposal first_look(const InvestigatedLine& line, const params::Machine& machine,
                                                     const model::MeasuringTimes& times);
+
+/// Temperatures are wired to the unit: what depends on them can be compensated, so it is looked for.
+[[nodiscard]] bool follows_temperatures(const params::Machine& machine);
+/// A first look in several runs, the first of the cold machine, the next ones while it is warmed, the last ones while
+/// it cools: a drift with time alone does not turn round with the temperatures. Nothing where `minutes` are too short.
+[[nodiscard]] std::optional<model::MeasurementProposal> look_cold_and_warm(const model::MeasurementProposal& look,
+                                                                           const params::Machine& machine,
+                                                                           const model::MeasuringTimes& times,
+                                                                           double minutes);
+/// The same again when the other lines were looked at: a body that warms with the day is nearer to its end by then,
+/// which tells it from the air and from a drift with time.
+[[nodiscard]] model::MeasurementProposal look_later(const model::MeasurementProposal& look,
+                                                    const params::Machine& machine);
 
 /// The line of a first look again, on targets between its own.
 [[nodiscard]] model::MeasurementProposal look_between(const model::MeasurementProposal& look,
@@ -100,6 +114,10 @@ class InvestigationReadings {
   /// needs none where the model has an offset of that sense.
   [[nodiscard]] model::Model model_with_zeros() const;
   [[nodiscard]] model::Observations observations(const params::Machine& machine) const;
+  /// What the unit knows of those of one sense: the temperatures at its inputs, no other sensor.
+  /// @param clock  with the times, which it does not know
+  [[nodiscard]] model::Observations observations_of_unit(const params::Machine& machine, Sense sense, bool clock) const;
+  [[nodiscard]] std::vector<Sense> senses() const;  ///< in the order in which they were measured first
   [[nodiscard]] const laser::MeasurementSet& all() const { return all_; }
 
  private:

@@ -8,6 +8,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "commissioning/models/view.hpp"
+#include "model/data/sensor_noise.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/fit.hpp"
 #include "model/planning/run.hpp"
@@ -42,6 +43,29 @@ bool has_usual(const model::Model& model, const laser::Reading& reading, bool of
       return false;
     return effect.traits().shows_at_zero == offset && (offset || effect.axis == reading.axis);
   });
+}
+
+/// Where a long axis grows by 10 um for a degree and is read to 0.1 um, the scatter of a sensor that without_noise()
+/// takes for good (0.02 degC) is the larger one; hence ten times the temperatures.
+void smooth_course(laser::MeasurementSet& set, const std::string& sensor) {
+  constexpr double kFiner = 10.0;
+  std::vector<laser::Reading*> read;
+  std::vector<double> time_s, degC;
+  for (laser::Reading& reading : set.readings) {
+    const auto shown = reading.sensors_degC.find(sensor);
+    if (shown == reading.sensors_degC.end() || !reading.time_s) continue;
+    read.push_back(&reading);
+    time_s.push_back(*reading.time_s);
+    degC.push_back(kFiner * shown->second);
+  }
+  const auto course = model::without_noise(std::vector<int>(read.size(), 0), time_s, degC);
+  for (std::size_t k = 0; course && k < read.size(); ++k) read[k]->sensors_degC[sensor] = course->degC[k] / kFiner;
+}
+
+laser::MeasurementSet with_smooth_inputs(laser::MeasurementSet set, const params::Machine& machine) {
+  for (const std::string& sensor : machine.inputs)
+    if (!sensor.empty()) smooth_course(set, sensor);
+  return set;
 }
 
 bool same_line(const laser::Reading& a, const laser::Reading& b) {
@@ -96,7 +120,27 @@ model::Model InvestigationReadings::model_with_zeros() const {
 }
 
 model::Observations InvestigationReadings::observations(const params::Machine& machine) const {
-  return model::observations_of(all_, base_, machine);
+  return model::observations_of(with_smooth_inputs(all_, machine), base_, machine);
+}
+
+model::Observations InvestigationReadings::observations_of_unit(const params::Machine& machine, Sense sense,
+                                                                bool clock) const {
+  laser::MeasurementSet known = with_smooth_inputs(all_, machine);
+  std::erase_if(known.readings, [&](const laser::Reading& reading) { return reading.sense != sense; });
+  for (laser::Reading& reading : known.readings) {
+    if (!clock) reading.time_s.reset();
+    std::erase_if(reading.sensors_degC, [&](const auto& sensor) {
+      return std::find(machine.inputs.begin(), machine.inputs.end(), sensor.first) == machine.inputs.end();
+    });
+  }
+  return model::observations_of(known, base_, machine);
+}
+
+std::vector<Sense> InvestigationReadings::senses() const {
+  std::vector<Sense> senses;
+  for (const laser::Reading& reading : all_.readings)
+    if (std::find(senses.begin(), senses.end(), reading.sense) == senses.end()) senses.push_back(reading.sense);
+  return senses;
 }
 
 model::Model without_zeros(model::Model model) {

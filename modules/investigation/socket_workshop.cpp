@@ -19,20 +19,19 @@ namespace {
 
 using model::MeasurementProposal;
 
-constexpr double kDatumWait_s = 30.0;       ///< for the unit, after the axes were referenced
-constexpr double kWarming_mm_min = 6000.0;  ///< of the axes that are moved to warm the machine
-constexpr double kWarming_rpm = 3000.0;
-constexpr double kWarmer_degC = 0.5;  ///< less is no other temperature
+constexpr double kDatumWait_s = 30.0;  ///< for the unit, after the axes were referenced
+constexpr model::Warming kWarming{};   ///< the axes that are moved to warm the machine
+constexpr double kWarmer_degC = 0.5;   ///< less is no other temperature
 
 std::string letter(Axis axis) { return std::string(1, letter_of(axis)); }
 
 /// Moves the axis to and fro with the spindle running, which warms screws and spindle.
 std::string warming_program(Axis axis, const params::MachineAxis& facts, double minutes) {
   const auto [low_mm, high_mm] = facts.travel_mm;
-  const int times = std::max(1, static_cast<int>(minutes * kWarming_mm_min / (2.0 * (high_mm - low_mm))));
+  const int times = std::max(1, static_cast<int>(minutes * kWarming.feed_mm_min / (2.0 * (high_mm - low_mm))));
   return fmt::format("> M03S{:g}\n> G90G01{}{:.3f}F{:g}\n$REP {}\n> G90G01{}{:.3f}\n> G90G01{}{:.3f}\n$END\n> M05\n",
-                     kWarming_rpm, letter_of(axis), low_mm, kWarming_mm_min, times, letter_of(axis), high_mm,
-                     letter_of(axis), low_mm);
+                     kWarming.spindle_rpm, letter_of(axis), low_mm, kWarming.feed_mm_min, times, letter_of(axis),
+                     high_mm, letter_of(axis), low_mm);
 }
 
 /// A sensor is asked to show more than it does now.

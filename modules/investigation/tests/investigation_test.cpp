@@ -2,8 +2,13 @@
 // readings; stopped and gone on with, and its ledger as rows of a screen.
 #include "modules/investigation/investigation.hpp"
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <numbers>
+#include <random>
+#include <utility>
+#include <vector>
 
 #include "model/fit/fit.hpp"
 #include "modules/investigation/tests/made_workshop.hpp"
@@ -218,6 +223,113 @@ TEST_CASE("an investigation that is cancelled asks for nothing more") {
 
 double wave_of_ten(double x_mm, int approach) {
   return 0.012 * x_mm + 1.5 * approach + 3.0 * std::sin(2.0 * std::numbers::pi * x_mm / 10.0 + 0.4);
+}
+
+/// X, Y and Z whose scales expand and a spindle that grows; warm and cool as they are asked to. The unit has both
+/// sensors.
+class WarmWorkshop final : public Workshop {
+ public:
+  static constexpr double kBed_s = 2700.0, kSpindle_s = 900.0, kRise_degC = 8.0, kNoise_um = 0.2;
+
+  static params::Machine machine() {
+    params::Machine machine = one_axis_machine();
+    machine.configuration = "TXYZ";
+    machine.axes[1] = machine.axes[2] = machine.axes[0];
+    machine.inputs[0] = "t_material_degC";
+    machine.inputs[1] = "t_spindle_degC";
+    return machine;
+  }
+
+  Result<RunReadings> measure(const RequestedRun& run) override {
+    asked.push_back(run);
+    const model::MeasurementProposal& plan = run.proposal;
+    laser::MeasurementSet set;
+    double zero_um = 0.0, now_s = 0.0;
+    rest(model::kSecondsAMinute * plan.set_up_minutes);
+    for (const model::Stop& stop : model::stops_of(plan)) {
+      const bool next_run = !set.readings.empty() && set.readings.back().run != stop.run;
+      warms_ = next_run && plan.warming && stop.run <= plan.first_run + plan.warming->runs;
+      rest(stop.after_s - std::exchange(now_s, stop.after_s));
+      laser::Reading reading{.axis = plan.axis, .position_mm = plan.parked_mm, .sense = plan.sense};
+      reading.position_mm[index_of(plan.axis)] = stop.target_mm;
+      reading.approach = static_cast<Approach>(stop.approach);
+      reading.run = stop.run;
+      reading.time_s = time_s_;
+      reading.sensors_degC = {{"t_material_degC", 20.0 + bed_degC_}, {"t_spindle_degC", 20.0 + spindle_degC_}};
+      double um = 0.01 * stop.target_mm + um_per_m_degC[index_of(plan.axis)] * stop.target_mm / 1000.0 * bed_degC_;
+      if (plan.axis == Axis::Z) um -= 2.0 * spindle_degC_;
+      um = (run.with_new_map ? 0.0 : um) + kNoise_um * normal_(random_);
+      if (set.readings.empty()) zero_um = um;
+      reading.error = um - zero_um;
+      set.readings.push_back(std::move(reading));
+    }
+    return RunReadings{std::move(set), plan.minutes};
+  }
+  Result<void> activate(const model::Model& found) override {
+    active = found;
+    return {};
+  }
+  void keep(const InvestigationStep&) override {}
+
+  Vector3 um_per_m_degC{11.0, 9.0, 7.0};
+  std::vector<RequestedRun> asked;
+  model::Model active;
+
+ private:
+  void rest(double seconds) {
+    time_s_ += seconds;
+    bed_degC_ += -bed_degC_ * -std::expm1(-seconds / kBed_s);
+    spindle_degC_ += ((warms_ ? kRise_degC : 0.0) - spindle_degC_) * -std::expm1(-seconds / kSpindle_s);
+  }
+
+  std::mt19937_64 random_{5};
+  NormalDraws normal_;
+  double time_s_ = 0.0, bed_degC_ = -6.0, spindle_degC_ = 0.0;
+  bool warms_ = false;
+};
+
+model::Model usual_model_of_three_axes() {
+  model::Model model;
+  for (const Axis axis : kAllAxes)
+    for (const char* id : {"offset", "scale"})
+      model.effects.push_back(
+          {.id = model::effect_named(id), .axis = axis, .sense = static_cast<Sense>(index_of(axis))});
+  return model;
+}
+
+TEST_CASE("where the unit follows temperatures, lines are measured cold and warm, and all that heat does is named") {
+  WarmWorkshop workshop;
+  InvestigationOptions options{.minutes = 240.0, .times = workshop_times()};
+  const Investigation found =
+      must(investigate(usual_model_of_three_axes(), WarmWorkshop::machine(), workshop, options));
+  std::vector<std::string> names;
+  for (const InvestigatedCause& cause : found.causes) names.push_back(cause.name);
+  std::sort(names.begin(), names.end());
+  std::string causes;
+  for (const std::string& name : names) causes += name + " ";
+  CHECK(causes == "thermal_drift:Z:EZ thermal_scale:X:EX thermal_scale:Y:EY thermal_scale:Z:EZ ");
+  CHECK(found.verdict == model::Verdict::missing_effect);
+  CHECK(found.minutes <= 240.0);
+  CHECK(workshop.asked.front().proposal.warming.has_value());
+  CHECK(workshop.asked.back().with_new_map);
+  CHECK(workshop.asked.back().proposal.warming.has_value());
+  CHECK(*found.rms_compensated_um < 0.1 * *found.rms_before_um);
+  REQUIRE(workshop.active.origin.has_value());  // from which the drift counts
+  CHECK(workshop.active.origin->sensors_degC.contains("t_spindle_degC"));
+}
+
+TEST_CASE("too few minutes for the warm machine are said; a unit without sensors is not measured warm") {
+  WarmWorkshop workshop;
+  params::Machine machine = WarmWorkshop::machine();
+  InvestigationOptions options{.minutes = 30.0, .times = workshop_times()};
+  const Investigation short_one = must(investigate(usual_model(), machine, workshop, options));
+  CHECK_FALSE(workshop.asked.front().proposal.warming.has_value());
+  CHECK(std::any_of(short_one.notes.begin(), short_one.notes.end(),
+                    [](const std::string& note) { return contains(note, "was not measured warm"); }));
+  machine.inputs = {};
+  options.minutes = 240.0;
+  must(investigate(usual_model(), machine, workshop, options));
+  for (const RequestedRun& run : workshop.asked) CHECK_FALSE(run.proposal.warming.has_value());
 }
 
 InvestigationOptions options_with(const std::atomic<bool>& cancelled) {
