@@ -65,7 +65,7 @@ class Investigator {
  public:
   Investigator(const Model& model, const params::Machine& machine, Workshop& workshop,
                const InvestigationOptions& options)
-      : base_(model), machine_(machine), workshop_(workshop), options_(options), readings_(model) {
+      : machine_(machine), workshop_(workshop), options_(options), readings_(model) {
     lines_ = lines_of_model(model, machine);
     waiting_ = lines_;
   }
@@ -526,7 +526,6 @@ class Investigator {
     return effect.definition().has_need(model::Need::reversed);
   }
 
-  const Model& base_;
   const params::Machine& machine_;
   Workshop& workshop_;
   const InvestigationOptions& options_;
