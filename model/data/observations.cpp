@@ -26,13 +26,6 @@ namespace {
 using laser::MeasurementSet;
 using laser::Reading;
 
-/// Columns of readings of a ball or another artefact: 1 where the sensor turns with the workpiece, and the tool offset.
-constexpr std::string_view kOnWorkpiece = "on_workpiece";
-constexpr std::array<std::string_view, kAxes> kToolColumns{"tool_x_mm", "tool_y_mm", "tool_z_mm"};
-/// 1 where x_mm, y_mm, z_mm are the tool centre point that the control shows, not the linear axes.
-constexpr std::string_view kAtTip = "at_tip";
-/// Nearer places are those of one ball.
-constexpr double kSameBall_mm = 1.0;
 /// A ball has three unknowns in the directions of one angle.
 constexpr std::size_t kFewestPoses = 3;
 /// Less of an error in a reading is the rounding of sines.
@@ -251,6 +244,8 @@ Vector3 moved_by(const kinematics::Gain& gain, const Vector3& place_mm) {
   return moved;
 }
 
+double apart_mm(const Vector3& a, const Vector3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
 /// How the errors of the machine's axes reach a reading, in the directions of the bed, or of the workpiece where the
 /// sensor turns with it.
 /// @param place_mm  of the linear axes
@@ -348,20 +343,12 @@ bool ball_changes_in_sweep(const Observations& data) {
 /// Which ball each reading is of: the tool stands at its place in the frame of the workpiece. Where that is another at
 /// nearly every pose, pivots or tool offset are not those that the linear axes followed.
 void take_balls(Observations& data, const std::vector<Vector3>& point_mm) {
-  const auto apart_mm = [](const Vector3& a, const Vector3& b) {
-    return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-  };
   std::vector<std::set<Vector3>> angles;
   for (std::size_t k = 0; k < data.size(); ++k) {
-    const auto near = [&](const Vector3& ball_mm) { return apart_mm(ball_mm, point_mm[k]) < kSameBall_mm; };
-    const auto found = std::ranges::find_if(data.balls_mm, near);
-    const auto ball = static_cast<std::size_t>(found - data.balls_mm.begin());
-    if (found == data.balls_mm.end()) {
-      data.balls_mm.push_back(point_mm[k]);
-      angles.emplace_back();
-    }
-    angles[ball].insert(data.position_mm[k]);
-    data.through_chain[k].ball = static_cast<int>(ball) + 1;
+    const int ball = numbered_place(data.balls_mm, point_mm[k], kSameBall_mm);
+    angles.resize(data.balls_mm.size());
+    angles[static_cast<std::size_t>(ball) - 1].insert(data.position_mm[k]);
+    data.through_chain[k].ball = ball;
   }
   double farthest_mm = 0.0;
   for (const Vector3& one : data.balls_mm) farthest_mm = std::max(farthest_mm, apart_mm(one, data.balls_mm.front()));
@@ -405,6 +392,7 @@ void take_chain(Observations& data, const MeasurementSet& set, const std::option
   }
   data.machine.rotary_configuration = machine->rotary_configuration;
   data.machine.rotary = machine->rotary;
+  data.ball_machine = std::make_shared<const params::Machine>(*machine);
   data.notes.emplace_back(
       "of X, Y and Z only scale and squareness can be tried (linear_axes): uncompensated straightness appears as waves "
       "of the rotary axes");
@@ -417,6 +405,7 @@ void take_chain(Observations& data, const MeasurementSet& set, const std::option
     if (is_new) found->second = kinematics::pose_at(*joints, r.angle_deg);
     if (at_tip) data.place_mm[k] = linear_axes_at(found->second, r.position_mm).value_or(r.position_mm);
     data.through_chain.push_back(through_chain_of(r, data.place_mm[k], *joints, found->second));
+    data.through_chain.back().tool = numbered_place(data.tools_mm, joints->tool_offset_mm, kSameTool_mm);
     point_mm.push_back(found->second.tool_mm.at(data.place_mm[k]));
   }
   take_balls(data, point_mm);
@@ -430,6 +419,14 @@ void take_chain(Observations& data, const MeasurementSet& set, const std::option
 }
 
 }  // namespace
+
+int numbered_place(std::vector<Vector3>& seen_mm, const Vector3& place_mm, double same_mm) {
+  const auto found =
+      std::ranges::find_if(seen_mm, [&](const Vector3& one) { return apart_mm(one, place_mm) < same_mm; });
+  const auto number = static_cast<int>(found - seen_mm.begin()) + 1;
+  if (found == seen_mm.end()) seen_mm.push_back(place_mm);
+  return number;
+}
 
 std::string_view Observations::reading_unit() const {
   const auto rotations = std::ranges::count_if(sense, [](Sense s) { return is_rotation(s); });

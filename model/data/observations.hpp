@@ -64,11 +64,22 @@ struct ThroughChain {
   /// By A, B, C: from which side it came to its angle, standing axes too (1, -1; 0 unknown).
   PerAxis<int> approach{};
   int ball = 1;  ///< which of `Observations::balls_mm`
+  int tool = 1;  ///< which of `Observations::tools_mm`
   friend bool operator==(const ThroughChain&, const ThroughChain&) = default;
 };
 
 /// One column of numbers, kNotMeasured where a row has none. Empty: the data do not have this column at all.
 using Column = std::vector<double>;
+
+/// Columns of readings of a ball or another artefact: the tool, 1 where the sensor turns with the workpiece, and 1
+/// where x_mm, y_mm, z_mm are the tool centre point that the control shows, not the linear axes.
+inline constexpr std::array<const char*, kAxes> kToolColumns{"tool_x_mm", "tool_y_mm", "tool_z_mm"};
+inline constexpr const char* kOnWorkpiece = "on_workpiece";
+inline constexpr const char* kAtTip = "at_tip";
+/// Nearer places are those of one ball, or of one tool.
+inline constexpr double kSameBall_mm = 1.0, kSameTool_mm = 1e-3;
+/// Number, from 1, of a place among those seen so far; a new one is added.
+[[nodiscard]] int numbered_place(std::vector<Vector3>& seen_mm, const Vector3& place_mm, double same_mm);
 
 struct Motions;
 
@@ -104,7 +115,10 @@ struct Observations {
   /// an error of the axis itself.
   std::vector<ThroughChain> through_chain;
   std::vector<Vector3> balls_mm;  ///< where balls stand on the table, in the frame of the workpiece
+  std::vector<Vector3> tools_mm;  ///< from the tool reference point to the ball or probe in the spindle, angles at 0
   std::string not_followed;       ///< why readings of a ball cannot be of this machine; empty: they can
+  /// That follows a ball, with the travels of all axes: more of its readings can be planned. Null: readings of no ball.
+  std::shared_ptr<const params::Machine> ball_machine;
   std::vector<Axis> rotary_axes;  ///< of the machine, where `through_chain` is known: those that moved come first
 
   // Readings along paths; sense and axis of such a row are those of the first axis of its path, approach is that along

@@ -1,6 +1,9 @@
 // What the places of a ball on the table and in the spindle share.
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "model/effects/definition.hpp"
 
 namespace ecs::model::effects {
@@ -12,12 +15,31 @@ inline void put(const Vector3& along, std::span<double> row) {
   for (std::size_t d = 0; d < row.size(); ++d) row[d] = along[d];
 }
 
+/// The rotary axis next to the tool, where one carries it.
+inline std::optional<Axis> tilting_axis(const Observations& data) {
+  const std::string& letters = data.machine.rotary_configuration;
+  const std::size_t last = letters.find_last_of("ABCT");
+  return last == std::string::npos || letters[last] == 'T' ? std::nullopt
+                                                           : std::optional(static_cast<Axis>(letters[last] - 'A'));
+}
+
 /// One for all senses, of readings through a chain.
 inline std::vector<EffectInstance> once_for_ball(const Site& site) {
   if (site.data.through_chain.empty() || site.sense != site.data.sense.front()) return {};
   EffectInstance effect;
   effect.rotary = true;
   return {effect};
+}
+
+/// One for each of `count` balls on the table, or tools in the spindle.
+inline std::vector<EffectInstance> each_for_ball(const Site& site, std::size_t count) {
+  std::vector<EffectInstance> each;
+  const auto one = once_for_ball(site);
+  for (std::size_t number = 1; !one.empty() && number <= count; ++number) {
+    each.push_back(one.front());
+    each.back().ball = static_cast<int>(number);
+  }
+  return each;
 }
 
 }  // namespace ecs::model::effects

@@ -31,9 +31,16 @@ EffectDefinition ball_in_spindle() {
       .traits = {.of_measurement = true, .is_usual = true, .on_rotary_axes = true},
       .place = Place::artefact,
       .preference = 93,
-      .columns = [](const ReadingAt& at, std::span<double> row) { put(at.data.through_chain[at.k].of_tool, row); },
+      .columns =
+          [](const ReadingAt& at, std::span<double> row) {
+            const ThroughChain& chain = at.data.through_chain[at.k];
+            put(chain.tool == at.effect.ball ? chain.of_tool : Vector3{}, row);
+          },
       .of_sense =
-          [](const Site& site) { return head_turns(site.data) ? once_for_ball(site) : std::vector<EffectInstance>{}; },
+          [](const Site& site) {
+            return head_turns(site.data) ? each_for_ball(site, site.data.tools_mm.size())
+                                         : std::vector<EffectInstance>{};
+          },
   };
 }
 

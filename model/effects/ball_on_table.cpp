@@ -27,16 +27,7 @@ EffectDefinition ball_on_table() {
             const ThroughChain& chain = at.data.through_chain[at.k];
             put(chain.ball == at.effect.ball ? chain.of_workpiece : Vector3{}, row);
           },
-      .of_sense =
-          [](const Site& site) {
-            std::vector<EffectInstance> each;
-            const auto one = once_for_ball(site);
-            for (std::size_t ball = 0; !one.empty() && ball < site.data.balls_mm.size(); ++ball) {
-              each.push_back(one.front());
-              each.back().ball = static_cast<int>(ball) + 1;
-            }
-            return each;
-          },
+      .of_sense = [](const Site& site) { return each_for_ball(site, site.data.balls_mm.size()); },
   };
 }
 

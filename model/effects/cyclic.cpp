@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "model/effects/artefact_place.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
 
@@ -103,7 +104,9 @@ double scan_step(const Observations& data, const Acting& acting, Axis axis) {
 /// Whole fractions of a turn, up to as many as the targets show: what turns comes back (ISO 230-7). Of an arc the
 /// turn itself is a period by nature.
 /// @param scan_deg  step of a scan, 0: none
-TriedValues fractions_of_turn(const std::vector<double>& angles_deg, double scan_deg, const SearchExtent& extent) {
+/// @param lowest    waves a turn, at least
+TriedValues fractions_of_turn(const std::vector<double>& angles_deg, double scan_deg, double lowest,
+                              const SearchExtent& extent) {
   TriedValues tried;
   const double arc = angles_deg.back() - angles_deg.front();
   const double mean_step = arc / static_cast<double>(angles_deg.size() - 1);
@@ -111,11 +114,18 @@ TriedValues fractions_of_turn(const std::vector<double>& angles_deg, double scan
   double highest = kHighestTurns / mean_step;
   for (const double even : {step, scan_deg})
     if (even > 0.0) highest = std::min(highest, 0.5 / even);
-  for (double order = 1.0; order <= kTurn_deg * highest * kRounding && tried.values.size() < extent.most; order += 1.0)
+  for (double order = lowest; order <= kTurn_deg * highest * kRounding && tried.values.size() < extent.most;
+       order += 1.0)
     tried.values.push_back(kTurn_deg / order);
   tried.facts = tried.values;
   tried.independent = kWays * std::max(2.0, static_cast<double>(tried.values.size()));
   return tried;
+}
+
+/// Of readings of a ball: a shift of the axis next to the tool that follows one turn of it is bending by weight, an
+/// effect of its own (head_bending): the same function under another name could not be told from it by any reading.
+bool is_bending(const Observations& data, const EffectInstance& effect) {
+  return !data.through_chain.empty() && !is_rotation(*effect.sense) && tilting_axis(data) == effect.axis;
 }
 
 TriedValues periods(const Observations& data, const EffectInstance& effect, const Acting& acting,
@@ -123,7 +133,8 @@ TriedValues periods(const Observations& data, const EffectInstance& effect, cons
   TriedValues tried;
   const std::vector<double> p = acting_positions(data, acting, *effect.axis);
   if (p.size() < kFewestTargets) return tried;
-  if (data.rotary) return fractions_of_turn(p, scan_step(data, acting, *effect.axis), extent);
+  if (data.rotary)
+    return fractions_of_turn(p, scan_step(data, acting, *effect.axis), is_bending(data, effect) ? 2.0 : 1.0, extent);
   const double travel = p.back() - p.front();
   const double mean_step = travel / static_cast<double>(p.size() - 1);
   const double step = common_step(p, kLeastStep * mean_step);

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 
@@ -17,14 +16,6 @@ namespace ecs::model::effects {
 namespace {
 
 constexpr std::array kAlong{Sense::EX, Sense::EY, Sense::EZ};
-
-/// The rotary axis next to the tool, where one carries it.
-std::optional<Axis> tilting_axis(const Observations& data) {
-  const std::string& letters = data.machine.rotary_configuration;
-  const std::size_t last = letters.find_last_of("ABCT");
-  return last == std::string::npos || letters[last] == 'T' ? std::nullopt
-                                                           : std::optional(static_cast<Axis>(letters[last] - 'A'));
-}
 
 /// Another rotary axis carries the tilting one: its frame turns in that of the machine, and nothing turns the
 /// workpiece.
@@ -37,16 +28,17 @@ bool has_turning_head(const Observations& data) {
 /// From the tool reference point to the ball or probe [mm].
 double tool_length_mm(const Observations& data, std::size_t k) {
   double square = 0.0;
-  for (const char* const column : {"tool_x_mm", "tool_y_mm", "tool_z_mm"})
+  for (const char* const column : kToolColumns)
     if (const auto found = data.extras.find(column); found != data.extras.end() && !std::isnan(found->second[k]))
       square += found->second[k] * found->second[k];
   return std::sqrt(square);
 }
 
-bool has_several_tools(const Observations& data) {
-  std::set<double> lengths;
-  for (std::size_t k = 0; k < data.size() && lengths.size() < 2; ++k) lengths.insert(tool_length_mm(data, k));
-  return lengths.size() > 1;
+/// With one length only it is the same as bending of the head, and told as that.
+bool has_tool_length(const Observations& data) {
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (tool_length_mm(data, k) > 0.0) return true;
+  return false;
 }
 
 double in_head(const ReadingAt& at, std::size_t along) {
@@ -98,6 +90,9 @@ EffectDefinition bending(const Words& words) {
                        "of the axis line does not change with the length, bending does."},
       .traits = {.on_rotary_axes = true},
       .place = Place::artefact,
+      // one direction and part of the moment, one direction, the plane in which the head tilts, everything
+      .column_sets =
+          {{0}, {1}, {2}, {3}, {4}, {5}, {0, 3}, {1, 4}, {2, 5}, {0, 2, 3, 5}, {1, 2, 4, 5}, {0, 1, 2, 3, 4, 5}},
   };
 }
 
@@ -141,8 +136,8 @@ EffectDefinition tool_bending() {
   tool.preference = 67;
   tool.columns = bending_columns<in_head_by_length>;
   tool.of_sense = [](const Site& site) {
-    const bool tells = tilting_axis(site.data) && has_several_tools(site.data);
-    return tells ? once_for_ball(site) : std::vector<EffectInstance>{};
+    const bool is_tried = tilting_axis(site.data) && has_tool_length(site.data);
+    return is_tried ? once_for_ball(site) : std::vector<EffectInstance>{};
   };
   return tool;
 }

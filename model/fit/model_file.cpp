@@ -239,7 +239,8 @@ void complete(TomlReader& reader, const toml::table& table, EffectInstance& effe
   const auto want = [&](bool given, std::string_view what) {
     if (!given) reader.complain(table, fmt::format("{}: expected {}", definition.id, what));
   };
-  want(!table.contains("ball") || definition.place == Place::artefact, "no key ball, which is of ball_on_table");
+  want(!table.contains("ball") || definition.place == Place::artefact,
+       "no key ball, which is of ball_on_table and ball_in_spindle");
   const bool rotation = effect.code && is_angular(*effect.code);
   if (definition.place == Place::rotation) want(rotation, "code = one of EAX … ECZ");
   if (definition.place == Place::known_component) want(rotation, "code = the known angular component, EAX … ECZ");

@@ -305,9 +305,10 @@ std::vector<double> NoiseModel::sigma_by_row(std::size_t n) const {
 namespace {
 
 /// What makes a place besides the position: where the linear axes stood, or at which angles the rotary ones did. Of a
-/// ball that the axes follow its pose says that: its number is enough.
+/// ball that the axes follow its pose says that: the numbers of ball and tool are enough.
 std::array<double, kAxes> beside_position(const Observations& data, std::size_t k) {
-  if (!data.through_chain.empty()) return {static_cast<double>(data.through_chain[k].ball)};
+  if (!data.through_chain.empty())
+    return {static_cast<double>(data.through_chain[k].ball), static_cast<double>(data.through_chain[k].tool)};
   if (!data.place_mm.empty()) return rounded(data.place_mm[k]);
   return data.pose_deg.empty() ? std::array<double, kAxes>{} : rounded(data.pose_deg[k]);
 }

@@ -296,13 +296,6 @@ TEST_CASE("a model file holds location errors by their code, directions in um/m"
 
 namespace {
 
-/// A head with C and B beyond X, Y, Z.
-TurningMachine head() {
-  return {"TXYZCB",
-          {{'B', {{-100.0, 100.0}, {0.0, 1.0, 0.0}, {0.7, 26.7, 309.0}}},
-           {'C', {{-360.0, 360.0}, {0.0, 0.0, 1.0}, {0.6, 26.7, 579.0}}}}};
-}
-
 /// Scale of X, Y, Z, then C0Y, B0Z, A0Z [um/m].
 using LinearErrors = std::array<double, 6>;
 

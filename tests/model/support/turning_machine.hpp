@@ -35,6 +35,13 @@ inline TurningMachine trunnion() {
            {'C', {{0.0, 360.0}, {0.0, 0.0, 1.0}, {605.0, 298.0, -500.0}}}}};
 }
 
+/// A head with C and B beyond X, Y, Z.
+inline TurningMachine head() {
+  return {"TXYZCB",
+          {{'B', {{-100.0, 100.0}, {0.0, 1.0, 0.0}, {0.7, 26.7, 309.0}}},
+           {'C', {{-360.0, 360.0}, {0.0, 0.0, 1.0}, {0.6, 26.7, 579.0}}}}};
+}
+
 /// Directions of the machine's X, Y, Z in the frame of the workpiece: of linear axes between bed and tool, or that
 /// carry the rotary ones.
 inline Eigen::Matrix3d bed_of(ecs::test::ExactMachine exact, const Angles& angles) {
