@@ -162,8 +162,12 @@ std::vector<Weighed> weighed(const std::vector<MeasurementProposal>& options, co
   return worth_telling(std::move(best), question);
 }
 
+/// Readings of a ball that the machine of the file can follow.
+bool is_of_ball(const Observations& data) { return data.ball_machine && data.not_followed.empty(); }
+
 std::vector<MeasurementProposal> all_options(const Observations& data, const std::vector<EffectInstance>& rivals,
                                              const MeasuringTimes& times) {
+  if (is_of_ball(data)) return ball_options(data, times);
   const bool on_the_fly = std::ranges::any_of(rivals, [](const EffectInstance& e) { return e.traits().in_motion; });
   const bool of_approach = std::ranges::any_of(
       rivals, [](const EffectInstance& e) { return e.traits().of_approach || e.approach != ApproachMode::both; });
@@ -359,13 +363,34 @@ Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup
   return ask_group_by(next, in, group, options);  // levels of a condition add up
 }
 
+/// Of a ball: the group of rivals; where none is left, the causes listed that are not part of the answer, for one set
+/// shows many causes at once.
+OpenGroup group_of_ball(const Diagnosis& diagnosis) {
+  constexpr std::size_t kMostListed = 6;  // as many as a person weighs
+  OpenGroup group = open_group(diagnosis);
+  if (group.rivals.size() > 1 || diagnosis.verdict == Verdict::missing_effect) return group;
+  OpenGroup listed;
+  for (const Candidate& candidate : diagnosis.candidates) {
+    if (candidate.in_answer()) {
+      listed.settled.push_back(candidate.effect);
+    } else if (listed.rivals.size() < kMostListed) {
+      listed.rivals.push_back(candidate.effect);
+      listed.names.push_back(name_with_sensor(candidate.effect));
+    }
+  }
+  return listed.rivals.size() > 1 ? listed : group;
+}
+
 /// The line as it is measured now, once more and both ways: whether what is left comes back. What changes in time
 /// comes at other places on the way back.
 void take_repetition(NextMeasurement& next, const Setting& in) {
-  std::vector<PresentLine> lines = present_lines(without_paths(in.data), in.times);
-  const auto circles = has_circles(in.data) ? circle_options(in.data, in.times) : std::vector<MeasurementProposal>{};
-  if (lines.empty() && circles.empty()) return;
-  MeasurementProposal again = lines.empty() ? circles.front() : lines.front().now;
+  const bool of_ball = is_of_ball(in.data);
+  const auto lines = of_ball ? std::vector<PresentLine>{} : present_lines(without_paths(in.data), in.times);
+  const auto others = of_ball                ? ball_options(in.data, in.times)
+                      : has_circles(in.data) ? circle_options(in.data, in.times)
+                                             : std::vector<MeasurementProposal>{};
+  if (lines.empty() && others.empty()) return;
+  MeasurementProposal again = lines.empty() ? others.front() : lines.front().now;
   again.targets_mm = off_equal_steps(again.targets_mm, again.targets_mm);
   again.bidirectional = true;
   constexpr int kTwice = 2;
@@ -508,9 +533,12 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
     next.notes.emplace_back("no readings: no basis for a proposal");
     return next;
   }
-  if (data.rotary) {
+  if (data.rotary && !is_of_ball(data)) {
     next.notes.emplace_back(
-        "plans cover linear axes only; for a rotary axis measure the turn again both ways, at targets of another step");
+        "plans cover linear axes and sets of a ball only. Readings of a ball need --machine with its rotary axes and "
+        "X, Y, "
+        "Z that follow the ball. For a rotary axis itself measure the turn again both ways, at targets of another "
+        "step");
     return next;
   }
   MeasuringTimes own = times;
@@ -530,9 +558,11 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
   if (diagnosis.verdict == Verdict::cannot_tell && !few)
     ask_again(next, setting, diagnosis);
   else if (is_named && !diagnosis.candidates.empty()) {
-    const OpenGroup group = open_group(diagnosis);
+    const OpenGroup group = is_of_ball(data) ? group_of_ball(diagnosis) : open_group(diagnosis);
     asked = ask_group(next, setting, group, is_unsized_angle(group, diagnosis));
-  } else if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty())
+  } else if (diagnosis.verdict == Verdict::unexplained_structure && is_of_ball(data) && !diagnosis.candidates.empty())
+    asked = ask_group(next, setting, group_of_ball(diagnosis), false);
+  else if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty())
     asked = ask_structure(next, setting, diagnosis);
   else
     asked = ask_power(next, setting, few);

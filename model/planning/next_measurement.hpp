@@ -32,6 +32,21 @@ struct Warming {
   double spindle_rpm = 3000.0;
 };
 
+/// Readings of one ball by one tool while the rotary axes turn and X, Y, Z follow.
+struct BallSet {
+  /// One axis from target to target, there and back, the other one parked.
+  struct Sweep {
+    Axis axis = Axis::X;              ///< A, B or C
+    std::vector<double> targets_deg;  ///< ascending
+    Vector3 parked_deg{};
+  };
+  std::vector<Sweep> sweeps;
+  Vector3 place_mm{};                    ///< of X, Y, Z at the ball, rotary axes at 0
+  Vector3 tool_mm{};                     ///< from the tool reference point to the ball or probe in the spindle
+  std::vector<laser::Reading> readings;  ///< of one run in order, every sense; their `error` means nothing
+  std::string why;                       ///< what this set shows that the present one does not, a sentence
+};
+
 /// One run as a person sets it up. Positions in machine coordinates.
 struct MeasurementProposal {
   std::string condition;  ///< what differs from the present set-up, in words: "as now", "at a quarter of the feed", …
@@ -43,6 +58,7 @@ struct MeasurementProposal {
   /// are of its first axis, there are no targets, and a run is a turn counter-clockwise and one clockwise.
   std::optional<Path> circle{};
   double circle_step_deg = 1.0;
+  std::optional<BallSet> ball{};  ///< in place of a line: axis is the rotary one that tilts, there are no targets
   bool bidirectional = true;
   int approach = 1;            ///< of the first pass; of every pass where not bidirectional
   double overrun_mm = 5.0;     ///< motion in the sense of approach before the first target of a pass, at least
@@ -93,6 +109,9 @@ struct MeasuringTimes {
   double greatest_degC = 30.0;             ///<
   double greatest_feed_mm_min = 10'000.0;  ///<
   double circle_minutes = 15.0;            ///< ball bar set up for another circle
+  double ball_minutes = 15.0;              ///< ball moved to another place
+  double tool_minutes = 10.0;              ///< tool or probe changed and its length measured
+  double pose_s = 15.0;                    ///< from one pose of the rotary axes to the reading at the next
   bool ball_bar = false;                   ///< one is at hand; where circles are measured already it is
   bool zeroed_each_run = false;            ///< the readout is set to zero at the start of each run
 };
@@ -104,9 +123,9 @@ struct NextMeasurement {
   std::vector<std::string> notes;
 };
 
-/// Runs along lines, and circles where a ball bar is at hand. For the first group of rivals; for a lone cause its
-/// confirmation; for `unexplained_structure` the variables that the residual may depend on; for `adequate` the causes
-/// that could be there unseen.
+/// Runs along lines, and circles where a ball bar is at hand; after readings of a ball sets of a ball. For the first
+/// group of rivals; for a lone cause its confirmation; for `unexplained_structure` the variables that the residual may
+/// depend on; for `adequate` the causes that could be there unseen.
 /// @param data  what `diagnosis` was made from
 [[nodiscard]] NextMeasurement next_measurement(const Model& model, const Observations& data, const Diagnosis& diagnosis,
                                                const MeasuringTimes& times = {});

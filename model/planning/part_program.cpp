@@ -33,6 +33,10 @@ class ProgramWriter {
   }
 
   std::string text() {
+    if (plan_.ball) {
+      ball(*plan_.ball);
+      return text_;
+    }
     if (plan_.circle) {
       circle(*plan_.circle);
       return text_;
@@ -99,6 +103,35 @@ class ProgramWriter {
     arc(circle, kOverlap_deg, 0.0, "RUN IN");
     arc(circle, 0.0, -kTurn_deg, "ONCE ROUND CLOCKWISE");
     arc(circle, 0.0, -kOverlap_deg, "RUN OUT");
+    if (plan_.runs > 1) line("$END", "END OF RUNS");
+  }
+
+  /// Pose by pose: away along Z, the rotary axes, X and Y, back to the ball.
+  void ball(const BallSet& set) {
+    constexpr double kAway_mm = 50.0;  // a choice: clear of a ball and its stem
+    note(plan_.sentence.empty() ? plan_.condition : plan_.sentence);
+    note(fmt::format("tool from the reference point: X {} Y {} Z {} mm", word(set.tool_mm[0]), word(set.tool_mm[1]),
+                     word(set.tool_mm[2])));
+    note(fmt::format("about {:.0f} min in all", plan_.minutes));
+    note("check that head, probe, ball and workpiece clear every motion before starting");
+    double highest_mm = set.place_mm[2];
+    for (const laser::Reading& one : set.readings) highest_mm = std::max(highest_mm, one.position_mm[2]);
+    const auto& z = machine_.axes[index_of(Axis::Z)];
+    const double away_mm = z ? std::min(highest_mm + kAway_mm, z->travel_mm[1]) : highest_mm + kAway_mm;
+    if (plan_.runs > 1) line(fmt::format("$REP {}", plan_.runs), fmt::format("REPEAT {} TIMES", plan_.runs));
+    std::optional<double> before_s;
+    for (const laser::Reading& one : set.readings) {
+      if (one.time_s == before_s) continue;  // another sense of the same pose
+      before_s = one.time_s;
+      block("G90G00Z" + word(away_mm));
+      std::string angles;
+      for (std::size_t a = 0; a < kAxes; ++a)
+        if (machine_.rotary[a]) angles += "ABC"[a] + word(one.angle_deg[a]);
+      block("G90G00" + angles);
+      block(fmt::format("G90G00X{}Y{}", word(one.position_mm[0]), word(one.position_mm[1])));
+      block(fmt::format("G90G01Z{}F{:g}", word(one.position_mm[2]), plan_.feed_mm_min));
+      reading();
+    }
     if (plan_.runs > 1) line("$END", "END OF RUNS");
   }
 
@@ -280,10 +313,15 @@ laser::MeasurementSet target_set(const MeasurementProposal& proposal) {
   laser::MeasurementSet set;
   set.metadata = {{"content", "target list to be measured; every reading is 0 until then"},
                   {"condition", proposal.condition}};
-  for (const Stop& stop : stops_of(proposal)) {
-    set.readings.push_back(row_of(proposal, stop));
-    set.readings.back().row = static_cast<int>(set.readings.size());
-  }
+  for (const Stop& stop : stops_of(proposal)) set.readings.push_back(row_of(proposal, stop));
+  if (proposal.ball)
+    for (int run = 0; run < proposal.runs; ++run)
+      for (laser::Reading row : proposal.ball->readings) {
+        row.run += run;
+        row.time_s = *row.time_s + run * proposal.ball->readings.back().time_s.value_or(0.0);
+        set.readings.push_back(std::move(row));
+      }
+  for (std::size_t k = 0; k < set.readings.size(); ++k) set.readings[k].row = static_cast<int>(k) + 1;
   return set;
 }
 

@@ -104,9 +104,50 @@ std::string sentence_of_circle(const MeasurementProposal& p) {
       p.condition, circle.radius_mm, centre, p.runs, p.runs == 1 ? "turn" : "turns", p.circle_step_deg, p.feed_mm_min);
 }
 
+/// "0, 90 and 180"
+std::string enumerated(const std::vector<double>& values) {
+  std::string text;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    text += fmt::format("{}{:g}", i == 0 ? "" : i + 1 == values.size() ? " and " : ", ", values[i]);
+  return text;
+}
+
+/// "B from -90 to 90 deg in steps of 22.5 deg, with C at 0, 90, 180 and 270 deg": sweeps with the same targets
+/// together.
+std::string sweeps_text(const std::vector<BallSet::Sweep>& sweeps) {
+  std::string text;
+  for (std::size_t i = 0; i < sweeps.size();) {
+    const BallSet::Sweep& first = sweeps[i];
+    std::vector<double> parked_deg;
+    std::optional<std::size_t> other;  // the parked axis
+    for (; i < sweeps.size() && sweeps[i].axis == first.axis && sweeps[i].targets_deg == first.targets_deg; ++i) {
+      for (std::size_t a = 0; a < kAxes; ++a)
+        if (sweeps[i].parked_deg[a] != 0.0) other = a;
+      parked_deg.push_back(0.0);
+      if (other) parked_deg.back() = sweeps[i].parked_deg[*other];
+    }
+    text += fmt::format("{}{} from {:g} to {:g} deg in steps of {:g} deg", text.empty() ? "" : "; ",
+                        laser::letter_of(first.axis, true), first.targets_deg.front(), first.targets_deg.back(),
+                        first.targets_deg[1] - first.targets_deg[0]);
+    if (other)
+      text +=
+          fmt::format(", with {} at {} deg", laser::letter_of(static_cast<Axis>(*other), true), enumerated(parked_deg));
+  }
+  return text;
+}
+
+std::string sentence_of_ball(const MeasurementProposal& p) {
+  const BallSet& ball = *p.ball;
+  return fmt::format(
+      "Measure the ball {}: X {:.3f} Y {:.3f} Z {:.3f} mm with the rotary axes at 0. Turn {}; both ways, {} {}. {}",
+      p.condition, ball.place_mm[0], ball.place_mm[1], ball.place_mm[2], sweeps_text(ball.sweeps), p.runs,
+      p.runs == 1 ? "run" : "runs", ball.why);
+}
+
 }  // namespace
 
 std::string sentence_of(const MeasurementProposal& p) {
+  if (p.ball) return sentence_of_ball(p);
   if (p.circle) return sentence_of_circle(p);
   std::string what = readings_word(p.sense, p.axis);
   if (what.starts_with("Angles")) what.front() = 'a';

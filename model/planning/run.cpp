@@ -66,6 +66,9 @@ std::vector<Stop> stops_of(const MeasurementProposal& proposal, double rapid_mm_
 }
 
 double minutes_of(const MeasurementProposal& proposal, const MeasuringTimes& times) {
+  if (proposal.ball)
+    return proposal.wait_minutes + proposal.set_up_minutes +
+           proposal.runs * proposal.ball->readings.back().time_s.value_or(0.0) / kSecondsAMinute;
   const std::vector<Stop> stops = stops_of(proposal, times.rapid_mm_min);
   const double program_s = stops.empty() ? 0.0 : stops.back().after_s;
   return proposal.wait_minutes + proposal.set_up_minutes + program_s / kSecondsAMinute;

@@ -57,6 +57,10 @@ inline constexpr double kOverlap_deg = 45.0;
 /// than the present one.
 [[nodiscard]] std::vector<MeasurementProposal> circle_options(const Observations& data, const MeasuringTimes& times);
 
+/// Sets of a ball worth weighing, one run of each, that the travels allow: the same ball and tool at pairs of + and -
+/// angles, a tool of another length where rotary axes carry the tool, the ball at another place along X, Y or Z.
+[[nodiscard]] std::vector<MeasurementProposal> ball_options(const Observations& data, const MeasuringTimes& times);
+
 /// Stops of a proposed circle: every reading, counter-clockwise and clockwise, as stops_of() has those of a line.
 [[nodiscard]] std::vector<Stop> stops_on_circle(const MeasurementProposal& proposal, double rapid_mm_min);
 

@@ -68,6 +68,35 @@ void fill(Observations& data, std::size_t k, const MeasurementProposal& proposal
     reversed->second[k] = *proposal.reversed ? 1.0 : 0.0;
 }
 
+/// Rows of a set of a ball from `first` on.
+void fill_ball(Observations& data, std::size_t first, const MeasurementProposal& proposal, double start_s) {
+  laser::MeasurementSet planned;
+  planned.readings = proposal.ball->readings;
+  const Observations rows = observations_of(planned, KnownTables{}, *data.ball_machine);
+  std::vector<int> balls, tools;  // their numbers among the present ones
+  for (const Vector3& one : rows.balls_mm) balls.push_back(numbered_place(data.balls_mm, one, kSameBall_mm));
+  for (const Vector3& one : rows.tools_mm) tools.push_back(numbered_place(data.tools_mm, one, kSameTool_mm));
+  for (const char* const column : kToolColumns) data.extras.try_emplace(column, Column(data.size(), kNotMeasured));
+  for (std::size_t j = 0; j < rows.size(); ++j) {
+    const std::size_t k = first + j;
+    data.axis[k] = rows.axis[j];
+    data.sense[k] = rows.sense[j];
+    data.run[k] = rows.run[j];
+    data.approach[k] = rows.approach[j];
+    data.position_mm[k] = rows.position_mm[j];
+    data.place_mm[k] = rows.place_mm[j];
+    data.through_chain[k] = rows.through_chain[j];
+    data.through_chain[k].ball = balls[static_cast<std::size_t>(rows.through_chain[j].ball) - 1];
+    data.through_chain[k].tool = tools[static_cast<std::size_t>(rows.through_chain[j].tool) - 1];
+    set(data.time_s, k, start_s + rows.time_s[j]);
+    for (std::size_t d = 0; d < kAxes; ++d) data.extras.find(kToolColumns[d])->second[k] = proposal.ball->tool_mm[d];
+  }
+}
+
+bool describes_ball(std::string_view column) {
+  return column == kOnWorkpiece || column == kAtTip || std::ranges::find(kToolColumns, column) != kToolColumns.end();
+}
+
 /// An extra column as a straight line over another one; over none it is constant.
 struct Follows {
   std::string column;
@@ -126,7 +155,7 @@ bool is_mark(const Column& extra) {
 /// @param zeroed_each_run  marks are the zeros of past runs
 void fill_extras(WithProposals& all, const Observations& present, bool zeroed_each_run) {
   for (auto& [name, column] : all.data.extras) {
-    if (name == "set_up" || name == "reversed") continue;
+    if (name == "set_up" || name == "reversed" || describes_ball(name)) continue;
     const Column& known = present.extras.find(name)->second;
     const auto line = zeroed_each_run && is_mark(known) ? std::optional(Follows{}) : follows(present, known);
     if (line) all.extras_follow[name] = line->column;
@@ -152,8 +181,8 @@ WithProposals with_proposals(const Observations& present, const std::vector<Meas
     one.runs = 1;
     stops.push_back(stops_of(one));
     all.first.push_back(rows.size());
-    all.count.push_back(stops.back().size());
-    rows.insert(rows.end(), stops.back().size(), pattern_of(present, one));
+    all.count.push_back(one.ball ? one.ball->readings.size() : stops.back().size());
+    rows.insert(rows.end(), all.count.back(), pattern_of(present, one));
   }
   all.data = subset(present, rows);
   double last_s = 0.0;
@@ -166,6 +195,7 @@ WithProposals with_proposals(const Observations& present, const std::vector<Meas
   for (std::size_t i = 0; i < proposals.size(); ++i) {
     if (proposals[i].circle) all.data.paths.push_back(*proposals[i].circle);  // a pass of its own, measured or not
     const double start_s = last_s + kSecondsAMinute * (proposals[i].wait_minutes + proposals[i].set_up_minutes);
+    if (proposals[i].ball) fill_ball(all.data, all.first[i], proposals[i], start_s);
     for (std::size_t j = 0; j < stops[i].size(); ++j)
       fill(all.data, all.first[i] + j, proposals[i], stops[i][j], start_s);
   }
@@ -214,6 +244,18 @@ MatrixXd slopes_of(Assembly& assembly, const Assembly& fitted_assembly, const Ve
     }
   }
   return slopes;
+}
+
+/// Columns for the places of balls or tools with the numbers after `known`.
+void append_places(Belief& belief, std::string_view effect, std::size_t known, std::size_t count,
+                   const Regressors& all) {
+  for (std::size_t number = known + 1; number <= count; ++number) {
+    EffectInstance place;
+    place.id = effect_named(effect);
+    place.rotary = true;
+    place.ball = static_cast<int>(number);
+    append(belief.columns, all.columns(place, 0.0).of);
+  }
 }
 
 /// The effect with its fitted values as the starting values of its formulas.
@@ -352,6 +394,9 @@ Result<Belief> belief_of(const Model& model, const std::vector<EffectInstance>& 
   belief.columns.resize(static_cast<Index>(all.data().size()), 0);
   if (!wide.slots.empty()) belief.columns = wide.columns();
   append(belief.columns, slopes_of(wide, assembly, core.sizes, all));
+  // a ball or a tool set up anew is not where it should be to the micrometre
+  append_places(belief, "ball_on_table", present.balls_mm.size(), all.data().balls_mm.size(), all);
+  append_places(belief, "ball_in_spindle", present.tools_mm.size(), all.data().tools_mm.size(), all);
   return belief;
 }
 

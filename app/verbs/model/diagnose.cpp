@@ -105,6 +105,15 @@ struct NextRequest {
 
 // --- proposals
 
+Json ball_json(const model::BallSet& ball) {
+  Json sweeps = Json::array();
+  for (const model::BallSet::Sweep& one : ball.sweeps)
+    sweeps.push_back(object_of("axis"_is(axis_json(one.axis, true)), "targets_deg"_is(one.targets_deg),
+                               "parked_deg"_is(position_json(one.parked_deg, true))));
+  return object_of("place_mm"_is(position_json(ball.place_mm)), "tool_mm"_is(position_json(ball.tool_mm)),
+                   "sweeps"_is(std::move(sweeps)), "why"_is(ball.why));
+}
+
 Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
   Json pairs = Json::array();
   for (const model::PairSeparation& pair : one.pairs)
@@ -112,8 +121,9 @@ Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
   Json separation;  // null: a repetition separates nothing on its own
   if (!one.pairs.empty()) separation = number_or_null(one.separation_sigma);
   AnswerFields fields = described(
-      "tells"_is(one.tells, paragraph(fmt::format("{}. {}", number, one.tells), 0, 3)), "axis"_is(axis_json(one.axis)),
-      "sense"_is(name_of(one.sense)), "targets_mm"_is(one.targets_mm), "parked_mm"_is(position_json(one.parked_mm)),
+      "tells"_is(one.tells, paragraph(fmt::format("{}. {}", number, one.tells), 0, 3)),
+      "axis"_is(axis_json(one.axis, one.ball.has_value())), "sense"_is(name_of(one.sense)),
+      "targets_mm"_is(one.targets_mm), "parked_mm"_is(position_json(one.parked_mm)),
       "bidirectional"_is(one.bidirectional), "approach"_is(one.approach), "runs"_is(one.runs),
       "feed_mm_min"_is(one.feed_mm_min), "second_feed_mm_min"_is(one.second_feed_mm_min), "dwell_s"_is(one.dwell_s),
       "new_set_up"_is(one.new_set_up), "temperatures_degC"_is(one.temperatures_degC),
@@ -125,6 +135,7 @@ Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
       "sentence"_is(one.sentence, paragraph(one.sentence, 3)));
   if (one.circle)
     fields.push_back("circle"_is(object_of("path"_is(to_text(*one.circle)), "step_deg"_is(one.circle_step_deg))));
+  if (one.ball) fields.push_back("ball"_is(ball_json(*one.ball)));
   return record_cell("\n{tells}{sentence}", fields);
 }
 
