@@ -214,7 +214,7 @@ async function during(text, work) {
 
 // --- cards
 
-const parts = ["about", "guess", "verdict", "take", "ladder", "missing", "figures", "sealed", "iso", "explained", "terminal"];
+const parts = ["about", "guess", "verdict", "take", "ladder", "fails", "missing", "figures", "sealed", "iso", "explained", "terminal"];
 function fill(part, ...children) {
   byId(part).replaceChildren(...children.flat().filter(Boolean));
   explainWords(byId(part));
@@ -258,7 +258,7 @@ function candidateBox(candidate, library) {
   const known = library.get(candidate.effect);
   const facts = [
     ["because", candidate.because], ["but", candidate.but], ["to decide", candidate.decide],
-    ["cause", known && known.cause], ["check", known && known.check], [known && known.compensated ? "can be compensated by" : "not compensated", known && known.how],
+    ["cause", known && known.cause], ["check", known && known.check], [known && known.compensated ? "usual compensation" : "not compensated", known && known.how],
     ["next", candidate.next_measurement],
   ].filter(([, text]) => text);
   return element("article", { class: "candidate" },
@@ -321,10 +321,10 @@ function showMissing(said, library) {
   const runs = runsBox(different_run);
   const proposed = formula && element("article", { class: "candidate" },
     element("h3", {}, "A formula", element("code", {}, Object.values(formula.formula).join(", "))),
-    element("p", {}, typeset(formula.why)),
+    paragraphOf(said.text, "As a formula"),
     element("p", {}, element("button", { type: "button", "data-add": "formula", click: () => addEffect("formula", []) },
       "Add the formula to the model")));
-  fill("missing", card(inAnswer.length || runs ? "What is missing" : "The residual", runs,
+  fill("missing", card(inAnswer.length || runs ? "What is missing" : "Other effects", runs,
     inAnswer.map((one) => candidateBox(one, library)),
     runs ? null : proposed,
     left.filter((one) => one.is).length ? element("dl", { class: "facts" }, left.filter((one) => one.is).flatMap((one) =>
@@ -397,7 +397,7 @@ async function rankEffects() {
   const current = () => bench === asked && bench.changes === before && byId("suspect");
   const library = await effectLibrary();
   const ranked = new Map();
-  const inModel = new Set([...(await readText(bench.model)).matchAll(/^id = "(\w+)"/gm)].map(([, id]) => id));
+  const inModel = new Set((await effectsInModel()).map((name) => name.split(":")[0]));
   const candidates = asked.diagnosis ? asked.diagnosis.candidates.map((one) => one.effect) : [];
   for (const one of library.keys()) {
     if (one === "user") continue;
@@ -427,20 +427,24 @@ function showComparison(said, svg, residual, inModel) {
     line.match(/^(\S+(?: \S+)?)\s+(\S+)\s{2,}(\S+(?: \S+)*)\s+(\d+)\s+(-?[\d.]+)\s+([\d.]+)\s+([\d.]+)\s{2,}(.*)$/));
   // The diagnosis states rms, noise and lack of fit; without it the comparison does.
   const mostDrawn = 3;
-  fill("figures", card("The model against the measurement", element("p", { id: "effects", class: "soft" }, `In the model: ${inModel.join(", ")}.`),
-    overAbscissa(svg, residual),
-    bench.lineCount > mostDrawn ? element("p", { class: "soft" }, `The ${mostDrawn} of ${bench.lineCount} lines with the largest error are drawn.`) : null,
+  const drawn = bench.lineCount > mostDrawn
+    ? () => element("p", { class: "soft" }, `The ${mostDrawn} of ${bench.lineCount} lines with the largest error are drawn.`) : () => null;
+  const lines = figures(svg);
+  const left = element("div", { class: "figures" }, [...lines.children].filter((one) => /: residual of the model\b/.test(one.getAttribute("aria-label"))));
+  fill("fails", card(bench.diagnosis && bench.diagnosis.verdict === "adequate" ? "The residual" : "Where the model fails", overAbscissa(left, residual), drawn(),
     byId("verdict").firstChild ? null : element("p", {}, typeset(unwrapped(said.text.split("\n\n")[0]))),
     table("the residual, reading − model, in µm (EA, EB and EC in µm/m)",
       ["sense", "axis", "direction", ">readings", ">bias", ">rms", ">peak", "lack of fit"],
       rows.filter(Boolean).map((row) => row.slice(1))),
     wholeAnswer("ecs model compare", said.text)));
+  fill("figures", card("The model against the measurement",
+    element("p", { id: "effects", class: "soft" }, `In the model: ${inModel.join(", ")}.`), lines, drawn()));
 }
 
-/** Figures over the position, or the residual over another variable, as the reader chooses. The variable on which the residual
- *  depends most comes first. */
-function overAbscissa(svg, residual) {
-  const shown = new Map([["position", figures(svg)]]);
+/** The residual over the position, or over another variable, as the reader chooses. The variable on which it depends most comes
+ *  first. */
+function overAbscissa(overPosition, residual) {
+  const shown = new Map([["position", overPosition]]);
   for (const figure of residual ? [...figures(residual).children] : []) {
     const over = / over (.*?)\. /.exec(`${figure.getAttribute("aria-label")} `)[1];
     if (!shown.has(over)) shown.set(over, element("div", { class: "figures" }));
@@ -524,6 +528,15 @@ function save(name, bytes, type) {
   return done;
 }
 
+/** A name that says what was measured and what was added: "x_axis_with_cyclic-X-EX_model.toml". */
+function fileName(end) {
+  const several = (names, longest) => (names.length < 2 || names.join("+").length <= longest ? names.join("+") : `${names[0]}_and_${names.length - 1}_more`);
+  const [first, ...others] = bench.lines.length ? bench.lines : bench.data;
+  const data = first.replace(/^.*\//, "").replace(/\.\w+$/, "") + (others.length ? `_and_${others.length}_more` : "");
+  const added = several(bench.added.map(({ name }) => name.replace(/^user:/, "").replace(/[^\w.]+/g, "-")), 60);
+  return [bench.game ? `case_${bench.seed}` : data, added && `with_${added}`, end].filter(Boolean).join("_");
+}
+
 /** The model with values, fitted to the data where it has none. */
 async function fitted() {
   await verb("model", "fit", ...dataWords(), "-o", "fitted.toml", "--force");
@@ -531,18 +544,18 @@ async function fitted() {
 }
 
 async function saveModel() {
-  return save("model.toml", await readBytes(await fitted()), "application/toml");
+  return save(fileName("model.toml"), await readBytes(await fitted()), "application/toml");
 }
 
 async function saveDiagnosis() {
   const said = await verb("model", "diagnose", ...dataWords());
-  return save("diagnosis.json", said.json, "application/json");
+  return save(fileName("diagnosis.json"), said.json, "application/json");
 }
 
 async function saveMap() {
   await verb("map", "build", "--from-model", await fitted(), ...machineWords(), "--zero-missing", "not in the model",
     "-o", "map.csv", "--force");
-  return save("map.csv", await readBytes("map.csv"), "text/csv");
+  return save(fileName("map.csv"), await readBytes("map.csv"), "text/csv");
 }
 
 /** The measurement lines, a file each, as a report takes them: the readings as `ecs laser import` writes them. */
@@ -579,7 +592,7 @@ async function saveReport() {
   await lineFiles();
   await verb("report", "--before", "before", "--model", bench.model, "--data", ...bench.data, ...machineWords(),
     "-o", "report.html", "--force");
-  return save("report.html", await readBytes("report.html"), "text/html");
+  return save(fileName("report.html"), await readBytes("report.html"), "text/html");
 }
 
 /** In the game not before a guess: a diagnosis is the answer. */
@@ -592,9 +605,8 @@ function showTake() {
     found ? element("p", { id: "lacking" }, `The model does not have ${found.name} yet: add it before you take away the model, the map or the report.`)
       : null,
     element("p", { class: "row" },
-    button("save-model", "Model (model.toml)", saveModel), button("save-map", "Error map (map.csv)", saveMap),
-    button("save-report", "Report (report.html)", saveReport),
-    button("save-diagnosis", "Diagnosis (diagnosis.json)", saveDiagnosis)),
+    button("save-model", "Model (.toml)", saveModel), button("save-map", "Error map (.csv)", saveMap),
+    button("save-report", "Report (.html)", saveReport), button("save-diagnosis", "Diagnosis (.json)", saveDiagnosis)),
   element("p", { id: "saved", role: "status", "aria-live": "polite" })));
 }
 
@@ -618,11 +630,8 @@ async function diagnose() {
   showMissing(said, await effectLibrary());
 }
 
-/** "load:X:EX" for each effect, as the model file has them. */
-async function effectsInModel() {
-  return (await readText(bench.model)).split(/^\[\[effect\]\]$/m).slice(1).map((one) =>
-    ["id", "axis", "sense"].map((key) => new RegExp(`^${key} = "(.*)"`, "m").exec(one)).filter(Boolean).map(([, value]) => value).join(":"));
-}
+/** "load:X:EX" for each effect. */
+const effectsInModel = async () => (await run("ecs", "model", "history", bench.model)).answer.effects;
 
 async function compare() {
   const said = await verb("model", "compare", ...dataWords(), "--plot", "model.svg", "--force");
