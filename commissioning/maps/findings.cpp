@@ -154,6 +154,9 @@ Extremes extremes_of(const laser::MapTable& table) {
   return {*least, *most};
 }
 
+/// Without the sign of a zero.
+std::string hundredths(double value) { return fmt::format("{:.2f}", std::round(100.0 * value) / 100.0 + 0.0); }
+
 Cell table_cell(const laser::MapTable& table, bool with_values) {
   const auto& p = table.position_mm;
   const auto step_mm = increment_mm(table);
@@ -164,7 +167,7 @@ Cell table_cell(const laser::MapTable& table, bool with_values) {
       "unit"_is(unit_of(table.component)),
       "start_mm"_is(p.empty() ? null_cell("-") : Cell{number_or_null(p.front()), fmt::format("{:.6g}", p.front())}),
       "increment_mm"_is(step_mm, step_mm ? fmt::format("{:.6g}", *step_mm) : "varies"), "points"_is(p.size()),
-      "min"_is(extremes.least, 2), "max"_is(extremes.most, 2),
+      "min"_is(extremes.least, hundredths(extremes.least)), "max"_is(extremes.most, hundredths(extremes.most)),
       "position_mm"_is(with_values ? Cell{p, {}} : shown_cell()),
       "compensation"_is(with_values ? Cell{table.compensation, {}} : shown_cell()));
 }

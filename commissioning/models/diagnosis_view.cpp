@@ -17,26 +17,21 @@ using model::Comparison;
 
 /// A residual of this many times the noise of one reading is no noise, whatever a test against repeats says.
 constexpr double kFarAboveNoise = 2.0;
-constexpr std::string_view kFits = "the model fits";
 
 /// That a model fits the scatter of repeats says little where the runs differ far more than readings of one run.
-bool runs_differ(const Cell& lack_of_fit, double rms_um, double noise_um) {
-  return lack_of_fit.text.ends_with(kFits) && rms_um > kFarAboveNoise * noise_um;
+bool runs_differ(const std::optional<model::LackOfFit>& test, double rms_um, double noise_um) {
+  return test && !test->fails() && !test->is_in_doubt() && rms_um > kFarAboveNoise * noise_um;
 }
 
 std::string lack_of_fit_text(const std::optional<model::LackOfFit>& test, double rms_um, double noise_um) {
-  const Cell cell = lack_of_fit_cell(test);
-  return cell.text + (runs_differ(cell, rms_um, noise_um)
-                          ? ", but this means little: repeats in different runs differ as much as the residual"
-                          : "");
+  return runs_differ(test, rms_um, noise_um)
+             ? "no answer, because repeats in different runs differ as much as the residual"
+             : lack_of_fit_cell(test).text;
 }
 
 Cell direction_cell(const model::DirectionSummary& d, bool rotary, double noise_um) {
-  Cell lack_of_fit = lack_of_fit_cell(d.lack_of_fit);  // without its F, which has no room in the table
-  if (const std::size_t comma = lack_of_fit.text.find(", "); comma != std::string::npos)
-    lack_of_fit.text.erase(0, comma + 2);
-  if (!is_rotation(d.sense) && runs_differ(lack_of_fit, d.rms_um, noise_um))
-    lack_of_fit.text.replace(lack_of_fit.text.size() - kFits.size(), kFits.size(), "runs differ");
+  Cell lack_of_fit = lack_of_fit_cell(d.lack_of_fit);
+  if (!is_rotation(d.sense) && runs_differ(d.lack_of_fit, d.rms_um, noise_um)) lack_of_fit.text = "runs differ";
   return record_cell(
       "{sense:<5} {axis:<4} {approach:<11} {readings:>8} {bias_um:>8} {rms_um:>8} {peak_um:>8}   {lack_of_fit}\n",
       "sense"_is(d.path.empty() ? std::string(name_of(d.sense)) : d.path),
@@ -118,7 +113,7 @@ Cell comparison_cell(const Comparison& c, std::size_t readings) {
   const Cell lack_of_fit = lack_of_fit_cell(c.lack_of_fit);
   const std::string judged = lack_of_fit_text(c.lack_of_fit, c.outliers.empty() ? c.rms_um : 0.0, c.noise.noise_um);
   const std::string summary =
-      paragraph(fmt::format("{} readings: rms {:.3f} {}, peak {:.3f} {}; noise of one reading {}; lack of fit: {}",
+      paragraph(fmt::format("{} readings: rms {:.3f} {}, peak {:.3f} {}; noise of one reading {}; lack-of-fit test: {}",
                             readings, c.rms_um, c.noise.unit, c.peak_um, c.noise.unit, noise_text(c.noise), judged));
   return record_cell(
       "{summary}\n{directions}{variables}{worst}{outliers}", "observations"_is(readings), "summary"_shown(summary),
@@ -138,12 +133,12 @@ std::string summary(const Diagnosis& d) {
       fmt::format("{} readings. The residual is {:.3f} {} rms{}; the noise of one reading is {}. ", d.observations,
                   d.rms_um, d.noise.unit, d.outliers.empty() ? "" : ", outliers included", noise_text(d.noise));
   if (d.verdict != Verdict::adequate && d.rms_after_um < d.rms_um)
-    text += fmt::format("With {}: rms {:.3f} {}. ", d.add ? "the proved or likely effects" : "the named effects",
-                        d.rms_after_um, d.noise.unit);
+    text += fmt::format("With {} the residual is {:.3f} {} rms. ",
+                        d.add ? "the proved or likely effects" : "the named effects", d.rms_after_um, d.noise.unit);
   const bool is_judged = d.outliers.empty() || d.verdict != Verdict::adequate;
   text += "Lack-of-fit test: " + lack_of_fit_text(d.lack_of_fit, is_judged ? d.rms_um : 0.0, d.noise.noise_um);
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)
-    text += fmt::format("; afterwards {}", lack_of_fit_cell(d.lack_of_fit_after).text);
+    text += fmt::format("; with the named effects: {}", lack_of_fit_cell(d.lack_of_fit_after).text);
   return paragraph(text + ".");
 }
 
@@ -225,6 +220,7 @@ Cell candidate_cell(const Candidate& c) {
   AnswerFields fields = described(
       inlined({effect_json(c.effect), ""}), "place"_shown(place_in_table(c.effect)),
       "parameters"_is(values, details(!c.parameters.empty(), parameters_text(c.parameters))), "sigma"_is(sigmas),
+      "undetermined"_is(std::ranges::any_of(c.parameters, &model::ParameterEstimate::undetermined), ""),
       "named"_is(c.named), "standing"_is(name_of(c.standing)),
       "but"_is(text_or_null(c.but), details(!c.but.empty(), "but: " + c.but)),
       "decide"_is(text_or_null(c.decide), details(!c.decide.empty(), "to decide: " + c.decide)),
@@ -263,11 +259,12 @@ std::string closest_text(const Diagnosis& d) {
     if (closest.size() < kMostShown)
       closest.push_back({to_text(candidate.effect), candidate.probability, place_text(candidate.effect)});
   if (closest.empty()) return {};
-  return "\n" +
-         paragraph(
-             "Nearest candidates, each with the probability that it is real and not noise, too small to name one: " +
-                 set_text(closest, 2),
-             0, 2);
+  return "\n" + paragraph(
+                    "Nearest candidates, each with the probability that it is real rather than noise; none is large "
+                    "enough to name "
+                    "a cause: " +
+                        set_text(closest, 2),
+                    0, 2);
 }
 
 /// What adding the likely effects would do, and how.
@@ -420,10 +417,11 @@ std::string formula_text(const Diagnosis& diagnosis) {
   if (!diagnosis.formula) return {};
   const model::ProposedFormula& formula = *diagnosis.formula;
   return fmt::format(
-      "As a formula, {}: {}. `ecs model add MODEL formula` adds it. On held-out readings the residual is then expected "
+      "As a formula of {} term{}: {}. `ecs model add MODEL formula` adds it. On held-out readings the residual is then "
+      "expected "
       "to fall from {:.3g} to {:.3g} {} rms.",
-      formula.why, formulas_text(formula.effect), formula.held_out_rms_before_um, formula.held_out_rms_um,
-      diagnosis.noise.unit);
+      formula.effect.user.size(), formula.effect.user.size() == 1 ? "" : "s", formulas_text(formula.effect),
+      formula.held_out_rms_before_um, formula.held_out_rms_um, diagnosis.noise.unit);
 }
 
 std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) {
@@ -435,8 +433,8 @@ std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) 
 
 Cell diagnosis_cell(const Diagnosis& d) {
   const std::string tried =
-      paragraph(fmt::format("candidates tried: {}, on these readings and on {} simulated data sets with noise alone at "
-                            "the same positions and conditions",
+      paragraph(fmt::format("{} candidates were tried on these readings, and on {} simulated data sets that contain "
+                            "noise only, at the same positions and under the same conditions",
                             d.candidates_tried, d.noise_replicates));
   return record_cell("{headline}\n{summary}{candidates}{where}{left}{formula}{outliers}\n{blanks}{notes}",
                      "observations"_is(d.observations), "rms_um"_is(d.rms_um), "noise_um"_is(d.noise.noise_um),

@@ -85,9 +85,10 @@ std::vector<EffectFact> details_of(const model::Candidate& candidate) {
 
 std::vector<EffectFact> evidence_of(const model::Candidate& candidate, const model::Diagnosis& diagnosis) {
   std::vector<EffectFact> facts;
-  facts.push_back({"present model", "lack of fit " + lack_of_fit_cell(diagnosis.lack_of_fit).text});
+  facts.push_back({"present model", "lack-of-fit test: " + lack_of_fit_cell(diagnosis.lack_of_fit).text});
   if (candidate.in_answer() && diagnosis.lack_of_fit_after)
-    facts.push_back({"with the named effects", "lack of fit " + lack_of_fit_cell(diagnosis.lack_of_fit_after).text});
+    facts.push_back(
+        {"with the named effects", "lack-of-fit test: " + lack_of_fit_cell(diagnosis.lack_of_fit_after).text});
   facts.push_back(
       {"residual", fmt::format("{:.3f} -> {:.3f} {} rms, {:.1f} % explained; noise {:.3f} {}", diagnosis.rms_um,
                                candidate.rms_after_um, diagnosis.noise.unit, 100.0 * candidate.shown_explained(),

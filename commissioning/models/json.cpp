@@ -85,10 +85,12 @@ std::optional<EffectInstance> effect_in(const Json& object) {
 
 Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test) {
   if (!test) return null_cell("too few repeats to judge");
-  return record_cell("F = {F}, p = {p}: {word}", "F"_is(test->F, few_digits(test->F)),
-                     "p"_is(test->p, fmt::format("{:.1g}", test->p)),
+  // A p that fails does not measure the misfit: a better model leaves less scatter between the runs, and p falls
+  // further.
+  const std::string p = test->fails() ? "p < 0.0001" : fmt::format("p = {:.1g}", test->p);
+  return record_cell("{word} ({p})", "F"_is(test->F), "p"_is(test->p, p),
                      "word"_shown(test->fails()         ? "the model does not fit"
-                                  : test->is_in_doubt() ? "doubtful"
+                                  : test->is_in_doubt() ? "it is doubtful whether the model fits"
                                                         : "the model fits"));
 }
 
@@ -100,8 +102,9 @@ AnswerFields fields_of(const ParameterEstimate& p) {
   if (!p.held && !p.undetermined && p.sigma && *p.sigma >= 1e-9)
     digits =
         2 + std::max(0, static_cast<int>(std::floor(std::log10(std::max(std::abs(p.value), *p.sigma) / *p.sigma))));
-  return described("name"_is(shown_name(p)), "unit"_is(p.unit), "value"_is(p.value, few_digits(p.value, digits)),
-                   "sigma"_is(p.sigma, sigma), "held"_is(p.held), "undetermined"_is(p.undetermined));
+  return described("name"_is(shown_name(p)), "unit"_is(p.unit),
+                   "value"_is(p.value, p.undetermined ? "-" : few_digits(p.value, digits)), "sigma"_is(p.sigma, sigma),
+                   "held"_is(p.held), "undetermined"_is(p.undetermined));
 }
 
 Cell parameters_cell(const std::vector<ParameterEstimate>& parameters, std::string_view layout) {

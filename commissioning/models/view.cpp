@@ -130,7 +130,7 @@ std::string position_text(double mm) { return shortest(std::round(1e3 * mm) / 1e
 std::string value_text(const ParameterEstimate& p) {
   const std::string unit = p.unit.empty() ? "" : " " + p.unit;
   if (p.held) return few_digits(p.value, 5) + unit + " (fixed)";
-  if (p.undetermined) return few_digits(p.value) + unit + " (undetermined)";
+  if (p.undetermined) return "not determined by these data";
   if (!p.sigma || *p.sigma <= 0.0) return few_digits(p.value, 4) + unit;
   if (*p.sigma < 1e-9) return few_digits(p.value, 6) + unit;
   const int decimals = decimals_for(*p.sigma, 2);

@@ -316,7 +316,8 @@ std::string what_if_summary(const model::WhatIf& what, const model::Model& model
     if (!share.carried)
       (share.of_measurement ? measurement : machine).push_back(name_with_alternatives(model, share.effect));
   text += fmt::format(
-      " The remaining {:.3f} {} rms would be {}noise and errors of the machine that the model does not explain.",
+      " The remaining {:.3f} {} rms would consist of {}noise and errors of the machine that the model does not "
+      "explain.",
       what.machine_um, unit, machine.empty() ? "" : fmt::format("{}, ", fmt::join(machine, ", ")));
   if (!measurement.empty())
     text += fmt::format(" {:.3f} {} rms belong to the measurement, not to the machine: {}.", what.measurement_um, unit,

@@ -324,9 +324,9 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
   if (rms_um < kNothingLeft_um) return "";
   if (lack_of_fit && lack_of_fit->fails())
     return fmt::format(
-        "the residual is {:.3g} {}, and repeats show that it is not noise (lack of fit: F = {:.3g}, p = {:.1g}): "
-        "measure at more positions",
-        rms_um, in.found.noise.pure.unit, lack_of_fit->F, lack_of_fit->p);
+        "the residual is {:.3g} {}, and repeats show that it is not noise (lack-of-fit test: p < 0.0001): measure at "
+        "more positions",
+        rms_um, in.found.noise.pure.unit);
   if (are_off_their_means(data))
     return "every target is the mean of its own readings, so they show how well a position repeats (`ecs test poses` "
            "compares ways of approach), but not where it should be: give the nominal positions";

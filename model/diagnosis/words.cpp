@@ -34,6 +34,9 @@ constexpr double kLeastShareSaid = 0.01;
 constexpr std::size_t kMostVariables = 3;
 constexpr double kWorthNaming = 0.1;
 
+/// In front of a pitch that the readings exclude.
+constexpr std::string_view kNoPitch = "certainly not ";
+
 std::string percent(double share) { return fmt::format("{:.3g} %", kPercent * share); }
 
 std::optional<double> searched_value(const EffectInstance& effect) {
@@ -49,15 +52,12 @@ std::string part_of_turn(double period_deg) {
   return order == 1.0 ? "one turn" : fmt::format("1/{:.0f} turn", order);
 }
 
-/// "= the pitch of its screw", "= 1/2 of the pitch of its scale" for a period that matches a fact of the machine within
-/// a percent, "surely not …" where the readings exclude that; "" if none does.
+/// "the pitch of its screw", "1/2 of the pitch of its scale" for a period that matches a fact of the machine within
+/// a percent, "certainly not …" where the readings exclude that; "" if none does.
 std::string pitch_match(const EffectInstance& effect, const std::optional<double>& sigma_mm, const Observations& data) {
   const auto period = searched_value(effect);
   if (!effect.traits().periodic || !period || !effect.axis) return "";
-  if (effect.rotary) {
-    const std::string part = part_of_turn(*period);
-    return part.empty() ? "" : "= " + part;
-  }
+  if (effect.rotary) return part_of_turn(*period);
   const auto& axis = data.machine.axes[index_of(*effect.axis)];
   if (!axis) return "";
   const auto named = [&](const std::optional<double>& pitch, const char* name) -> std::string {
@@ -66,8 +66,8 @@ std::string pitch_match(const EffectInstance& effect, const std::optional<double
       const double off = std::abs(*period - expected);
       if (off >= kSamePitch * expected) return std::string();
       if (!sigma_mm || off <= kSurelyOther * std::max(*sigma_mm, kLeastSigma * expected))
-        return fmt::format("= {}the pitch of its {}", which, name);
-      return fmt::format("certainly not {}the pitch of its {}, {:.6g} mm by the machine file: check this", which, name,
+        return fmt::format("{}the pitch of its {}", which, name);
+      return fmt::format("{}{}the pitch of its {}, {:.6g} mm by the machine file: check this", kNoPitch, which, name,
                          expected);
     };
     std::string text;
@@ -142,8 +142,9 @@ std::string value_of(const EffectInstance& effect, const ParameterEstimate& para
     return size_text(parameter.value, unit) + (effect.traits().is_curve ? " rms" : "");
   }
   const std::string pitch = pitch_match(effect, parameter.sigma, data);
-  const std::string as_aside = pitch.empty() || pitch.starts_with("= ") ? pitch : fmt::format("({})", pitch);
-  return fmt::format("{:#.4g} {}{}{}", parameter.value, unit, pitch.empty() ? "" : " ", as_aside);
+  const std::string text = fmt::format("{:#.4g} {}", parameter.value, unit);
+  if (pitch.empty()) return text;
+  return pitch.starts_with(kNoPitch) ? fmt::format("{} ({})", text, pitch) : fmt::format("{}, {}", text, pitch);
 }
 
 /// What a size is of, where an effect has several of one kind: "scale of X ", else "".
@@ -175,20 +176,25 @@ std::string variables_text(const Diagnosis& diagnosis) {
   return fmt::format("{}", fmt::join(variables, " and "));
 }
 
-/// Ids in brackets: place, and what these data cannot tell from it unless that is named itself; the period where two
-/// waves act at one place.
+auto named_at(const std::string& place, const Diagnosis& diagnosis) {
+  return std::ranges::count_if(
+      diagnosis.candidates, [&](const Candidate& one) { return one.in_answer() && place_text(one.effect) == place; });
+}
+
+/// Its place, and its period where two waves act at one place.
+std::string id_text(const Candidate& candidate, const Diagnosis& diagnosis) {
+  std::string id = place_text(candidate.effect);
+  if (const auto value = searched_value(candidate.effect); value && named_at(id, diagnosis) > 1)
+    id += fmt::format(" at {:.4g}", *value);
+  return id;
+}
+
+/// Ids in brackets: its own, and what these data cannot tell from it unless that is named itself.
 std::string ids_text(const Candidate& candidate, const Diagnosis& diagnosis) {
-  const std::string place = place_text(candidate.effect);
-  std::string ids = place;
-  const auto named_at = [&](const std::string& text) {
-    return std::ranges::count_if(
-        diagnosis.candidates, [&](const Candidate& one) { return one.in_answer() && place_text(one.effect) == text; });
-  };
-  if (const auto value = searched_value(candidate.effect); value && named_at(place) > 1)
-    ids += fmt::format(" at {:.4g}", *value);
+  const std::string ids = id_text(candidate, diagnosis);
   std::vector<std::string> rivals;
   for (const EffectInstance& rival : candidate.rivals)
-    if (named_at(place_text(rival)) == 0) rivals.push_back(place_text(rival));
+    if (named_at(place_text(rival), diagnosis) == 0) rivals.push_back(place_text(rival));
   if (rivals.empty()) return ids;
   return fmt::format("{}; or {}, which these data cannot distinguish from it", ids, fmt::join(rivals, " or "));
 }
@@ -300,11 +306,11 @@ std::string evidence_together(const Candidate& candidate, const Diagnosis& diagn
     if (!one.in_answer()) continue;
     ++named;
     none_alone = none_alone && !proved_alone(one, diagnosis);
-    if (&one != &candidate) others.push_back(ids_text(one, diagnosis));
+    if (&one != &candidate) others.push_back(id_text(one, diagnosis));
   }
-  std::string text = fmt::format("Together with {} ", fmt::join(others, " and "));
+  std::string text = fmt::format("Together with {}, ", fmt::join(others, " and "));
   if (falls(candidate.kept_rms_before_um, joint.rms_after_um))
-    text += fmt::format("it reduces the residual from {:.3g} to {:.3g} {} rms (noise {:.3g} {})",
+    text += fmt::format("this effect reduces the residual from {:.3g} to {:.3g} {} rms (noise {:.3g} {})",
                         candidate.kept_rms_before_um, joint.rms_after_um, diagnosis.noise.unit,
                         diagnosis.noise.noise_um, diagnosis.noise.unit);
   else
@@ -353,14 +359,15 @@ NamedWave larger_wave(const NamedWave& wave) {
   return has_second_harmonic(wave) && is_second_larger(wave) ? second_harmonic(wave) : wave;
 }
 
-/// ", and of +-1.2 um, 5.000 mm": the smaller of a wave and its second harmonic, where its size is known to a third.
+/// ", and of +-1.2 um with a period of 5.000 mm": the smaller of a wave and its second harmonic, where its size is
+/// known to a third.
 std::string smaller_wave_text(const NamedWave& wave, const Observations& data) {
   constexpr double kSigmas = 3.0;
   if (!has_second_harmonic(wave)) return "";
   NamedWave smaller = is_second_larger(wave) ? wave : second_harmonic(wave);
   const ParameterEstimate& size = *named(smaller, "amplitude_um");
   if (size.undetermined || !size.sigma || size.value < kSigmas * *size.sigma) return "";
-  return fmt::format(", and of +-{}, {}", value_of(smaller.effect, size, data),
+  return fmt::format(", and of +-{} with a period of {}", value_of(smaller.effect, size, data),
                      value_of(smaller.effect, *named(smaller, "period_mm"), data));
 }
 
@@ -490,8 +497,10 @@ std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, c
   for (const ParameterEstimate& one : candidate.parameters)
     if (const std::string pitch = pitch_match(candidate.effect, one.sigma, data);
         one.name == candidate.effect.definition().searched_parameter() && !pitch.empty())
-      text += fmt::format("; the period {:.5g} {} is {}", one.value, data.position_unit(),
-                          pitch.starts_with("= ") ? pitch.substr(2) : pitch);
+      text += fmt::format("; the period of {:.5g} {} is {}", one.value, data.position_unit(), pitch);
+  if (candidate.in_answer() && std::ranges::any_of(candidate.parameters, &ParameterEstimate::undetermined))
+    text += fmt::format(". Its presence is {}, but these data do not determine how large it is",
+                        name_of(candidate.standing));
   return text + fmt::format(". How to recognise it: {}.", candidate.effect.definition().tells_apart);
 }
 

@@ -175,7 +175,27 @@ std::string spoken_name(std::string_view shown, std::string_view unit) {
     words.append(words.empty() ? "" : " ").append(word);
     at = end + 1;
   }
-  return words;
+  // Symbols of the formulas that nobody reads as a word.
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 15> kWords{{
+      {"u0", "decay length"},
+      {"c", "size"},
+      {"k2", "quadratic term"},
+      {"k3", "cubic term"},
+      {"amplitude2", "amplitude of the second harmonic"},
+      {"phase2", "phase of the second harmonic"},
+      {"tau", "time constant"},
+      {"lag", "time constant"},
+      {"stands", "standstill"},
+      {"slower", "slow part"},
+      {"late", "lost motion"},
+      {"c0y", "squareness C0Y"},
+      {"b0z", "squareness B0Z"},
+      {"a0z", "squareness A0Z"},
+      {"rms", "size (rms)"},
+  }};
+  const auto known =
+      std::ranges::find(kWords, std::string_view(words), &std::pair<std::string_view, std::string_view>::first);
+  return unit.empty() || known == kWords.end() ? words : std::string(known->second);
 }
 
 std::string library_name(std::string_view shown, const EffectInstance& effect) {

@@ -14,7 +14,7 @@ EffectDefinition thermal_drift() {
       .cause = "spindle or column grows with temperature",
       .tells_apart = "the same at every position; follows one sensor",
       .check = "run the spindle or the heat source with the axes at rest and watch the drift with a gauge at the tool",
-      .headline = "{where} drifting alike at all positions by {um_per_degC} with the temperature at {sensor}",
+      .headline = "{where} drifting equally at all positions by {um_per_degC} with the temperature at {sensor}",
       .parameters = {lag_parameter(), {"um_per_degC", "um/degC", "growth"}},
       .carrier = Carrier::inputs,
       .live = {{"um_per_degC", ThermalLaw::shift, LiveSource::sensor}},

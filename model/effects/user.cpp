@@ -13,7 +13,7 @@ EffectDefinition user() {
       .cause = "as the user says",
       .tells_apart = "as the user says",
       .check = "check the cause described by the formula",
-      .headline = "{name} as the model file writes it, {sizes}",
+      .headline = "{name}, a formula of the model file, {sizes}",
       .how = "only effects of the library compile into a map",
       .separated_by = separations::kFinerTargets,
       .traits = {.several_alike = true, .on_rotary_axes = true},

@@ -87,7 +87,7 @@ std::string what_it_tells(const MeasurementProposal& p, Question question) {
   if (question == Question::confirm) return fmt::format("confirms {}: {:.1f} sigma, {}", listed(apart), least, minutes);
   if (apart.empty()) return fmt::format("rules out one of the group: {:.1f} sigma, {}", p.separation_sigma, minutes);
   std::string text = fmt::format("distinguishes {}: {:.1f} sigma, {}", listed(apart), least, minutes);
-  if (!together.empty()) text += fmt::format("; not {}", listed(together));
+  if (!together.empty()) text += fmt::format("; does not distinguish {}", listed(together));
   return text;
 }
 
@@ -159,7 +159,8 @@ std::string sentence_of(const MeasurementProposal& p) {
   constexpr double kWorthSaying_mm = 0.1;
   if (const double off_mm = off_equal_steps_mm(p.targets_mm); off_mm > kWorthSaying_mm)
     text += fmt::format(
-        "; the targets lie up to {:.1f} mm off equal steps, so that no short period appears as a long one", off_mm);
+        ". The targets are up to {:.1f} mm off equal steps, so that a short period is not mistaken for a long one",
+        off_mm);
   return text + ".";
 }
 

@@ -222,7 +222,8 @@ std::vector<std::string> untried_effects(const Observations& all) {
     note(data, facts.what, concerned, notes);
   }
   if (data.time_s.empty() && data.size() > 0)
-    notes.emplace_back("no time_s: the tests of the residual use the order of the rows as time (row)");
+    notes.emplace_back(
+        "the column time_s is missing: the tests of the residual use the order of the rows (row) instead");
   add_tied_to_runs(data, notes);
   if (std::ranges::all_of(data.approach, [](int d) { return d == 0; }))
     notes.emplace_back("effects of the approach cannot be tried: they need readings of a known approach");

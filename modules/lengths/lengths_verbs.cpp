@@ -415,11 +415,13 @@ std::string idle_text(const std::vector<std::string>& names) {
 
 Cell single_cell(const model::SingleSetUps& single, double U_um, double minutes) {
   return record_cell(
-      "single set-ups for {wanted} um: {set_ups} of them, {runs} runs of {targets} targets each{not_reached}, "
-      "{minutes} minutes. This plan needs {ratio} of that time\n",
+      "{wanted} um{not_reached} by {set_ups} single set-ups, each with {runs} {runs_word} of {targets} targets, take "
+      "{minutes} minutes; this plan needs {percent} % of that time\n",
       "wanted"_shown(U_um, 3), "set_ups"_is(single.set_ups), "runs"_is(single.runs), "targets"_is(single.targets),
       "minutes"_is(single.minutes, 1), "volume_U_um"_is(single.volume_U_um, 3), "reached"_is(single.reached),
-      "ratio"_is(minutes / single.minutes, 3), "not_reached"_shown(single.reached ? "" : " (not reached)"));
+      "ratio"_is(minutes / single.minutes), "percent"_shown(100.0 * minutes / single.minutes, 0),
+      "runs_word"_shown(single.runs == 1 ? "run" : "runs"),
+      "not_reached"_shown(single.reached ? "" : " (not reached)"));
 }
 
 /// Uncertainties are expanded (95 %). @param map, params_out  files that were written; empty: none
@@ -433,10 +435,9 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
   return record_cell(
       "{file}: {readings} {what}, {unknowns} unknowns, {degrees_of_freedom} degrees of freedom\n"
       "{components}{squareness}{without_effect}{not_determined}"
-      "  scatter of a single reading {residual_um} um, of repeated poses {repeat_um} um\n"
-      "  parts of the scatter: each reading {white_um} um; each stop {stop_um} um and {stop_um_per_m} um/m of length; "
-      "each "
-      "pass {pass_um} um and {pass_um_per_m} um/m of length\n"
+      "  standard deviation of a single reading {residual_um} um{repeated}\n"
+      "  it consists of: the reading itself {white_um} um; each stop {stop_um} um and {stop_um_per_m} um per metre of "
+      "length; each pass {pass_um} um and {pass_um_per_m} um per metre of length\n"
       "  error vector over the volume: U = {volume_U_um} um (root mean square, 95 %)\n"
       "{set_ups}{outliers}{notes}{map}{params_out}",
       "file"_is(work.test.source), "machine"_is(work.machine_name), "readings"_is(found.readings),
@@ -451,6 +452,7 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
       "not_determined"_is(lines_cell(missing_in(found), "  ")), "residual_um"_is(found.residual_um, 3),
       "white_um"_is(found.white_um, 3), "stop_um"_is(found.stop_um, 3), "stop_um_per_m"_is(found.stop_um_per_m, 3),
       "pass_um"_is(found.pass_um, 3), "pass_um_per_m"_is(found.pass_um_per_m, 3), "repeat_um"_is(found.repeat_um, 3),
+      "repeated"_shown(found.repeat_um ? fmt::format(", of repeated poses {:.3f} um", *found.repeat_um) : ""),
       "volume_U_um"_is(found.volume_U_um, 3), "set_ups"_is(list_cell(found.set_ups, set_up_cell)),
       "outliers"_is(list_cell(found.outliers, outlier_cell)), "notes"_is(lines_cell(found.notes, "  note: ")),
       "map"_is(written_cell("map", map, none)), "params_out"_is(written_cell("parameters", params_out)));
@@ -466,8 +468,8 @@ Cell lengths_plan_cell(const model::LengthPlan& plan, double wanted_U_um, const 
   return record_cell(
       "{reached_text}: U = {volume_U_um} um over the volume and the tools (wanted {wanted_U_um}), {first_tool_U_um} um "
       "with the first tool\n"
-      "{minutes} minutes, {set_up_minutes} of them set-ups: {set_ups} set-ups, {paths} paths, {readings} poses\n"
-      "{stations}{notes}for comparison, {single}  with the first tool alone, {single_first_tool}{plan}",
+      "{minutes} minutes, of which {set_up_minutes} for {set_ups} set-ups; {paths} paths, {readings} poses\n"
+      "{stations}{notes}for comparison: {single}  with the first tool alone: {single_first_tool}{plan}",
       "reached_text"_shown(plan.reached ? "reached" : "NOT REACHED with three runs of every path"),
       "reached"_is(plan.reached), "wanted_U_um"_is(wanted_U_um, 3), "volume_U_um"_is(plan.volume_U_um, 3),
       "first_tool_U_um"_is(plan.first_tool_U_um, 3), "minutes"_is(plan.minutes, 1),

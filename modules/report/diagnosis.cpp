@@ -65,7 +65,10 @@ ReportedEffect effect_of(const Json& object) {
   const bool likely = text_at(object, "standing") == name_of(model::Standing::likely);
   out.named = likely || member(object, "named") == Json(true);
   out.but = text_at(object, "but");
-  if (member(object, "parameters").is_object()) out.parameters = parameters_in(object, effect);
+  if (member(object, "undetermined") == Json(true))
+    out.parameters.emplace_back("size not determined by these data");
+  else if (member(object, "parameters").is_object())
+    out.parameters = parameters_in(object, effect);
   out.rms_after_um = number_at(object, "rms_after_um");
   out.explained = number_at(object, "explained");
   out.held_out_before_um = number_at(object, "held_out_rms_before_um");

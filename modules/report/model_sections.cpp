@@ -160,9 +160,12 @@ std::string parameters_in_words(const model::EffectFit& fit) {
   std::vector<std::string> words;
   for (const model::ParameterEstimate& one : fit.parameters) {
     if (one.value == 0.0 && !one.sigma) continue;
+    if (one.undetermined) {
+      words.push_back(parameters_text({one}));
+      continue;
+    }
     std::string value = parameter_text(shown_name(one), one.unit, one.value, one.sigma);
     if (one.held) value += " (given)";
-    if (one.undetermined) value += " (not determined by these data)";
     words.push_back(std::move(value));
   }
   return fmt::format("{}", fmt::join(words, ", "));

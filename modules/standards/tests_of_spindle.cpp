@@ -83,7 +83,7 @@ std::string further_words(const laser::SpindleTest& test) {
     const std::string_view unit = unit_of(motion);
     text += fmt::format("  {:<27} {}\n", motion.title, once_words(motion));
     text += fmt::format(
-        "    asynchronous {:.3f} {} with the drift; random noise of its rms, {:.3f} {}, would give\n"
+        "    asynchronous {:.3f} {} with the drift; random noise of the same rms, {:.3f} {}, would show as\n"
         "    {:.3f} asynchronous in {} turns and {:.3f} synchronous\n",
         motion.asynchronous_drift, unit, motion.asynchronous_rms, unit, motion.if_noise.asynchronous, test.turns,
         motion.if_noise.synchronous);
@@ -225,8 +225,8 @@ Result<Outcome> spindle(VerbContext&, const SpindleRequest& request) {
                                           "synchr.", "(MRS)", "asynchr.", "at deg", "drift");
   return outcome_of(record_cell(
       "{file}: {turns} turns at {readings_per_turn} angles, {way} angle{speed}. Drift is removed.\n"
-      "Values about the least squares centre (LSC) and, of synchronous motion, of minimum\n"
-      "radial separation (MRS); axial: about the mean\n"
+      "Radial values refer to the least-squares centre (LSC), in the column MRS to the centre of\n"
+      "minimum radial separation; axial values refer to the mean\n"
       "{motions}{further}{separated}{notes}{output}{plot}",
       "file"_is(request.file), "turns"_is(test.turns), "readings_per_turn"_is(test.angles), "falling"_is(test.falling),
       "way"_shown(test.falling ? "falling" : "rising"), "speed_rpm"_is(test.speed_rpm),

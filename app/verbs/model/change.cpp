@@ -285,7 +285,10 @@ Result<Outcome> history(VerbContext&, const HistoryRequest& request) {
     ECS_DO(write_plot(request.plot, ladder_figure(model.history, "Error after every step")));
     ladder.text += "plot written to " + request.plot + "\n";
   }
-  return outcome_of(record_cell("{history}", "model"_is(request.model), "history"_is(ladder)));
+  std::vector<std::string> effects;
+  for (const model::EffectInstance& one : model.effects) effects.push_back(to_text(one));
+  return outcome_of(
+      record_cell("{history}", "model"_is(request.model), "history"_is(ladder), "effects"_is(effects, "")));
 }
 
 }  // namespace

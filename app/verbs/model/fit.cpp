@@ -69,7 +69,7 @@ Cell correlations_cell(const Fit& fit) {
   Cell list{Json::array(), {}};
   for (const model::Correlation& one : fit.correlations) {
     if (std::abs(one.value) < kStrongCorrelation) continue;
-    const std::string text = fmt::format("correlated {:+.3f}: {} and {}", one.value, one.first, one.second);
+    const std::string text = fmt::format("correlation {:+.3f} between {} and {}", one.value, one.first, one.second);
     list.add({object_of("first"_is(one.first), "second"_is(one.second), "value"_is(one.value)),
               list.json.size() < kMostLines ? paragraph(text, 0, 2) : ""});
   }
@@ -108,9 +108,9 @@ std::vector<std::string> not_distinguished(const Fit& fit) {
 
 std::string not_distinguished_text(const std::vector<std::string>& names) {
   if (names.empty()) return {};
-  return paragraph(fmt::format("not distinguished from zero (less than {:g} sigma): {}; the readings fit about as "
-                               "well without (`ecs model remove`)",
-                               kDistinguished, fmt::join(names, ", ")),
+  return paragraph(fmt::format("not distinguished from zero (less than {:g} sigma): {}. The model fits about as "
+                               "well without {} (`ecs model remove`)",
+                               kDistinguished, fmt::join(names, ", "), names.size() == 1 ? "it" : "them"),
                    0, 2);
 }
 
@@ -133,7 +133,7 @@ Cell fit_cell(const Fit& fit, std::size_t readings, bool rotary, const std::stri
       "peak_um"_is(fit.peak_um, 3), "noise_um"_is(fit.noise.noise_um), "noise_from_repeats"_is(fit.noise.from_repeats),
       "lack_of_fit"_is(lack_of_fit), "fitted_parameters"_is(fit.fitted_parameters),
       "condition"_is(fit.condition,
-                     paragraph(fmt::format("noise of one reading {}; lack of fit: {}; condition number {}",
+                     paragraph(fmt::format("noise of one reading {}; lack-of-fit test: {}; condition number {}",
                                            noise_text(fit.noise), lack_of_fit.text, few_digits(fit.condition)))),
       "effects"_is(effects_cell(fit)), "correlations"_is(correlations_cell(fit)),
       "not_distinguished"_is(zero, not_distinguished_text(zero)), "undetermined"_is(fit.undetermined, undetermined),

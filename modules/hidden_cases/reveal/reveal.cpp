@@ -42,7 +42,7 @@ struct HiddenTruth {
   std::vector<std::string> group;      ///< of a confounded case
   std::vector<std::string> variables;  ///< of structure outside the library
   double true_model_rms_um = 0.0;      ///< 0: not known
-  Json json;                           ///< as the file has it
+  Json json;                           ///< as the file has it; `text` names its sizes in words
 };
 
 /// A candidate as a diagnosis tells it.
@@ -115,6 +115,26 @@ HiddenEffect hidden_effect(const Json& object) {
   return effect;
 }
 
+/// "amplitude_um 11.1" of an effect as "amplitude 11.1 um".
+std::string with_spoken_names(std::string text, const Json& object) {
+  const auto effect = effect_in(object);
+  if (!effect) return text;
+  for (const model::ParameterDefinition& parameter : effect->definition().parameters) {
+    const std::string name = shown_name(parameter.name, *effect), unit = unit_of(*effect, parameter);
+    const std::string words = model::spoken_name(name, unit);
+    for (const std::string_view before : {"(", ", "}) {
+      const std::string written = fmt::format("{}{} ", before, name);
+      const std::size_t at = text.find(written), end = text.find_first_of(",)", at + written.size());
+      if (at == std::string::npos || end == std::string::npos) continue;
+      const std::string value = text.substr(at + written.size(), end - at - written.size());
+      text.replace(
+          at, end - at,
+          fmt::format("{}{}{}{}{}{}", before, words, words.empty() ? "" : " ", value, unit.empty() ? "" : " ", unit));
+    }
+  }
+  return text;
+}
+
 Result<HiddenTruth> truth_in(const std::string& text, const std::string& file) {
   ECS_TRY(object, object_in(text, file));
   HiddenTruth truth{.kind = text_at(object, "kind"),
@@ -127,7 +147,10 @@ Result<HiddenTruth> truth_in(const std::string& text, const std::string& file) {
   if (std::find(kKinds.begin(), kKinds.end(), truth.kind) == kKinds.end())
     return tl::unexpected(
         not_of_form(file, fmt::format("kind: expected {}, got \"{}\"", fmt::join(kKinds, ", "), truth.kind)));
-  for (const Json& one : list_at(object, "effects")) truth.effects.push_back(hidden_effect(one));
+  for (const Json& one : list_at(object, "effects")) {
+    truth.effects.push_back(hidden_effect(one));
+    if (!text_at(object, "text").empty()) truth.json["text"] = with_spoken_names(text_at(truth.json, "text"), one);
+  }
   const std::size_t needed = truth.kind == "single" ? 1 : truth.kind == "pair" ? 2 : 0;
   if (truth.effects.size() < needed)
     return tl::unexpected(

@@ -78,7 +78,7 @@ TEST_CASE("what lengths do not determine is said with the lengths that would; a 
       answered("PLAN OF LENGTHS",
                {{"--machine", kMachine}, {"--volume-um", "40"}, {"--knots", "1200,600,600"}, {"--output", plan}});
   (void)press(*made, Key::Name::page_down);
-  CHECK(reads(picture(*made, 60, 120), "single set-ups for"));
+  CHECK(reads(picture(*made, 60, 120), "for comparison: "));
   CHECK(contains(content_of(plan), "# minutes:"));
   const auto shown = answered("LENGTHS", {{"LENGTHS", plan}, {"--machine", kMachine}});
   check_reads(picture(*shown), {"not measured yet", "set-up"});

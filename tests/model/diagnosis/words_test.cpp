@@ -31,19 +31,21 @@ TEST_CASE("a finding says cause, size and place; a period that is a pitch of the
   const std::vector<ParameterEstimate> parameters{estimate_of("period_mm", "mm", 10.003),
                                                   estimate_of("amplitude_um", "um", 6.83)};
   CHECK(finding_text(wave, parameters, data) ==
-        "X positions with a periodic error of +-6.8 um, 10.00 mm = the pitch of its screw, only when moving forward");
+        "X positions with a periodic error of +-6.8 um with a period of 10.00 mm, the pitch of its screw, only when "
+        "moving forward");
   std::vector<ParameterEstimate> known{estimate_of("period_mm", "mm", 9.95), estimate_of("amplitude_um", "um", 6.83)};
   known.front().sigma = 0.004;
   CHECK(finding_text(screw_wave(9.95), known, data) ==
-        "X positions with a periodic error of +-6.8 um, 9.950 mm (certainly not the pitch of its screw, 10 mm by the "
+        "X positions with a periodic error of +-6.8 um with a period of 9.950 mm (certainly not the pitch of its "
+        "screw, 10 mm by the "
         "machine file: check this)");
   known.front().sigma = 0.02;
-  CHECK(contains(finding_text(screw_wave(9.95), known, data), "9.950 mm = the pitch of its screw"));
+  CHECK(contains(finding_text(screw_wave(9.95), known, data), "9.950 mm, the pitch of its screw"));
   const std::vector<ParameterEstimate> mostly_second{estimate_of("period_mm", "mm", 20.0),
                                                      estimate_of("amplitude_um", "um", 0.6),
                                                      estimate_of("amplitude2_um", "um", 4.1)};
   const std::string finding = finding_text(screw_wave(20.0), mostly_second, data);
-  CHECK_MESSAGE(contains(finding, "+-4.1 um, 10.00 mm"), finding);
+  CHECK_MESSAGE(contains(finding, "+-4.1 um with a period of 10.00 mm"), finding);
   CHECK(finding_text(effect(effects::backlash, Axis::X, Sense::EX), {estimate_of("um", "um", -5.17)}, data) ==
         "X positions with a lost motion of -5.2 um at reversal");
 }
@@ -79,7 +81,7 @@ TEST_CASE("a size that the data do not determine is not told as a number") {
   ParameterEstimate wave = estimate_of("amplitude_um", "um", 3.0);
   wave.undetermined = true;
   CHECK(finding_text(screw_wave(10.0), {estimate_of("period_mm", "mm", 10.0), wave}, data)
-            .starts_with("X positions with a periodic error of an undetermined amount, 10.00 mm"));
+            .starts_with("X positions with a periodic error of an undetermined amount with a period of 10.00 mm"));
 }
 
 TEST_CASE("sizes in readings of a rotation are in um/m, of curves too") {
