@@ -52,10 +52,11 @@ struct MeasuredLine {
 /// To a thousandth, without needless zeros.
 [[nodiscard]] std::string position_text(double mm);
 
-/// "8.0003 +- 0.0012 mm", digits as far as the sigma goes; "12.5 um (held)", "3.1 um (undetermined)".
+/// "8.0003 +- 0.0012 mm", digits as far as the sigma goes; "12.5 um (fixed)"; "not determined by
+/// these data".
 [[nodiscard]] std::string value_text(const model::ParameterEstimate& parameter);
 
-/// "period_mm 8.0003 +- 0.0012 mm, amplitude_um 6.51 +- 0.05 um"; without those that are nothing.
+/// "period 8.0003 +- 0.0012 mm, amplitude 6.51 +- 0.05 um"; without those that are nothing.
 [[nodiscard]] std::string parameters_text(const std::vector<model::ParameterEstimate>& parameters);
 
 /// "rms [um]", of other readings "rms um/m", "[um,um/m]": a heading of nine columns at most.
@@ -113,7 +114,7 @@ inline constexpr std::size_t kMostShapes = 2;
 /// The same place out of such an object; only "effect" must be there. Nothing where that is no effect of the library.
 [[nodiscard]] std::optional<model::EffectInstance> effect_in(const Json& object);
 
-/// {"F", "p"}, or null without repeats; "F = 31.2, p = 1e-40", "too few repeats to judge".
+/// {"F", "p"}, or null without repeats; "the model fits (p = 0.4)", "too few repeats to judge".
 [[nodiscard]] Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test);
 /// name, unit, value, sigma, held, undetermined; the text of a value has as many digits as its sigma has meaning for.
 [[nodiscard]] AnswerFields fields_of(const model::ParameterEstimate& parameter);

@@ -15,8 +15,8 @@ namespace ecs::model {
 /// A share times this is in per cent.
 inline constexpr double kPercent = 100.0;
 
-/// "X positions with a periodic error of +-6.8 um, 10.00 mm = the pitch of its screw, only when moving forward": an
-/// effect with values from a fit, as an engineer names it.
+/// "X positions with a periodic error of +-6.8 um with a period of 10.00 mm, the pitch of its screw, only when moving
+/// forward": an effect with values from a fit, as an engineer names it.
 [[nodiscard]] std::string finding_text(const EffectInstance& effect, const std::vector<ParameterEstimate>& parameters,
                                        const Observations& data);
 
