@@ -35,10 +35,10 @@ constexpr std::array<FaultText, kFaultCount> kFaults{{
     {"commit_record", "a commit record in the axis memory is damaged: a map may be lost",
      "send parameters and map again, or compare the unit with its map"},
     {"live_input", "a live input is missing or implausible: its terms are held, then fade out",
-     "check this sensor and its cable (`ecs utility inputs`); compensation goes on without it"},
+     "check the sensor and its cable (`ecs utility inputs`) or the tool (`ecs utility tools`); compensation goes on"},
     {"unknown_input", "the load or the tool is unknown: the output could be wrong beyond the limit",
-     "state the load (`ecs utility input load KG`) or the tool (`ecs utility tool`), then enter compensation mode "
-     "again"},
+     "state the load (`ecs utility input load KG`), or select a tool that is in the table (`ecs utility tools`) at the "
+     "control or with `ecs utility tool N`; then enter compensation mode again"},
 }};
 
 constexpr WordTable<UnitMode, 5> kModes{{"starting", "integration", "datuming", "compensating", "halted"}};

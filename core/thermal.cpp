@@ -206,11 +206,12 @@ double size_um(const ThermalPolynomial& of_one, const Vector3& position_mm) noex
   return std::abs(um[0]) + std::abs(um[1]) + std::abs(um[2]);
 }
 
-/// An active row stands still while its instrument is in doubt.
-void work_against(const ThermalState::Input& deviation, const ThermalWorking::Row& row, double seconds,
-                  double& sum_um) noexcept {
-  if (deviation.state != InputState::good) return;
-  sum_um = std::clamp(sum_um - deviation.held * seconds / row.lag_s, -row.reference, row.reference);
+/// D of an active row a step later, from what acts: it never runs ahead of the limit in rate, and stands still while
+/// its instrument is in doubt.
+double worked_against(const ThermalState::Input& deviation, const ThermalWorking::Row& row, double seconds,
+                      double applied_um) noexcept {
+  if (deviation.state != InputState::good) return applied_um;
+  return std::clamp(applied_um - deviation.held * seconds / row.lag_s, -row.reference, row.reference);
 }
 
 void sum_up(const ThermalWorking& working, ThermalState& state) noexcept {
@@ -273,7 +274,7 @@ bool step_thermal(const ThermalWorking& working, ThermalState& state, const Inpu
   for (std::size_t k = 0; k < working.count; ++k) {
     const ThermalWorking::Row& row = working.rows[k];
     if (row.active) {
-      work_against(state.inputs[kDeviationInput], row, seconds, state.lagged[k]);
+      state.lagged[k] = worked_against(state.inputs[kDeviationInput], row, seconds, state.applied[k]);
     } else if (has_values(state, row)) {
       const double now = input_of(state, row, moved_mm, seconds);
       if (!state.has_begun[k]) state.lagged[k] = follows_motion(row.source) ? 0.0 : now;

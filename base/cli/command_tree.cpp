@@ -83,7 +83,7 @@ struct OptionAdder {
     return app.add_option_function<std::string>(argument.name, on, argument.help)->type_name("");
   }
   CLI::Option* operator()(const OnNumbers& on) const {
-    return parted(app.add_option_function<std::vector<double>>(argument.name, on, argument.help))->type_name("NUMBER");
+    return number(parted(app.add_option_function<std::vector<double>>(argument.name, on, argument.help)));
   }
   CLI::Option* operator()(const OnTexts& on) const {
     return parted(app.add_option_function<std::vector<std::string>>(argument.name, on, argument.help))->type_name("");

@@ -135,8 +135,12 @@ void Simulation::tick() {
 void Simulation::sense() {
   const double now_s = machine_.time_s();
   if (const auto along = description_.settings.deviation) {
-    const double shown_um = tool_now(false).error_um[index_of(*along)];
-    wires_.deviation_um = deviation_fails_ ? std::nullopt : std::optional(shown_um);
+    constexpr int kSettled = 5;  // looks at an axis that stands, after which it follows its command no more
+    const double command_mm = machine_.command_mm()[index_of(*along)];
+    still_looks_ = command_mm == deviation_at_mm_ ? still_looks_ + 1 : 0;
+    deviation_at_mm_ = command_mm;
+    if (still_looks_ >= kSettled) shown_um_ = tool_now(false).error_um[index_of(*along)];
+    wires_.deviation_um = deviation_fails_ ? std::nullopt : std::optional(shown_um_);
     unit_->control(wires_);
   }
   unit_->sense(sensors_degC(now_s), now_s - sensed_s_);

@@ -173,6 +173,8 @@ class Simulation {
   std::uint16_t tool_ = 0;
   bool control_on_ = true;
   bool deviation_fails_ = false;
+  double shown_um_ = 0.0, deviation_at_mm_ = 0.0;  ///< by the instrument for the deviation, and where its axis stood
+  int still_looks_ = 0;
   ControlWires wires_{};
   Compensator* unit_ = nullptr;
   std::function<bool()> pause_;

@@ -201,6 +201,7 @@ protocol::CommandResult Unit::try_squareness(const Vector3& um_per_m) {
 
 /// In every mode: the output follows no faster than the parameters allow.
 protocol::CommandResult Unit::change_tools(const Command& command) {
+  if (mode_ == UnitMode::halted) return refused(UnitError::unit_fault, "halted: switch the unit off and on");
   const bool select = command.code == CommandCode::select_tool;
   if (command.tool > kGreatestToolNumber || (command.tool == 0 && !select))
     return refused(UnitError::bad_argument,
@@ -222,6 +223,7 @@ protocol::CommandResult Unit::change_tools(const Command& command) {
     return refused(UnitError::bad_argument, fmt::format("the table is full: {} tools", kMostTools));
   tools_ = next;
   store_tools();
+  if (!powered_) return refused(UnitError::unit_fault, "no power");
   select_tool();
   return done();
 }

@@ -59,7 +59,10 @@ void Unit::start_up() {
   for (InputValue& input : inputs_) input.present = false;
   if (const auto stored = stored_thermal(memory_.view(kThermalRecord.first, kThermalRecord.size)))
     clock_s_ = std::max(clock_s_, stored->clock_s);
-  tools_ = stored_tools(memory_.view(kToolRecord.first, kToolRecord.size)).value_or(ToolTable{});
+  const ByteView tool_record = memory_.view(kToolRecord.first, kToolRecord.size);
+  const auto tools = stored_tools(tool_record);
+  tools_ = tools.value_or(ToolTable{});
+  tools_lost_ = !tools && !std::ranges::all_of(tool_record, [](std::uint8_t byte) { return byte == 0; });
   isolate();
   ticks_ = 0;
   uptime_s_ = silent_s_ = 0.0;
@@ -265,6 +268,8 @@ void Unit::begin_compensating() {
   begin_thermal();
   tool_target_mm_ = parameters_.tool_offset_mm;
   squareness_changes_ = false;
+  (void)change_squareness(*map_, tick_, {parameters_.C0Y_um_per_m, parameters_.B0Z_um_per_m, parameters_.A0Z_um_per_m},
+                          std::numeric_limits<double>::infinity());
   select_tool();
   (void)change_tool(*map_, tick_, thermal_, tool_target_mm_, std::numeric_limits<double>::infinity());
   at_limit_s_ = {};
@@ -359,6 +364,13 @@ void Unit::report_doubtful_input() {
   fault_address_ = static_cast<Address>(doubtful - thermal_.inputs.begin() + 1);
 }
 
+/// The selected one, if the table has it and the parameters allow it.
+const Tool* Unit::usable_tool() const {
+  const Tool* const tool = tools_.selected == 0 ? nullptr : tool_of(tools_, tools_.selected);
+  return tool != nullptr && in_range(tool->offset_mm, parameters_) ? tool : nullptr;
+}
+bool Unit::knows_tool() const { return usable_tool() != nullptr || (tools_.selected == 0 && !tools_lost_); }
+
 /// Which tool acts from now on, by the wires of the control or by what a host has selected. An unknown number changes
 /// nothing of it.
 void Unit::select_tool() {
@@ -366,10 +378,9 @@ void Unit::select_tool() {
     tools_.selected = *wires_.tool;
     store_tools();
   }
-  const Tool* const tool = tools_.selected == 0 ? nullptr : tool_of(tools_, tools_.selected);
-  const bool usable = tool != nullptr && in_range(tool->offset_mm, parameters_);
-  tool_known_ = tools_.selected == 0 || usable;
-  if (tool_known_) tool_target_mm_ = usable ? tool->offset_mm : parameters_.tool_offset_mm;
+  const Tool* const tool = usable_tool();
+  tool_known_ = knows_tool();
+  if (tool_known_) tool_target_mm_ = tool != nullptr ? tool->offset_mm : parameters_.tool_offset_mm;
   tool_changes_ = mode_ == UnitMode::compensating;
   if (mode_ == UnitMode::compensating && !tool_known_) report_unknown_tool();
 }
@@ -411,6 +422,8 @@ void Unit::store_tools() {
   encode_tools(tools_, slot);
   const std::uint32_t which = next_tool_slot(memory_.view(kToolRecord.first, kToolRecord.size));
   memory_.write(kToolRecord.first + which * kToolTableBytes, slot);
+  tools_lost_ = false;
+  watch_supply();
 }
 
 /// The control has lost its drives, and with them its place: it references again, and so does the unit.
@@ -438,8 +451,8 @@ protocol::ControlLines Unit::control_lines() {
   using protocol::ToolState;
   protocol::ControlLines lines;
   lines.tool = tools_.selected;
-  lines.tool_state = !tool_known_ ? ToolState::unknown : tools_.selected == 0 ? ToolState::none : ToolState::acting;
-  if (tool_changes_) lines.tool_state = ToolState::changing;
+  lines.tool_state = !knows_tool() ? ToolState::unknown : tools_.selected == 0 ? ToolState::none : ToolState::acting;
+  if (mode_ == UnitMode::compensating && tool_changes_) lines.tool_state = ToolState::changing;
   lines.tool_offset_mm = mode_ == UnitMode::compensating ? map_->tool_offset_mm : parameters_.tool_offset_mm;
   lines.squareness_um_per_m =
       mode_ == UnitMode::compensating

@@ -157,6 +157,8 @@ class Unit final : public protocol::UnitPort, public Compensator {
   void report_doubtful_input();
   [[nodiscard]] protocol::InputStatus input_status(std::size_t input) const;
   void store_thermal();
+  [[nodiscard]] const Tool* usable_tool() const;
+  [[nodiscard]] bool knows_tool() const;
   void select_tool();
   void control_lost();
   void report_unknown_tool();
@@ -214,7 +216,8 @@ class Unit final : public protocol::UnitPort, public Compensator {
   ControlWires wires_{};
   bool deviation_wired_ = false;
   ToolTable tools_{};
-  bool tool_known_ = true;  ///< the selected number is in the table, or none is selected
+  bool tools_lost_ = false;  ///< their record is damaged, and nobody has written or selected a tool since
+  bool tool_known_ = true;   ///< the selected number is in the table, or none is selected
   bool tool_changes_ = false;
   bool squareness_changes_ = false;
   Vector3 squareness_target_um_per_m_{};

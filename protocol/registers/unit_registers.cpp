@@ -209,8 +209,11 @@ void fields(Pass& pass, T& lines) {
 
 /// Three values that travel as whole steps.
 void in_steps(FieldWriter& pass, const Vector3& values, double step, std::string_view name) {
-  for (const double value : values)
-    pass.number(static_cast<std::int32_t>(std::lround(std::clamp(value / step, -2e9, 2e9))), name);
+  constexpr double kMost = 2e9;  // what is no number is beyond every range, too
+  for (const double value : values) {
+    const double steps = std::isnan(value) ? kMost : std::clamp(value / step, -kMost, kMost);
+    pass.number(static_cast<std::int32_t>(std::lround(steps)), name);
+  }
 }
 void in_steps(FieldReader& pass, Vector3& values, double step, std::string_view name) {
   for (double& value : values) {

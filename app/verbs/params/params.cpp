@@ -354,9 +354,15 @@ Result<Outcome> adjust(VerbContext& context, const AdjustRequest& request) {
                        fmt::format("{:.4f}", value)));
     ECS_DO(send_adjusted(context, unit, parameters, compensated));
   }
+  std::string others;
+  for (std::size_t i = 0; told.sends && i < kAxes; ++i)
+    if (values[i] != stored[i] && &values[i] != &value)
+      others += fmt::format("also stored, as it was tried: {} {:.2f} um/m\n",
+                            name_of(static_cast<Component>(static_cast<std::size_t>(Component::C0Y) + i)), values[i]);
   return outcome_of(record_cell(told.done, "component"_is(request.component), "before"_is(before, 2),
                                 "after"_is(value, 2), "nothing_um"_is(request.nothing_um),
-                                "adjusted"_is(!shows_nothing), "stored"_is(told.sends), "then"_shown(told.then)));
+                                "adjusted"_is(!shows_nothing), "stored"_is(told.sends),
+                                "then"_shown(others + std::string(told.then))));
 }
 
 struct SendRequest {

@@ -11,22 +11,30 @@
 namespace ecs::app {
 namespace {
 
-std::string name_of_input(std::size_t input) { return input == kLoadInput ? "load" : std::to_string(input + 1); }
+std::string name_of_input(std::size_t input) {
+  if (input == kDeviationInput) return "deviation";
+  return input == kLoadInput ? "load" : std::to_string(input + 1);
+}
+std::string_view unit_of_input(std::size_t input) {
+  if (input == kDeviationInput) return "um";
+  return input == kLoadInput ? "kg" : "degC";
+}
 
 Cell input_cell(std::size_t i, const protocol::InputStatus& input) {
   const bool arrived = input.state != InputState::missing || input.value != 0.0;
-  return record_cell("{input:>5}  {value:>10} {unit:<5} {state:<13} {faults:>6}  {wired}\n",
+  return record_cell("{input:>9}  {value:>10} {unit:<5} {state:<13} {faults:>6}  {wired}\n",
                      "input"_is(name_of_input(i)), "value"_is(arrived ? number_cell(input.value, 2) : null_cell("-")),
-                     "unit"_is(i == kLoadInput ? "kg" : "degC"), "state"_is(name_of(input.state)),
-                     "faults"_is(input.faults), "wired"_is(input.wired, "sensor", "host"));
+                     "unit"_is(unit_of_input(i)), "state"_is(name_of(input.state)), "faults"_is(input.faults),
+                     "wired"_is(input.wired, "sensor", "host"));
 }
 
-Cell inputs_cell(const protocol::LiveInputs& live) {
-  Cell list{Json::array(), "input       value       state         faults  from\n"};
-  for (std::size_t i = 0; i < live.inputs.size(); ++i) {
-    const protocol::InputStatus& input = live.inputs[i];
+Cell inputs_cell(const protocol::LiveInputs& live, const protocol::InputStatus& deviation) {
+  Cell list{Json::array(), "    input       value       state         faults  from\n"};
+  const auto add = [&](std::size_t i, const protocol::InputStatus& input) {
     if (input.state != InputState::unused || input.wired || input.value != 0.0) list.add(input_cell(i, input));
-  }
+  };
+  for (std::size_t i = 0; i < live.inputs.size(); ++i) add(i, live.inputs[i]);
+  add(kDeviationInput, deviation);
   if (list.json.empty()) list.text = "no input is wired, set or followed by the map\n";
   return list;
 }
@@ -41,6 +49,7 @@ Cell rows_cell(const protocol::LiveInputs& live) {
 Result<Outcome> show_inputs(VerbContext& context, const cli::Nothing&) {
   ECS_TRY(unit, open_unit(context));
   ECS_TRY(live, unit.client().live_inputs());
+  ECS_TRY(lines, unit.client().control_lines());
   const bool stored = live.stored_age_s != protocol::kUnused;
   return outcome_of(record_cell(
       "{rows}{stored_age_s}{inputs}", "rows"_is(rows_cell(live)),
@@ -48,7 +57,7 @@ Result<Outcome> show_inputs(VerbContext& context, const cli::Nothing&) {
       "stored_age_s"_is(
           stored ? Cell{live.stored_age_s, fmt::format("they began with a stored state, {} s old\n", live.stored_age_s)}
                  : null_cell()),
-      "inputs"_is(inputs_cell(live))));
+      "inputs"_is(inputs_cell(live, lines.deviation))));
 }
 
 struct InputRequest {
@@ -74,18 +83,17 @@ Result<Outcome> set_input(VerbContext& context, const InputRequest& request) {
   ECS_TRY(unit, open_unit(context));
   ECS_DO(unit.client().set_input(input, request.value));
   return outcome_of(record_cell("input {input}: {value} {unit}", "input"_is(request.input), "value"_is(request.value),
-                                "unit"_is(load        ? "kg"
-                                          : deviation ? "um"
-                                                      : "degC")));
+                                "unit"_is(unit_of_input(input))));
 }
 
 }  // namespace
 
 extern const std::vector<Action> kUtilityInputs{
-    action("utility inputs", "show temperatures and load at the unit, their state, and the thermal compensation",
+    action("utility inputs",
+           "show temperatures, load and deviation at the unit, their state, and the thermal compensation",
            "ecs utility inputs --json", show_inputs, {.link = Link::reads}),
     action("utility input",
-           "set a temperature or the load at an input without a sensor; also while the unit compensates",
+           "set a temperature, the load or a deviation at an input without a sensor; also while the unit compensates",
            "ecs utility input 3 24.5\n  ecs utility input load 800", set_input, {.link = Link::writes})};
 
 }  // namespace ecs::app

@@ -39,13 +39,15 @@ Cell tool_cell(const Tool& tool) {
 Cell acting_cell(const protocol::ControlLines& lines) {
   std::string text =
       lines.tool == 0 ? "no tool of the table is selected" : fmt::format("tool {} is selected", lines.tool);
-  if (lines.tool_state == protocol::ToolState::unknown) text += ", and is not in the table: the tool before is kept";
+  if (lines.tool_state == protocol::ToolState::unknown)
+    text += lines.tool == 0 ? ", but the table of tools was damaged: select the tool or send the table again"
+                            : ", but it is not in the table, or is beyond compensation.tool_range_mm";
   if (!lines.compensating_out)
     text += "; the unit does not compensate now\n";
   else
-    text += fmt::format("{}; acting offset X {:.4f}, Y {:.4f}, Z {:.4f} mm\n",
-                        lines.tool_state == protocol::ToolState::changing ? ", the output is on its way to it" : "",
-                        lines.tool_offset_mm[0], lines.tool_offset_mm[1], lines.tool_offset_mm[2]);
+    text += fmt::format("; acting offset X {:.4f}, Y {:.4f}, Z {:.4f} mm{}\n", lines.tool_offset_mm[0],
+                        lines.tool_offset_mm[1], lines.tool_offset_mm[2],
+                        lines.tool_state == protocol::ToolState::changing ? ", still changing" : "");
   return {lines.tool, text};
 }
 
@@ -100,6 +102,8 @@ Result<std::vector<Tool>> tools_in(const std::string& file) {
     else
       tools.push_back({static_cast<std::uint16_t>(*number), {*x, *y, *z}});
   }
+  if (tools.empty() && findings.empty())
+    findings.add(0, 0, "expected at least one tool; `ecs utility tool N --remove` removes one");
   if (tools.size() > kMostTools) findings.add(0, 0, "expected at most {} tools, found {}", kMostTools, tools.size());
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
   return tools;

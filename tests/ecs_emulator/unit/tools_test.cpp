@@ -240,6 +240,13 @@ TEST_CASE("squareness is tried while the unit compensates, without a step, and i
   const double before_um = b.compensation_um()[0];
   CHECK(contains(tried(10'001.0).text, "expected squareness values within"));
   REQUIRE(tried(40.0).state == CommandState::done);
+  b.simulation.switch_control(false);
+  b.simulation.tick();
+  b.simulation.switch_control(true);
+  b.reference_all();
+  CHECK(b.unit.control_lines().squareness_um_per_m == Vector3{});
+  REQUIRE(b.simulation.move_to({-60.0, -210.0, -140.0}, 0.0));
+  REQUIRE(tried(40.0).state == CommandState::done);
   CHECK(b.largest_step_um(3000) <= 1.05 * b.parameters.tool_rate_um_per_s * b.unit.period_s());
   CHECK(b.compensation_um()[0] - before_um == Approx(0.040 * -210.0).epsilon(0.01));  // of an error of -C0Y y
   CHECK(b.unit.control_lines().squareness_um_per_m == Vector3{40.0, 0.0, 0.0});
@@ -249,6 +256,44 @@ TEST_CASE("squareness is tried while the unit compensates, without a step, and i
   b.reference_all();
   REQUIRE(b.simulation.move_to({-60.0, -210.0, -140.0}, 0.0));
   CHECK(b.compensation_um()[0] == Approx(before_um).epsilon(0.01));
+}
+
+TEST_CASE("an active row takes a deviation away no faster than the rate, and does not go beyond it") {
+  Bench b("[[contribution]]\ncomponent = \"EZX\"\nformula = \"9 + 0.001*p\"\n",
+          ideal_machine() + "[emulator]\ndeviation = \"Z\"\n");
+  b.thermal = {{Component::EZX, ThermalLaw::active, kDeviationSource, kNoInput, 1.0, 30.0, 5.0, 0.0}};
+  b.compensate();
+  REQUIRE(b.simulation.move_to({-300.0, -100.0, -50.0}, 6000.0));
+  double least_um = 1e9;
+  for (int second = 0; second < 90; ++second) {
+    REQUIRE(b.simulation.run_for(1.0));
+    least_um = std::min(least_um, b.simulation.tool_now(false).error_um[2]);
+  }
+  CHECK(std::abs(b.simulation.tool_now(false).error_um[2]) < 0.1);
+  CHECK(least_um > -0.2);
+  // its axis moves at rapid feed: the instrument is no judge of an axis that follows its command late
+  REQUIRE(b.simulation.move_to({-300.0, -100.0, -450.0}, 10'000.0));
+  REQUIRE(b.simulation.move_to({-300.0, -100.0, -50.0}, 10'000.0));
+  CHECK(b.unit.fault() == Fault::none);
+  CHECK(std::abs(b.simulation.tool_now(false).error_um[2]) < 1.0);
+}
+
+TEST_CASE("a table of tools that is damaged in both its places leaves the tool unknown until somebody states it") {
+  ToolBench b(false);
+  b.begin();
+  REQUIRE(select_tool(b, 0).state == CommandState::done);
+  b.unit.power(false);
+  for (std::uint32_t slot = 0; slot < 2; ++slot)
+    b.unit.memory().corrupt(kToolRecord.first + slot * kToolTableBytes + 40, 0x11);
+  b.unit.power(true);
+  REQUIRE(b.simulation.run_for(0.2));
+  CHECK(b.unit.control_lines().tool_state == protocol::ToolState::unknown);
+  REQUIRE(b.tell(CommandCode::enter_compensation).state == CommandState::done);
+  b.reference_all();
+  CHECK((b.unit.fault() == Fault::live_input || b.unit.fault() == Fault::unknown_input));
+  REQUIRE(b.tell(CommandCode::enter_integration).state == CommandState::done);
+  REQUIRE(put_into_table(b, 1, {0.0, 0.0, -80.0}).state == CommandState::done);
+  CHECK(b.unit.control_lines().tool_state == protocol::ToolState::none);
 }
 
 TEST_CASE("without the control's power on the relays open, and every axis has to be referenced again") {
