@@ -196,7 +196,7 @@ TEST_CASE("a resolver that distorts: a wave of a quarter turn with its harmonic,
   CHECK(first.parameters[3].value < 0.75 * kDeg);
   for (const Candidate& c : found.candidates)
     if (c.standing != Standing::possible) CHECK(!c.effect.traits().of_approach);
-  CHECK(contains(found.headline, "45.00 deg = 1/8 turn"));
+  CHECK(contains(found.headline, "45.00 deg, 1/8 turn"));
   CHECK(contains(found.headline, "(delay:C:EC)"));  // 33 ms between the channels, no rival of a reversal
 }
 

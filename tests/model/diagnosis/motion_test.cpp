@@ -96,8 +96,8 @@ TEST_CASE(
     CHECK(late->rivals.empty());
     CHECK(in_answer(found, "cyclic:C:EC"));
     CHECK_FALSE(says_reversal(found));
-    CHECK(contains(found.headline, "90.00 deg = 1/4 turn, and of +-"));
-    CHECK(contains(found.headline, "45.00 deg = 1/8 turn"));
+    CHECK(contains(found.headline, "90.00 deg, 1/4 turn, and of +-"));
+    CHECK(contains(found.headline, "45.00 deg, 1/8 turn"));
   }
 }
 

@@ -125,6 +125,7 @@ TEST_CASE("a dump is saved, opened, searched and compared with the unit") {
   type(one.screen, "c");
   replace_line(one.screen, file);
   REQUIRE(shows(one.screen, "compared with"));
+  INFO(picture(one.screen));
   CHECK(contains(picture(one.screen), "1 place differs"));
   (void)press(one.screen, Key::Name::home);
   CHECK(contains(after(one.screen, "d"), "0x048000"));
