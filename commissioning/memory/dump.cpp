@@ -38,6 +38,7 @@ std::vector<DumpPart> parts_of(const StatusSnapshot& snapshot, DumpScope scope) 
             {kSystemRam, kSystemRam.size},
             {kCommitRecords, kCommitRecords.size},
             {kThermalRecord, kThermalRecord.size},
+            {kToolRecord, kToolRecord.size},
             {kBankA, bank},
             {kBankB, bank}};
   std::vector<DumpPart> wanted{{kCommitRecords, kCommitRecords.size}};
