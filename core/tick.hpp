@@ -131,7 +131,8 @@ void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>&
 
 /// Takes the levers of every rotation, of the map and of its thermal rows, to another tool offset, between two ticks.
 /// No axis is corrected by more than `most_um` more or less than before at the place of the last tick.
-/// @pre            the map was compiled with a tool range or offset: without one, components that only a tool levers are
+/// @pre            the map was compiled with a tool range or offset: without one, components that only a tool levers
+/// are
 ///                 not in it (in_range() of tools.hpp refuses such a tool)
 /// @param most_um  infinity: at once
 /// @return         that offset is reached
