@@ -121,6 +121,7 @@ bool Disk::lose_power(Random& random) {
   } else if (chance(random, 0.5)) {
     now_ = lasting_;
     taken_back = true;
+    torn_ = lies;  // taken back beyond what anybody was told, as far as to a memory without a map
   }
   lasting_ = now_;
   return taken_back;
