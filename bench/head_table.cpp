@@ -2,17 +2,17 @@
 //   head_table --seeds A..B
 // Each seed is a machine of the emulator (its exact matrices share nothing with the model) with a head B on a head C,
 // or with a table C and a head B. Every location error has a size (standard deviation 15 um, 30 um/m), both rotary axes
-// have lost motion (10 um/m), and the ball and the tool are off by tens of um, at each place and with each length anew:
-// all that is in the model of `ecs model new`. Two to four different causes are hidden: a wave of C, a scale error of B
-// (tilt_scale), a scale or squareness of the linear axes (linear_axes), bending in the frame of the head, in proportion
-// to the length of the tool, or in the frame of the machine (only where C carries B). Each is as large as SNR 3 to 10:
-// rms of the part of it in the first set that this model does not take, divided by the noise of 0.3 to 1 um; a cause of
-// which the model takes 98 % is drawn again. The first set are the usual sweeps of `ecs-emulator ball`, two runs. Then
-// diagnose and add alternate, four rounds at most. The first set of a ball that `next` proposes in these rounds is
-// measured and joined to the readings, and all begins again with a new model, twice at most. right: every cause is
-// named itself, nothing else. group: every cause is named, or among those told to be the same as one that is, nothing
-// else. wrong: a name that is not hidden, nor is any told to be the same. missed: a cause that is neither named nor
-// told to be the same as a named one.
+// have lost motion (10 um/m), and the ball and the tool are off by tens of um, differently at each place and with each
+// length; all that is in the model of `ecs model new`. Two to four different causes are hidden: a wave of C, a scale
+// error of B (tilt_scale), a scale or squareness of the linear axes (linear_axes), bending in the frame of the head, in
+// proportion to the length of the tool, or in the frame of the machine (only where C carries B). Each is as large as
+// SNR 3 to 10: rms of the part of it in the first set that this model does not take, divided by the noise of 0.3 to 1
+// um; a cause of which the model takes 98 % is drawn again. The first set are the usual sweeps of `ecs-emulator ball`,
+// two runs. Then diagnose and add alternate, four rounds at most. The first set of a ball that `next` proposes in these
+// rounds is measured and joined to the readings, and all begins again with a new model, twice at most. right: every
+// cause is named itself, nothing else. group: every cause is named, or among those told to be the same as one that is,
+// nothing else. wrong: a name that is not hidden, nor is any told to be the same. missed: a cause that is neither named
+// nor told to be the same as a named one.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

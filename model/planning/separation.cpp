@@ -394,7 +394,7 @@ Result<Belief> belief_of(const Model& model, const std::vector<EffectInstance>& 
   belief.columns.resize(static_cast<Index>(all.data().size()), 0);
   if (!wide.slots.empty()) belief.columns = wide.columns();
   append(belief.columns, slopes_of(wide, assembly, core.sizes, all));
-  // a ball or a tool set up anew is not where it should be to the micrometre
+  // after a ball or a tool has been set up again its position differs by more than a micrometre
   append_places(belief, "ball_on_table", present.balls_mm.size(), all.data().balls_mm.size(), all);
   append_places(belief, "ball_in_spindle", present.tools_mm.size(), all.data().tools_mm.size(), all);
   return belief;

@@ -278,13 +278,13 @@ MovingError moving_error(double feed_mm_min, Injection injection) {
   wrong.linear_um_per_mm = 0.25;
   const Motion ideal = motion_of({}, std::nullopt, feed_mm_min);
   const Motion bare = motion_of(wrong, std::nullopt, feed_mm_min);
-  const Motion mended = motion_of(wrong, injection, feed_mm_min);
+  const Motion compensated = motion_of(wrong, injection, feed_mm_min);
   MovingError moving;
   moving.desired_mm = ideal.asked_mm;
   for (std::size_t k = 0; k < ideal.slide_mm.size(); ++k) {
     moving.uncompensated_um.push_back((bare.slide_mm[k] - ideal.slide_mm[k]) * 1e3);
-    moving.compensated_um.push_back((mended.slide_mm[k] - ideal.slide_mm[k]) * 1e3);
-    moving.compensation_um.push_back(mended.compensation_um[k]);
+    moving.compensated_um.push_back((compensated.slide_mm[k] - ideal.slide_mm[k]) * 1e3);
+    moving.compensation_um.push_back(compensated.compensation_um[k]);
   }
   return moving;
 }

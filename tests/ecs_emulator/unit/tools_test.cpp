@@ -186,7 +186,7 @@ TEST_CASE("an unknown load isolates the unit where its rows could be off by more
   }
 }
 
-TEST_CASE("a host fills the table and selects in every mode, and is told what cannot be") {
+TEST_CASE("a host fills the table and selects a tool in every mode, and a wrong request is refused with its reason") {
   ToolBench b(false);
   CHECK(contains(put_into_table(b, 5, {0.0, 0.0, -100.0}).text, "beyond compensation.tool_range_mm"));
   b.begin();

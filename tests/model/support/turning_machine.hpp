@@ -110,7 +110,7 @@ inline laser::MeasurementSet ball_set(const TurningMachine& made, const Ball& ba
   return set;
 }
 
-inline Model begun(const laser::MeasurementSet& set, const TurningMachine& made) {
+inline Model first_model(const laser::MeasurementSet& set, const TurningMachine& made) {
   Model model;
   model.effects = usual_effects(observations_of(set, model, made.machine));
   return model;
