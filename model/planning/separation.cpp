@@ -271,7 +271,7 @@ double slope_step(double value) { return std::max(std::abs(value) * kSlopeStep, 
 
 /// Columns of an effect that are fitted, what it holds as its fixed part.
 Columns free_columns(const Regressors& regressors, const EffectInstance& effect, double nonlinear) {
-  const Columns all = regressors.columns(effect, nonlinear);
+  Columns all = regressors.columns(effect, nonlinear);
   if (effect.traits().is_curve || effect.is_user()) return all;
   Columns free;
   free.fixed = all.fixed.size() > 0 ? all.fixed : VectorXd(VectorXd::Zero(all.of.rows()));

@@ -217,8 +217,8 @@ void add_injections(std::vector<RigNumber>& numbers, const RigBand& before, RigP
        {Injection::velocity_command, "velocity command"}}};
   const RigTables tables = tables_of(before, plan);
   for (const auto& [injection, where] : kPlaces) {
-    const auto add = [&](std::string_view what, std::string_view unit, double here) {
-      numbers.push_back({"3.1", fmt::format("{}: {}", where, what), std::string(unit), std::nullopt, here});
+    const auto add = [&numbers, place = where](std::string_view what, std::string_view unit, double here) {
+      numbers.push_back({"3.1", fmt::format("{}: {}", place, what), std::string(unit), std::nullopt, here});
     };
     add("error band", "mm", band_with(tables, plan, injection, 1.0, seed).error_band_um * 1e-3);
     add("band, loop gain 10 % higher", "mm", band_with(tables, plan, injection, kWrongGain, seed).error_band_um * 1e-3);
