@@ -234,7 +234,7 @@ void count(ProgramSummary& summary, const ProgramStep& step, const Vector3& from
 Result<ProgramSummary> checked_program(const Program& program, const Vector3& start_mm, const ProgramRange& range) {
   std::map<int, std::string> wrong;  // the first that is wrong with each line
   ProgramInterpreter interpreter(program, start_mm, range,
-                                 [&](int line, std::string message) { wrong.try_emplace(line, std::move(message)); });
+                                 [&](int line, const std::string& message) { wrong.try_emplace(line, message); });
   ProgramSummary summary;
   Vector3 from_mm = start_mm;
   while (const auto step = interpreter.next()) {
