@@ -264,13 +264,28 @@ double better_than_wander(const Observations& data, const Base& base, const Sear
                                     independent_columns(null.columns, found.left_out), effects, null.target);
 }
 
+/// Whether an effect predicts the course of runs that it was not fitted to, so often that a wander, which is another in
+/// every run, does not. Levels of their own for the runs are taken off: they may wander from run to run.
+bool predicts_runs(const Observations& data, const Base& base, const Search& search, const Found& found, std::size_t i,
+                   double evidence) {
+  const Columns own = search.columns_of(found.solution.chosen[i]);
+  if (own.fixed.size() > 0 || own.of.cols() != 1) return false;
+  const LinearProblem rest =
+      joined(base, search, search.solution(others(found.solution.chosen, i), found.solution.own));
+  const double chance = chance_of_predicted_runs(
+      data, found.noise, found.left_out,
+      independent_columns(beside(rest.columns, levels_of_runs(data)), found.left_out), own.of.col(0), rest.target);
+  return -2.0 * std::log(chance) > evidence;
+}
+
 /// Effects are proved only if they are better than a wander, each, and without those that are not all together, by
 /// evidence that is positive for having been chosen among all candidates that a wander may be taken for. A wander has
 /// no price: whichever it is, it is no effect. That an effect of approach coincides with passes was planned, not
 /// chosen: it pays for its coefficients only. What people set by hand may coincide with runs; it pays nothing. An
 /// effect that is likelier than a wander, but not for having been chosen, is in doubt; one that is not likelier is
 /// denied. So is a drift where readings enough show the noise; where they do not, of several drifts all but one pay for
-/// having been chosen.
+/// having been chosen. None of this holds for an effect that predicts the course of runs that it was not fitted to: a
+/// wander of one run knows nothing of another.
 void hold_against_wander(const Observations& data, const Base& base, const Search& search, Found& found) {
   const std::vector<Choice>& chosen = found.solution.chosen;
   const auto effect_of = [&](std::size_t i) -> const EffectInstance& {
@@ -306,7 +321,7 @@ void hold_against_wander(const Observations& data, const Base& base, const Searc
   };
   std::vector<std::size_t> together;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    if (!may_be_wander(found.noise, effect_of(i))) continue;
+    if (!may_be_wander(found.noise, effect_of(i)) || predicts_runs(data, base, search, found, i, evidence)) continue;
     hold({i});
     if (!effect_of(i).definition().is_set_by_hand()) together.push_back(i);
   }

@@ -146,7 +146,12 @@ double session_of(const Observations& data, const NoiseModel& noise) {
   return session;
 }
 
-/// Levels of their own for every run and sense (readings × levels).
+double counted(const std::vector<bool>& left_out) { return static_cast<double>(std::ranges::count(left_out, false)); }
+
+double ln_square(double size) { return 2.0 * std::log(std::max(size, kLeastSize)); }
+
+}  // namespace
+
 Eigen::MatrixXd levels_of_runs(const Observations& data) {
   std::map<std::pair<int, Channel>, Eigen::Index> level;
   for (std::size_t k = 0; k < data.size(); ++k)
@@ -157,12 +162,6 @@ Eigen::MatrixXd levels_of_runs(const Observations& data) {
     levels(static_cast<Eigen::Index>(k), level.at({data.run[k], data.channel(k)})) = 1.0;
   return levels;
 }
-
-double counted(const std::vector<bool>& left_out) { return static_cast<double>(std::ranges::count(left_out, false)); }
-
-double ln_square(double size) { return 2.0 * std::log(std::max(size, kLeastSize)); }
-
-}  // namespace
 
 Eigen::MatrixXd independent_columns(const Eigen::MatrixXd& columns, const std::vector<bool>& left_out) {
   Eigen::MatrixXd seen = columns;

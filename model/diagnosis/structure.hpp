@@ -80,6 +80,9 @@ struct Wander {
                                  const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect,
                                  const Eigen::VectorXd& target);
 
+/// Levels of their own for every run and sense (readings × levels).
+[[nodiscard]] Eigen::MatrixXd levels_of_runs(const Observations& data);
+
 /// Those of the columns that do not follow from the others on the readings that are not left out.
 [[nodiscard]] Eigen::MatrixXd independent_columns(const Eigen::MatrixXd& columns, const std::vector<bool>& left_out);
 

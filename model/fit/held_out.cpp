@@ -163,4 +163,63 @@ double held_out_rms(const Observations& data, const NoiseModel& noise, const std
   return std::sqrt(sum / std::max(count, 1.0));
 }
 
+namespace {
+
+/// Chance that at least, or at most, so many of `n` fall on one side of an even chance; at most 1.
+double two_sided_sign_chance(std::size_t better, std::size_t n) {
+  double chance = 0.0, of_so_many = std::pow(0.5, static_cast<double>(n));  // of none
+  for (std::size_t k = 0; k <= n; ++k) {
+    if (k >= better) chance += 2.0 * of_so_many;
+    of_so_many *= static_cast<double>(n - k) / static_cast<double>(k + 1);
+  }
+  return std::min(chance, 1.0);
+}
+
+/// Sum of squares about the mean of each channel, of the rows given.
+double square_about_means(const Observations& data, const std::vector<std::size_t>& rows, const VectorXd& values) {
+  std::map<Channel, std::pair<double, double>> sums;  // count, sum
+  for (const std::size_t k : rows) {
+    auto& [count, sum] = sums[data.channel(k)];
+    count += 1.0;
+    sum += values(static_cast<Index>(k));
+  }
+  double square = 0.0;
+  for (const std::size_t k : rows) {
+    const auto& [count, sum] = sums.at(data.channel(k));
+    const double beyond = values(static_cast<Index>(k)) - sum / count;
+    square += beyond * beyond;
+  }
+  return square;
+}
+
+}  // namespace
+
+double chance_of_predicted_runs(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                                const MatrixXd& columns, const VectorXd& effect, const VectorXd& target) {
+  std::map<int, std::vector<std::size_t>> rows_of;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!left_out[k]) rows_of[data.run[k]].push_back(k);
+  NoiseModel white_noise = noise;  // the whole course of a run counts, not how it changes from reading to reading
+  for (NoiseGroup& group : white_noise.groups) {
+    group.white = group.sigma();
+    group.correlated = 0.0;
+  }
+  MatrixXd both(columns.rows(), columns.cols() + 1);
+  both << columns, effect;
+  std::size_t better = 0, runs = 0;
+  for (const auto& [run, rows] : rows_of) {
+    std::vector<bool> hidden = left_out;
+    for (const std::size_t k : rows) hidden[k] = true;
+    const Whitener whitener(data, white_noise, hidden);
+    const VectorXd white = whitener(target);
+    const VectorXd without = target - columns * least_squares(whitener(columns), white);
+    const VectorXd with = target - both * least_squares(whitener(both), white);
+    const double before = square_about_means(data, rows, without);
+    if (square_about_means(data, rows, with - without) <= kDependent * before) continue;
+    ++runs;
+    if (square_about_means(data, rows, with) < before) ++better;
+  }
+  return two_sided_sign_chance(better, runs);
+}
+
 }  // namespace ecs::model

@@ -34,6 +34,15 @@ struct Parts {
 [[nodiscard]] double held_out_rms(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
                                   const Parts& parts, const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
 
+/// Chance that an effect which is not there predicts a slow drift within so many runs that it was not fitted to. The
+/// sizes follow from the other runs; a run counts as predicted where its deviations from its own mean, for every
+/// channel, become smaller. A drift of one run knows nothing of the others, so either sign of the prediction is as
+/// likely (two-sided sign test). 1 where no run shows the effect.
+/// @param columns  that the model may take freely  @param effect  one column; both (readings × columns), not whitened
+[[nodiscard]] double chance_of_predicted_runs(const Observations& data, const NoiseModel& noise,
+                                              const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
+                                              const Eigen::VectorXd& effect, const Eigen::VectorXd& target);
+
 /// Least squares in the whitened space; of columns that depend on each other the sizes of least norm.
 [[nodiscard]] Eigen::VectorXd least_squares(const Eigen::MatrixXd& white, const Eigen::VectorXd& target);
 /// The same; columns that correlate beyond 0.995 share a size too, so that they do not cancel each other.

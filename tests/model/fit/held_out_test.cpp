@@ -1,5 +1,6 @@
 #include "model/fit/held_out.hpp"
 
+#include "model/diagnosis/structure.hpp"
 #include "tests/model/support/measured_lines.hpp"
 #include "tests/support/normal_matrix.hpp"
 #include "tests/support/test.hpp"
@@ -104,4 +105,39 @@ TEST_CASE("columns of chance predict nothing, however many there are") {
   const VectorXd target = 2.0 * ecs::test::normal_matrix(n, 1, 7).col(0);
   CHECK(cross_validated_part(parts_by_target(data), ecs::test::normal_matrix(n, 1, 8), target, target) < 0.05);
   CHECK(cross_validated_part(parts_by_target(data), ecs::test::normal_matrix(n, 60, 9), target, target) < 0.0);
+}
+
+TEST_CASE("an effect that is there predicts each of eight runs, with the chance of eight coins that fall alike") {
+  const Observations data = observed_line(8);
+  const auto n = static_cast<Index>(data.size());
+  VectorXd course(n), target(n);
+  for (Index k = 0; k < n; ++k) {
+    course(k) =
+        static_cast<double>(data.run[static_cast<std::size_t>(k)]) * std::sin(0.3 * static_cast<double>(k % 10));
+    target(k) = 2.0 * course(k) + 5.0 * data.run[static_cast<std::size_t>(k)];  // and a level of every run
+  }
+  const NoiseModel noise = plain_noise(data, 1.0);
+  const std::vector<bool> none(data.size(), false);
+  const auto chance = [&](const VectorXd& effect) {
+    return chance_of_predicted_runs(data, noise, none, levels_of_runs(data), effect, target);
+  };
+  CHECK(chance(course) == Approx(2.0 / 256.0));
+  CHECK(chance(VectorXd::Ones(n)) == 1.0);  // no run shows it
+}
+
+TEST_CASE("walks that differ from run to run are predicted by another walk as seldom as the chance says") {
+  const Observations data = observed_line(8);
+  const auto n = static_cast<Index>(data.size());
+  const NoiseModel noise = plain_noise(data, 1.0);
+  const std::vector<bool> none(data.size(), false);
+  constexpr int kDraws = 400;
+  constexpr double kChance = 18.0 / 256.0;  // of seven or more of eight, either way
+  int reached = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    MatrixXd walks = ecs::test::normal_matrix(n, 2, 500 + static_cast<unsigned>(draw));
+    for (Index k = 1; k < n; ++k) walks.row(k) += walks.row(k - 1);
+    if (chance_of_predicted_runs(data, noise, none, levels_of_runs(data), walks.col(0), walks.col(1)) <= kChance + 1e-9)
+      ++reached;
+  }
+  CHECK(reached <= kDraws * kChance + 3.0 * std::sqrt(kDraws * kChance));
 }
