@@ -7,6 +7,10 @@
 namespace ecs {
 namespace {
 
+/// No position loop takes longer to follow the unit than one of this part of the gain that its parameters state. A
+/// choice: with less an axis takes longer to be seen to turn while the compensation changes fast.
+constexpr double kSlowestFollowing = 0.25;
+
 std::size_t sense_index(Component c) noexcept { return static_cast<std::size_t>(sense_of(c)); }
 
 /// Cells of one table: linear pieces, or steps of half an increment either side of each value.
@@ -121,6 +125,7 @@ void compile_axes(const UnitParameters& p, CompiledMap& map) noexcept {
     output.slew_counts[a] = from.output_slew_um_per_s * from.output_scale_counts_per_um * map.period_s;
     output.mm_per_output[a] = 1e-3 / output.counts_per_um[a];
     output.follow_part[a] = 1.0 - std::exp(-from.position_loop_gain_per_s * map.period_s);
+    output.unsure_kept[a] = std::exp(-from.position_loop_gain_per_s * kSlowestFollowing * map.period_s);
   }
 }
 
@@ -251,8 +256,8 @@ inline std::int32_t rounded(double value) noexcept { return static_cast<std::int
 inline void put_out(const OutputWorking& to, TickState& state) noexcept {
   const Lanes wanted_um{state.compensation_um[0], state.compensation_um[1], state.compensation_um[2], 0.0};
   const Lanes before = state.output_counts;
-  const Lanes own_mm = state.own_motion_mm;
-  Lanes asked, output, followed;
+  const Lanes own_mm = state.own_motion_mm, unsure_mm = state.unsure_mm;
+  Lanes asked, output, followed, unsure;
   for (std::size_t a = 0; a < 4; ++a) {
     asked[a] = wanted_um[a] * to.counts_per_um[a];
     const double least = before[a] - to.slew_counts[a];
@@ -262,9 +267,11 @@ inline void put_out(const OutputWorking& to, TickState& state) noexcept {
     const double rising = sized > least ? sized : least;
     output[a] = rising < most ? rising : most;
     followed[a] = own_mm[a] + (output[a] * to.mm_per_output[a] - own_mm[a]) * to.follow_part[a];
+    unsure[a] = unsure_mm[a] * to.unsure_kept[a] + std::abs((output[a] - before[a]) * to.mm_per_output[a]);
   }
   state.output_counts = output;
   state.own_motion_mm = followed;
+  state.unsure_mm = unsure;
   for (std::size_t a = 0; a < kAxes; ++a) {
     state.at_limit[a] = std::abs(asked[a]) > to.limit_counts[a];
     state.dac_counts[a] = rounded(output[a]);
@@ -277,8 +284,8 @@ inline CurveValues read_axis(const CompiledMap& map, TickState& state, const Per
   const AxisWorking& axis = map.axes[a];
   const double position_mm = state.datum_mm[a] + travelled_counts(counts[a], state.datum_counts[a]) * axis.mm_per_count;
   state.position_mm[a] = position_mm;
-  state.approach[a] =
-      sensed_approach(state.approach[a], position_mm - state.own_motion_mm[a], axis.deadband_mm, state.extreme_mm[a]);
+  state.approach[a] = sensed_approach(state.approach[a], position_mm - state.own_motion_mm[a], axis.deadband_mm,
+                                      state.extreme_mm[a], state.unsure_mm[a]);
   return look_up(map, map.curves[a][side_of(state.approach[a])], position_mm);
 }
 

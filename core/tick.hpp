@@ -60,6 +60,7 @@ struct alignas(16) OutputWorking {
   Lanes slew_counts{};    ///< per tick
   Lanes mm_per_output{};  ///< how far one D/A count moves the axis, in the end
   Lanes follow_part{};    ///< part of what is left of that way which the axis covers in one tick
+  Lanes unsure_kept{};    ///< part of what is unsure of it that stays so after one tick
 };
 
 /// Index of an approach in per-approach tables.
@@ -102,7 +103,8 @@ struct TickState {
   Vector3 datum_mm{};                    ///< machine coordinate there
   Vector3 position_mm{};
   alignas(16) Lanes own_motion_mm{};   ///< part of the position that the unit's own output has brought about
-  Vector3 extreme_mm{};                ///< furthest point in the present direction of motion, own motion taken off
+  alignas(16) Lanes unsure_mm{};       ///< how far that may be wrong while the axis follows the output
+  Vector3 extreme_mm{};                ///< furthest point that is sure in the present direction, own motion taken off
   PerAxis<Approach> approach{};        ///< forward or reverse, never unknown after start()
   Vector3 compensation_um{};           ///< what the model asks for, before scaling and limits
   alignas(16) Lanes output_counts{};   ///< D/A value, polarity and limits applied
@@ -119,7 +121,9 @@ void start(TickState& state, const PerAxis<std::int64_t>& counts, const Vector3&
 /// One period. Any counts are accepted; the caller watches for jumps and lost transducers.
 /// The transducers see what the unit adds: an axis at rest while another moves drifts by its own compensation. The
 /// approach is therefore sensed on the position less the motion that the output has brought about, which follows the
-/// output as the CNC's position loop does (first order, gain Kv); else an axis at rest would seem to turn round.
+/// output as the CNC's position loop does (first order, gain Kv); else an axis at rest would seem to turn round. No
+/// drive follows exactly so: what the output has lately changed is unsure, until the loop, at a quarter of that gain,
+/// has followed. Without this an axis at rest whose two approaches differ would go to and fro between them.
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts) noexcept;
 /// The same with what the slow loop (thermal.hpp) has come to: its temperatures, at the position of this period.
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
@@ -155,13 +159,15 @@ struct SelectedValue {
 
 /// Direction after a move to `position_mm`: it turns only after travel back beyond the deadband (thesis 5.3,
 /// "minimum distance to qualify as move"). `extreme_mm` follows.
+/// @param unsure_mm  the position may be wrong by this much, either way
 [[nodiscard]] inline Approach sensed_approach(Approach before, double position_mm, double deadband_mm,
-                                              double& extreme_mm) noexcept {
-  const double onward_mm = (position_mm - extreme_mm) * static_cast<double>(static_cast<std::int8_t>(before));
-  if (onward_mm >= 0.0) {
-    extreme_mm = position_mm;
-  } else if (-onward_mm > deadband_mm) {
-    extreme_mm = position_mm;
+                                              double& extreme_mm, double unsure_mm = 0.0) noexcept {
+  const double onward = static_cast<double>(static_cast<std::int8_t>(before));
+  const double onward_mm = (position_mm - extreme_mm) * onward;
+  if (onward_mm >= unsure_mm) {
+    extreme_mm = position_mm - onward * unsure_mm;
+  } else if (-onward_mm > deadband_mm + unsure_mm) {
+    extreme_mm = position_mm + onward * unsure_mm;
     return before == Approach::forward ? Approach::reverse : Approach::forward;
   }
   return before;

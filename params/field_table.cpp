@@ -135,14 +135,14 @@ Field plane_field() {
 }
 
 void add_configuration(std::vector<Field>& table) {
-  Field chain =
-      row({"configuration.chain", Group::configuration,
-           "How the machine is built: letters after T are the axes on the tool side, letters before it those on the "
-           "workpiece side, both from the base outward. TXYZ = moving column mill, XYTZ = compound table. A lathe is "
-           "TZX; if its cross slide is called Y, the chain is XTYZ and the axes are YZ. Write the axes down in order "
-           "from the bed outward.",
-           "axis configuration"},
-          FieldType::text);
+  Field chain = row(
+      {"configuration.chain", Group::configuration,
+       "How the machine is built: letters before T are the axes that carry the workpiece, letters after T those that "
+       "carry the tool, each group from the bed outward. TXYZ: moving-column mill. XYTZ: compound table. TZX: lathe. "
+       "A letter may stand for an axis that the machine does not have if it is left out of configuration.axes, as X "
+       "in XTYZ of a lathe whose cross slide is called Y.",
+       "axis configuration"},
+      FieldType::text);
   chain.accepts = "one T and different letters of XYZ, such as \"TXYZ\"";
   chain.get_text = [](const UnitParameters& p) { return std::string(configuration_of(p)); };
   chain.put_text = put_chain;
@@ -191,7 +191,7 @@ void add_tools(std::vector<Field>& table) {
   table.push_back(number(
       {"compensation.load_range_kg", group,
        "Largest load on the machine, from which the unit computes how wrong its output may be while the load is "
-       "unknown; 0 if that is not to be supervised.",
+       "unknown. With 0 an unknown load is not supervised.",
        ""},
       "kg", {0.0, 1e6}, [](auto& p) -> auto& { return p.load_range_kg; }));
   table.push_back(number(
@@ -202,8 +202,8 @@ void add_tools(std::vector<Field>& table) {
     const auto i = index_of(a);
     table.push_back(number(
         {fmt::format("compensation.tool_range_mm.{}", small_letter_of(a)), group,
-         fmt::format("Largest tool offset along {} in the unit's table of tools; 0 along every axis if no tool is "
-                     "selected while the unit compensates.",
+         fmt::format("Largest tool offset along {} in the unit's table of tools. Set it to 0 along every axis if no "
+                     "tool is selected while the unit compensates.",
                      letter_of(a)),
          ""},
         "mm", {0.0, 10'000.0}, [i](auto& p) -> auto& { return p.tool_range_mm[i]; }));

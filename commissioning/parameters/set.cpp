@@ -115,8 +115,10 @@ Result<void> set_value(std::string_view key, ParameterSet& set, std::string_view
 
 KeyWords words_of(std::string_view key) {
   if (key == kMachineKey)
-    return {"The machine to which these parameters belong. A map for another machine is not kept with them.",
-            "any text; empty: not stated", "", ""};
+    return {
+        "The machine to which these parameters belong. If the unit contains a map for another machine, it is not kept "
+        "when these parameters are sent.",
+        "any text; empty: not stated", "", ""};
   if (key == kSerialKey)
     return {
         "The unit for which these parameters are intended. Sending them to a unit with another serial number needs a "

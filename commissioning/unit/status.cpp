@@ -394,7 +394,7 @@ Cell status_cell(const StatusSnapshot& snapshot) {
   Cell fault = fault_cell(s);
   const bool checked = s.block_check_expected == s.block_check_found;
   if (s.fault == Fault::none)
-    fault.text = checked ? "no fault" : "no fault stored; the block check below does not agree";
+    fault.text = checked ? "no fault" : "no stored fault, but the axis memory is damaged: see the block check below";
   Cell events = events_cell(snapshot.events);
   events.text = newest_events_text(snapshot.events);
   return record_cell(

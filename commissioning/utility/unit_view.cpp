@@ -29,7 +29,7 @@ std::string refusal_in(UnitMode mode) {
   if (mode == UnitMode::integration) return {};
   if (mode == UnitMode::halted) return "The unit is halted after a fatal fault: switch it off and on.";
   return fmt::format(
-      "The unit is {} and does this in integration mode only: press m in DISPLAY ECS STATUS (F3) to switch it.",
+      "The unit is {}. This is possible in integration mode only: press m in DISPLAY ECS STATUS (F3) to switch.",
       ecs::name_of(mode));
 }
 

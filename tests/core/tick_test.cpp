@@ -22,13 +22,13 @@ struct Bench {
   Bench() {
     set_configuration(parameters, "TX");
     parameters.axes[0].output_slew_um_per_s = 1e8;
-    parameters.axes[0].position_loop_gain_per_s = 1e-9;
   }
   void begin(std::vector<PlannedTable> tables, double datum_mm = 0.0, std::int64_t datum_counts = 0,
              Approach approach = Approach::forward) {
     const auto image = image_of(parameters, tables);
     REQUIRE(check_image(image).fault == ImageFault::none);
     REQUIRE(compile(ImageView(image), *map).fault == Fault::none);
+    map->output.mm_per_output = {};
     start(state, {datum_counts, 0, 0}, {datum_mm, 0.0, 0.0}, {approach, Approach::forward, Approach::forward});
   }
   void begin_constant(std::int16_t value_um) {
@@ -124,6 +124,22 @@ TEST_CASE("any travel beyond the deadband turns the approach, any onward travel 
       RC_ASSERT(after == before);
       RC_ASSERT(extreme_mm == from_mm);
     }
+  }));
+}
+
+TEST_CASE("a position that may be wrong turns the approach only by travel that it cannot have mistaken") {
+  CHECK(rc::check([] {
+    const double deadband_mm = number_between(0.0, 0.05), unsure_mm = number_between(0.0, 0.05);
+    const Approach before = *rc::gen::element(Approach::forward, Approach::reverse);
+    const double sign = before == Approach::forward ? 1.0 : -1.0;
+    double extreme_mm = 0.0;
+    // an axis that stands may be seen anywhere within what is unsure, again and again
+    for (int look = 0; look < 20; ++look)
+      RC_ASSERT(sensed_approach(before, number_up_to(unsure_mm), deadband_mm, extreme_mm, unsure_mm) == before);
+    // one that turns is seen to turn after the deadband and twice what is unsure
+    RC_ASSERT(sensed_approach(before, sign * 1.0, deadband_mm, extreme_mm, unsure_mm) == before);
+    const double back_mm = deadband_mm + 2.0 * unsure_mm + 1e-6;
+    RC_ASSERT(sensed_approach(before, sign * (1.0 - back_mm), deadband_mm, extreme_mm, unsure_mm) != before);
   }));
 }
 

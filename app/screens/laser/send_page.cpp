@@ -55,7 +55,7 @@ class SendPage final : public LaserPage {
     lines.say("map", map_text(map), map.complete() && map.findings().empty() ? Tone::good : Tone::warning);
     if (map.complete())
       for (const std::string& remark : remarks_shown(map)) lines.say("remark", remark, Tone::warning);
-    const char* not_saved = map.made ? "not in its present state: press s to save, Enter to save and send" : "no";
+    const char* not_saved = map.made ? "no, or changed since: press s to save, Enter to save and send" : "no";
     lines.say("saved", d.saved() ? "yes, in its present state" : not_saved, d.saved() ? Tone::good : Tone::plain);
     lines.say("sent", sent_text(), d.sent_is_current() ? Tone::good : Tone::plain);
     if (!d.after_failure().empty()) lines.say("after that", d.after_failure(), Tone::warning);
@@ -64,7 +64,7 @@ class SendPage final : public LaserPage {
     if (!map.complete() && map.parameters) lines.say("lacking", lacking_of(map), Tone::warning);
     if (d.sent_is_current() && !d.busy()) lines.say("next", "step 9 reads it back and compares it.");
     if (map.parameters && (!map.complete() || d.sent_is_current())) lines.skip();
-    lines.say("saved with it",
+    lines.say("also written",
               fmt::format("{} (with the measured squareness) and {} (`ecs map build` makes the same map)",
                           files.parameters, files.recipe),
               Tone::faint);

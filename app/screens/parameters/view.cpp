@@ -96,7 +96,7 @@ void keep_in_sight(const ListPlace& place, int rows, int count) {
 }  // namespace
 
 std::string about(const ParametersController& controller, int columns) {
-  std::string name = controller.file().empty() ? "in no file yet" : controller.file();
+  std::string name = controller.file().empty() ? "not saved in a file" : controller.file();
   std::string rest = controller.changes() > 0 ? ", " + counted(controller.changes(), "change") : "";
   if (controller.unsaved()) rest += " not saved";
   if (const std::size_t other = controller.differs_from_file(); !controller.unsaved() && other > 0)
@@ -104,7 +104,7 @@ std::string about(const ParametersController& controller, int columns) {
   std::vector<std::string> more;
   if (controller.has_unit_values()) {
     const std::size_t other = controller.differs_from_unit().size();
-    more.push_back(other == 0 ? "the unit has the same" : differing(other) + " in the unit");
+    more.push_back(other == 0 ? "the unit has the same values" : differing(other) + " in the unit");
   } else if (controller.unit()) {
     more.push_back("the unit has no parameters");
   }
@@ -210,8 +210,8 @@ std::string nothing_differs(const ParametersController& controller) {
   const std::string unit = controller.unit() ? "the unit has no parameters" : "no unit has answered yet";
   if (controller.has_file_values() && controller.has_unit_values()) return "Screen, file and unit agree.";
   if (controller.has_file_values()) return "The file agrees with the screen; " + unit + ".";
-  if (controller.has_unit_values()) return "The unit agrees with the screen; the parameters are in no file yet.";
-  return "No comparison is possible: these parameters are in no file yet, and " + unit + ".";
+  if (controller.has_unit_values()) return "The unit agrees with the screen. The parameters are not saved in a file.";
+  return "No comparison is possible: these parameters are not saved in a file, and " + unit + ".";
 }
 
 bool unit_known(const ParametersController& controller, const std::string& key) {

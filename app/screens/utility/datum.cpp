@@ -94,7 +94,8 @@ class DatumScreen : public AxesScreen {
     if (!busy() || !seen.running || seen.fetching || !seen.axis)
       message_.say("Press Enter first, then g to reference the emulated machine.", Tone::warning);
     else if (seen.workshop.empty())
-      message_.say("This is a real unit: reference the axis at the machine's control.", Tone::warning);
+      message_.say("Only the bundled emulator can be referenced here. Reference the axis at the control.",
+                   Tone::warning);
     else
       reference_now(seen);
   }
@@ -124,8 +125,8 @@ class DatumScreen : public AxesScreen {
 
 constexpr const char* kRecordExplained =
     "Records speed, reference switch and marker of one axis for ten seconds. The unit only records: reference the "
-    "machine at its control while the bar runs. Start some distance away from the switch, and slowly enough that "
-    "switch and marker are passed within the ten seconds. The graph opens at the end and shows the datuming "
+    "machine at its control while the bar runs. Start a short distance away from the switch, so that switch and "
+    "marker are passed within the ten seconds. The graph opens at the end and shows the datuming "
     "parameters.";
 
 class DatumRecordScreen final : public DatumScreen {

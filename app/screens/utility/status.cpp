@@ -339,7 +339,8 @@ class StatusScreen final : public KeyedScreen {
   void reference() {
     if (!may_act()) return;
     if (read_->workshop.empty())
-      return message_.say("This is a real unit: reference the axes at the machine's control.", Tone::warning);
+      return message_.say("Only the bundled emulator can be referenced here. Reference the axes at the control.",
+                          Tone::warning);
     if (reference_.running()) return;
     message_.say("The emulated machine references its axes ...");
     reference_machine(reference_, read_->workshop, {}, message_);

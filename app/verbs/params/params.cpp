@@ -173,8 +173,8 @@ Result<Outcome> new_file(VerbContext& context, const NewRequest& request) {
   const UnitParameters parameters = params::default_parameters_for(machine.machine);
   ECS_DO(params::write_parameters(request.output, parameters, {machine.machine.name, {}}));
   return outcome_of(record_cell(
-      "{file}: initial parameters. Set the datum type, the output scaling and the polarity, which no check can know, "
-      "then run `{check}`",
+      "{file}: initial parameters. Set the datum type, the output scale and the polarity: no check can verify them. "
+      "Then run `{check}`",
       "file"_is(request.output), "check"_shown(shell_command({"ecs", "params", "check", request.output})),
       "parameters"_is(parameters_cell(parameters))));
 }

@@ -68,7 +68,6 @@ struct RecordRequest {
 Result<Outcome> record(VerbContext& context, const RecordRequest& request) {
   ECS_TRY(axis, axis_named(request.axis));
   ECS_TRY(unit, open_unit(context));
-  context.console.note(fmt::format("the unit records for {} s", kDatumRecord_s));
   const auto recording_bar = [&, ask = ask_when_accepted(context, unit, axis)](const protocol::CommandResult& busy) {
     ask(busy);
     const double done = busy.per_mille / 1000.0;

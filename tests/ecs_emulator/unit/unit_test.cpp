@@ -250,6 +250,37 @@ TEST_CASE("end to end: measured, mapped and compensated, the error of an axis fa
   CHECK(after_um < 1.5);  // from whole pulses of 1 um
 }
 
+TEST_CASE("an axis at rest whose approaches differ by more than the deadband does not go to and fro") {
+  Bench bench("",
+              "configuration = \"TX\"\n[axis.X]\ntravel_mm = [0.0, 500.0]\ndatum_mm = 0.0\nresolution_um = 0.1\n"
+              "[emulator.axis.X]\nreference_direction = -1\n");
+  bench.parameters.axes[0].deadband_um = 0.5;
+  const auto changes_at_rest = [&bench] {
+    int changes = 0;
+    for (int period = 0; period < 3000; ++period) {
+      const auto before = bench.simulation.drives()[0].dac_counts;
+      bench.simulation.tick();
+      if (period >= 1000 && bench.simulation.drives()[0].dac_counts != before) ++changes;
+    }
+    return changes;
+  };
+  for (const double gain_per_s : {15.0, 30.0, 60.0})  // that the parameters state; the machine has 30
+    for (const double reverse_um : {2.4, 6.0, -6.0}) {
+      CAPTURE(gain_per_s);
+      CAPTURE(reverse_um);
+      bench.parameters.axes[0].position_loop_gain_per_s = gain_per_s;
+      REQUIRE(bench.tell(CommandCode::enter_integration).state == CommandState::done);
+      bench.compensate([reverse_um](Component, double, Approach approach) {
+        return approach == Approach::forward ? -0.5 : reverse_um;
+      });
+      for (const double target_mm : {0.0, 0.001, 0.01, 0.0, -0.001, 5.0, 4.999, 5.0}) {
+        CAPTURE(target_mm);
+        REQUIRE(bench.simulation.move_to({target_mm, 0.0, 0.0}, 1000.0));
+        CHECK(changes_at_rest() == 0);
+      }
+    }
+}
+
 TEST_CASE("a wrong output scaling factor shows in what is left") {
   Bench bench("[[contribution]]\ncomponent = \"EXX\"\nformula = \"0.1*p\"\n",
               "configuration = \"TX\"\n[axis.X]\ntravel_mm = [-500.0, 0.0]\n[emulator.axis.X]\ndrive = \"ideal\"\n"
