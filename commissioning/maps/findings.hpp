@@ -28,6 +28,11 @@ namespace ecs::commissioning {
                                                    const params::ParametersFile& parameters);
 
 [[nodiscard]] bool has_objections(const std::vector<laser::MapFinding>& findings);
+/// What to do where tables are unevenly spaced.
+inline constexpr const char* kEvenly =
+    "space the points evenly (in step 4 of PROCESS LASER DATA: choose a grid), or give `ecs map send` "
+    "--accept-resampling";
+
 /// Messages of the findings that are no objections.
 [[nodiscard]] std::vector<std::string> remarks_in(const std::vector<laser::MapFinding>& findings);
 

@@ -48,10 +48,8 @@ Result<PreparedMap> prepared_map(const laser::ErrorMap& map, const std::string& 
   if (auto refused = refused_map(objections, map_name)) return tl::unexpected(std::move(*refused));
   ECS_TRY(image, laser::image_of(map, parameters.parameters));
   if (!image.changed.empty() && !options.accept_resampling) {
-    std::vector<std::string> why = image.changed;
-    why.front() +=
-        ", more than the resolution of the unit's memory. Space the points evenly, or give `ecs map send` "
-        "--accept-resampling";
+    std::vector<std::string> why{laser::change_by_resampling(map) + ": " + kEvenly};
+    why.insert(why.end(), image.changed.begin(), image.changed.end());
     return tl::unexpected(std::move(*refused_map(why, map_name)));
   }
   std::vector<std::string> remarks =

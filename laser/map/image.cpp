@@ -153,6 +153,24 @@ double resolution_for(const std::vector<double>& values) {
   return 1.0;
 }
 
+std::string change_by_resampling(const ErrorMap& map) {
+  std::size_t count = 0;
+  double largest = 0.0;
+  const MapTable* most = nullptr;
+  for (const MapTable& table : map.tables) {
+    const TableGrid grid = grid_of(table);
+    if (grid.values.empty() || grid.largest_change <= resolution_for(grid.values)) continue;
+    ++count;
+    if (most != nullptr && grid.largest_change <= largest) continue;
+    most = &table;
+    largest = grid.largest_change;
+  }
+  if (most == nullptr) return "";
+  return fmt::format("{}, and resampling changes {} by up to {:.2f} {} ({})",
+                     count == 1 ? "a table is unevenly spaced" : fmt::format("{} tables are unevenly spaced", count),
+                     count == 1 ? "it" : "them", largest, unit_of(most->component), table_name(*most));
+}
+
 Result<MapImage> image_of(const ErrorMap& map, const UnitParameters& parameters) {
   std::vector<Problem> objections;
   for (const MapFinding& finding : findings_for(map, parameters))

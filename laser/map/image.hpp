@@ -26,6 +26,10 @@ struct MapImage {
 /// Of a table with these values, um or um/m: 0.01, 0.1 or 1.
 [[nodiscard]] double resolution_for(const std::vector<double>& values);
 
+/// What image_of() changes in tables whose points are not evenly spaced: "2 tables are unevenly spaced, and resampling
+/// changes them by up to 1.05 um (EYY forward)". Empty: no table changes by more than its resolution.
+[[nodiscard]] std::string change_by_resampling(const ErrorMap& map);
+
 /// Parameters alone: an image without tables, for a unit that has no map yet. It is addressed to nobody.
 [[nodiscard]] std::vector<std::uint8_t> image_of(const UnitParameters& parameters);
 
