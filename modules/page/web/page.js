@@ -407,7 +407,8 @@ async function rankEffects() {
       const { answer } = await run("ecs", "model", "add", ...changing(one, []));
       ranked.set(one, { rms: answer.rms_after_um, place });
     } catch (error) {
-      ranked.set(one, { why: inModel.has(one) ? "it is in the model" : error.message.replace(/^[^:]*(?::[A-Z]\w*)*: /, "").replace(/ \(`ecs [^)]*\)/, "") });
+      const why = error.message.replace(/^[^:]*(?::[A-Z]\w*)*: /, "").replace(/ \(`ecs [^)]*\)/, "").replace(/^these data cannot show it.*/, "cannot be detected at any place in these data");
+      ranked.set(one, { why: inModel.has(one) ? "it is in the model" : why });
     }
   }
   if (!current()) return;
@@ -515,7 +516,7 @@ async function showIso() {
   })));
 }
 
-// --- files to take away
+// --- results to save
 
 function save(name, bytes, type) {
   const link = element("a", { href: URL.createObjectURL(new Blob([bytes], { type })), download: name });
@@ -601,8 +602,8 @@ function showTake() {
   const button = (id, words, work) =>
     element("button", { id, type: "button", click: () => during("The file is being written.", work) }, words);
   const [found] = bench.diagnosis ? causesOf(bench.diagnosis) : [];
-  fill("take", card("Take away",
-    found ? element("p", { id: "lacking" }, `The model does not have ${found.name} yet: add it before you take away the model, the map or the report.`)
+  fill("take", card("Save results",
+    found ? element("p", { id: "lacking" }, `The model does not have ${found.name} yet. Add it before you save the model, the map or the report.`)
       : null,
     element("p", { class: "row" },
     button("save-model", "Model (.toml)", saveModel), button("save-map", "Error map (.csv)", saveMap),
