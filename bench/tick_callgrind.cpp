@@ -1,6 +1,7 @@
-// Instructions of one tick (target: 400), counted by callgrind; docs/core.md says how to read it.
-// Run: valgrind --tool=callgrind --instr-atstart=no --callgrind-out-file=/dev/null tick_callgrind [values] [rows]
-// [ticks] With thermal rows the tick adds their polynomial, and the slow loop runs once in so many ticks (0: never).
+// Instructions of one tick (target: 400; with two rotary axes and thermal rows 600), counted by callgrind; docs/core.md
+// says how to read it. Run: valgrind --tool=callgrind --instr-atstart=no --callgrind-out-file=/dev/null tick_callgrind
+// [values] [rows] [ticks] [configuration] With thermal rows the tick adds their polynomial, and the slow loop runs once
+// in so many ticks (0: never). With a configuration, such as XYACTZ, the two rotary axes turn as well.
 #include <cstdio>
 #include <cstdlib>
 
@@ -24,16 +25,24 @@ int main(int argc, char** argv) {
   for (std::size_t i = 0; i < inputs.size(); ++i) inputs[i] = {20.0 + static_cast<double>(i), true, 0};
   ecs::ThermalState thermal;
   (void)ecs::begin_thermal(map->thermal, thermal, inputs, datum_mm, nullptr, 0.0);
+  const bool rotary_axes = argc > 4;
+  if (rotary_axes && !ecs::bench::add_rotary_axes(*map, argv[4])) return 1;
+  ecs::RotaryState rotary;
+  ecs::start_rotary(map->rotary, rotary, {}, {}, {});
   CALLGRIND_START_INSTRUMENTATION;
-  if (rows == 0) {
+  if (rows == 0 && !rotary_axes) {
     for (const auto& counts : walk) ecs::tick(*map, state, counts);
   } else {
     for (const auto& counts : walk) {
       if (slow_ticks > 0 && state.ticks % slow_ticks == 0) {
         for (auto& input : inputs) ++input.number;
         (void)ecs::step_thermal(map->thermal, thermal, inputs, state.position_mm, ecs::kThermalStep_s);
+        ecs::follow_thermal(*map, thermal, rotary);
       }
-      ecs::tick(*map, state, counts, thermal.acting);
+      if (rotary_axes)
+        ecs::tick(*map, state, counts, thermal.acting, rotary, {counts[0], counts[1]});
+      else
+        ecs::tick(*map, state, counts, thermal.acting);
     }
   }
   CALLGRIND_STOP_INSTRUMENTATION;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <random>
+#include <string_view>
 #include <vector>
 
 #include "base/random.hpp"
@@ -19,15 +20,15 @@ inline std::vector<ThermalRow> thermal_rows(std::size_t count) {
   std::vector<ThermalRow> rows;
   for (std::size_t k = 0; k < count; ++k) {
     const auto component = static_cast<Component>(k % kCurves);
-    const auto law = is_angular(component) ? ThermalLaw::shift : static_cast<ThermalLaw>(k % kThermalLaws);
+    const auto law = is_angular(component) ? ThermalLaw::shift : static_cast<ThermalLaw>(k % 3);
     rows.push_back({component, law, static_cast<std::uint8_t>(k % kTemperatureInputs), kNoInput, -2.0, 20.0,
                     10.0 * static_cast<double>(k * k), -500.0});
   }
   return rows;
 }
 
-/// An XYTZ machine with a tool offset, so that every component acts; `values` error values in all.
-inline std::vector<std::uint8_t> full_image(std::uint32_t values, const std::vector<ThermalRow>& thermal = {}) {
+/// An XYTZ machine with a tool offset, so that every component acts.
+inline UnitParameters full_parameters() {
   UnitParameters parameters;
   parameters.configuration = {'X', 'Y', 'T', 'Z', 0};
   parameters.C0Y_um_per_m = 16.0;
@@ -36,7 +37,12 @@ inline std::vector<std::uint8_t> full_image(std::uint32_t values, const std::vec
   parameters.tool_offset_mm = {12.0, -7.0, 150.0};
   parameters.memory_modules = static_cast<std::uint8_t>(kMostModules);
   for (auto& line : parameters.measurement_lines_mm) line = {-500.0, -400.0, -300.0};
+  return parameters;
+}
 
+/// Its map, with `values` error values in all.
+inline std::vector<std::uint8_t> full_image(std::uint32_t values, const std::vector<ThermalRow>& thermal = {}) {
+  const UnitParameters parameters = full_parameters();
   const std::uint32_t per_table = values / kMostTables;
   const ImagePlan plan{kMostTables, per_table * kMostTables, 0, thermal.empty() ? kImageFormat : kFormatWithThermal,
                        static_cast<std::uint32_t>(thermal.size())};
@@ -64,6 +70,29 @@ inline std::unique_ptr<CompiledMap> full_map(std::uint32_t values, const std::ve
   if (check_image(image).fault != ImageFault::none || compile(ImageView(image), *map).fault != Fault::none)
     return nullptr;
   return map;
+}
+
+/// Gives the map the two rotary axes of a configuration such as XYACTZ: all six curves every 10 deg for each approach,
+/// and all location errors. @return false: the configuration is not one of this machine
+inline bool add_rotary_axes(CompiledMap& map, std::string_view configuration) {
+  RotaryMachine machine;
+  configuration.copy(machine.configuration.data(), machine.configuration.size() - 1);
+  std::vector<std::uint8_t> values(12 * 36);
+  std::size_t axis = 0;
+  for (std::size_t i = 0; i < values.size() / 2; ++i)
+    store_big(values, 2 * i,
+              static_cast<std::uint16_t>(static_cast<std::int16_t>(1000.0 * std::sin(0.2 * static_cast<double>(i)))));
+  for (const char letter : configuration) {
+    if (letter < 'A' || letter > 'C' || axis == kRotaryInputs) continue;
+    RotaryAxis& one = machine.axes[axis];
+    one = {letter, 1e-3, 2e-3, {}, {600.0, 300.0, -560.0}, {3.0, -4.0, 5.0, 20.0, -30.0, 40.0}};
+    one.direction[static_cast<std::size_t>(letter - 'A')] = 1.0;
+    machine.tables[axis] = {0.0, 10.0, 36, {0.01, 0.01, 0.01, 0.1, 0.1, 0.1}, {values, values}};
+    ++axis;
+  }
+  UnitParameters parameters = full_parameters();
+  parameters.tool_range_mm = {500.0, 500.0, 500.0};
+  return compile_rotary(machine, parameters, map) == RotaryFault::none;
 }
 
 /// Transducer counts of a random walk over one metre of each axis, steps up to 20 um, reversals included.

@@ -17,6 +17,7 @@
 
 #include "core/axis.hpp"
 #include "core/bytes.hpp"
+#include "core/pair.hpp"
 
 namespace ecs {
 
@@ -96,11 +97,13 @@ struct alignas(16) ThermalPolynomial {
   friend bool operator==(const ThermalPolynomial&, const ThermalPolynomial&) = default;
 };
 [[nodiscard]] inline Lanes value_um(const ThermalPolynomial& of, const Vector3& position_mm) noexcept {
-  Lanes sum = of.offset;
-  for (std::size_t a = 0; a < kAxes; ++a)
-    for (std::size_t o = 0; o < sum.size(); ++o)
-      sum[o] += position_mm[a] * (of.gain[a][o] + of.bend[a][o] * position_mm[a]);
-  return sum;
+  Pair xy = pair_at(of.offset.data()), z = pair_at(&of.offset[2]);
+  for (std::size_t a = 0; a < kAxes; ++a) {
+    const Pair p = twice(position_mm[a]);
+    xy += p * (pair_at(of.gain[a].data()) + pair_at(of.bend[a].data()) * p);
+    z += p * (pair_at(&of.gain[a][2]) + pair_at(&of.bend[a][2]) * p);
+  }
+  return {xy[0], xy[1], z[0], z[1]};
 }
 
 /// The rows of a map, compiled for the chain, scope and tool of its parameters.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <memory>
 
+#include "core/pair.hpp"
+
 namespace ecs {
 namespace {
 
@@ -91,8 +93,15 @@ void add_rotation(const Term& term, const UnitParameters& p, AngularAction& acti
   tool.without_tool[product] = -gain * line_mm;
 }
 
-void set_levers(CompiledMap& map, const Vector3& tool_offset_mm) noexcept {
-  map.tool_offset_mm = tool_offset_mm;
+/// A head turns the tool: what does not turn with it is the pivot from which its arms count.
+Vector3 unturned_tool_mm(const CompiledMap& map, const Vector3& tool_offset_mm) noexcept {
+  return map.rotary.turns_tool() ? map.rotary.arm_from_mm : tool_offset_mm;
+}
+
+void set_levers(CompiledMap& map, const Vector3& tool_mm) noexcept {
+  map.tool_offset_mm = tool_mm;
+  const Vector3 tool_offset_mm = unturned_tool_mm(map, tool_mm);
+  if (map.rotary.arrangement != RotaryWorking::Arrangement::none) set_rotary_tool(map.rotary, tool_mm);
   for (std::size_t a = 0; a < kAxes; ++a)
     for (std::size_t k = 0; k < 6; ++k)
       map.angular[a].constant[k] = map.tool[a].without_tool[k] + map.tool[a].per_mm[k] * tool_offset_mm[k / 2];
@@ -151,6 +160,7 @@ void clear_working(CompiledMap& map) noexcept {
   map.angular = {};
   map.tool = {};
   map.squareness_of_one = {};
+  map.rotary.arrangement = RotaryWorking::Arrangement::none;
   map.axes = {};
   map.output = {};
   map.value[0] = 0.0;
@@ -179,6 +189,14 @@ CompileVerdict compile(const ImageView& image, CompiledMap& map) noexcept {
   compile_axes(*parameters, map);
   compile_thermal_rows(image, *parameters, map);
   return {};
+}
+
+RotaryFault compile_rotary(const RotaryMachine& machine, const UnitParameters& parameters, CompiledMap& map) noexcept {
+  const RotaryFault fault = compile_rotary_axes(machine, parameters, map.rotary);
+  set_levers(map, parameters.tool_offset_mm);
+  ThermalState none;
+  set_tool_of_rows(map.thermal, none, unturned_tool_mm(map, parameters.tool_offset_mm));
+  return fault;
 }
 
 namespace {
@@ -289,10 +307,180 @@ inline CurveValues read_axis(const CompiledMap& map, TickState& state, const Per
   return look_up(map, map.curves[a][side_of(state.approach[a])], position_mm);
 }
 
+inline PerAxis<CurveValues> read_axes(const CompiledMap& map, TickState& state,
+                                      const PerAxis<std::int64_t>& counts) noexcept {
+  return {read_axis(map, state, counts, 0), read_axis(map, state, counts, 1), read_axis(map, state, counts, 2)};
+}
+
 inline Vector3 compensated(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts) noexcept {
-  const PerAxis<CurveValues> values{read_axis(map, state, counts, 0), read_axis(map, state, counts, 1),
-                                    read_axis(map, state, counts, 2)};
-  return combine(map, values, state.position_mm);
+  return combine(map, read_axes(map, state, counts), state.position_mm);
+}
+
+/// Translation, um, and rotation, um for each mm of an arm, side by side along X, Y, Z.
+using Twist = std::array<Pair, kAxes>;
+
+/// Curves of a rotary axis, and cosine and sine.
+struct RotaryValues {
+  Twist twist;
+  Pair turned;
+};
+
+inline RotaryValues values_at(const RotaryAxisWorking& axis, std::uint64_t turn, std::uint64_t counts_rise) noexcept {
+  const std::uint64_t cells = (turn >> 32) * axis.cells;
+  const RotaryCell& cell = axis.cell[cells >> 32][counts_rise];
+  const Pair part = twice(static_cast<double>(static_cast<std::int64_t>(cells & 0xFFFFFFFFu)));
+  const auto value = [&](std::size_t k) { return pair_at(&cell.value[2 * k]) + pair_at(&cell.slope[2 * k]) * part; };
+  return {{value(0), value(1), value(2)}, value(3)};
+}
+
+/// Angle and approach of the rotary axis at a place, and its values there.
+inline RotaryValues read_rotary(const RotaryAxisWorking& axis, RotaryState& state, std::int64_t counts,
+                                std::size_t place) noexcept {
+  const auto now = static_cast<std::uint64_t>(counts);
+  const std::int64_t sense = 2 * static_cast<std::int64_t>(state.counts_rise[place]) - 1;
+  const std::int64_t onward =
+      static_cast<std::int64_t>(now - static_cast<std::uint64_t>(state.extreme_counts[place])) * sense;
+  if (onward >= 0) {
+    state.extreme_counts[place] = counts;
+  } else if (-onward > axis.deadband_counts) {
+    state.extreme_counts[place] = counts;
+    state.counts_rise[place] ^= 1;
+  }
+  state.turn[place] = state.turn_at_0[place] + now * axis.turn_per_count;
+  return values_at(axis, state.turn[place], state.counts_rise[place]);
+}
+
+/// v turned about n.
+template <class Number>
+inline std::array<Number, kAxes> turned_about(const Vector3& n, const std::array<Number, kAxes>& v, Number c,
+                                              Number s) noexcept {
+  const Number along = (n[0] * v[0] + n[1] * v[1] + n[2] * v[2]) * (1.0 - c);
+  return {c * v[0] + s * (n[1] * v[2] - n[2] * v[1]) + along * n[0],
+          c * v[1] + s * (n[2] * v[0] - n[0] * v[2]) + along * n[1],
+          c * v[2] + s * (n[0] * v[1] - n[1] * v[0]) + along * n[2]};
+}
+
+/// v turned about the inner axis, in the sense of Q.
+template <std::size_t direction, class Number>
+inline std::array<Number, kAxes> turned(const RotaryWorking& working, const std::array<Number, kAxes>& v, Number c,
+                                        Number s) noexcept {
+  if constexpr (direction < kAxes) {
+    constexpr std::size_t i = (direction + 1) % kAxes, j = (direction + 2) % kAxes;
+    std::array<Number, kAxes> out = v;
+    out[i] = c * v[i] - s * v[j];
+    out[j] = s * v[i] + c * v[j];
+    return out;
+  } else {
+    return turned_about(working.inner_axis, v, c, s);
+  }
+}
+
+/// Both axes of one side, as the inner one carries them.
+template <std::size_t direction>
+inline Twist both(const RotaryWorking& working, const PerRotary<RotaryValues>& values) noexcept {
+  const Pair turn = values[0].turned;
+  const Twist inner = values[0].twist;
+  const Twist outer = turned<direction>(working, values[1].twist, twice(turn[0]), twice(turn[1]));
+  return {inner[0] + outer[0], inner[1] + outer[1], inner[2] + outer[2]};
+}
+
+/// Rotations as a cross product needs them: B C, C A, A B.
+using Turns = std::array<Pair, kAxes>;
+
+inline Turns turns_of(const Twist& twist) noexcept {
+  return {highs(twist[1], twist[2]), highs(twist[2], twist[0]), highs(twist[0], twist[1])};
+}
+inline Turns plus(const Turns& a, const Turns& b) noexcept { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+
+/// Along X, Y and Z.
+struct Compensation {
+  Pair xy_um;
+  double z_um = 0.0;
+};
+
+inline Compensation plus_cross(const Compensation& sum, const Turns& turns, const Vector3& arm_mm) noexcept {
+  const Pair zx{arm_mm[2], arm_mm[0]}, yz{arm_mm[1], arm_mm[2]}, yx{arm_mm[1], arm_mm[0]};
+  const Pair z = turns[2] * yx;
+  return {sum.xy_um + (turns[0] * zx - turns[1] * yz), sum.z_um + (z[0] - z[1])};
+}
+inline Compensation shift_of(const Twist& twist) noexcept { return {lows(twist[0], twist[1]), twist[2][0]}; }
+
+/// Arm of the tool with the axis at place 1 turned.
+inline Vector3 arm_of_tool_mm(const RotaryWorking& working, Pair turn) noexcept {
+  const std::array<Lanes, 3>& arm = working.arm_mm;
+  const Pair c = twice(turn[0]), s = twice(turn[1]);
+  const auto at = [&](std::size_t k) {
+    return pair_at(&arm[0][k]) + c * pair_at(&arm[1][k]) + s * pair_at(&arm[2][k]);
+  };
+  const Pair xy = at(0), z = at(2);
+  return {xy[0], xy[1], z[0]};
+}
+
+inline Vector3 plus(const Vector3& a, const Vector3& b) noexcept { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+
+/// Rotation of the linear axes, which acts at a tool that a head turns.
+inline Turns linear_turns(const RotaryWorking& working, const PerAxis<CurveValues>& linear,
+                          const RotaryState& state) noexcept {
+  const Pair scale = twice(working.um_per_mm);
+  const auto turn = [&](std::size_t k) {
+    return scale * (pair_at(&linear[0].rotation[k]) + pair_at(&linear[1].rotation[k]) +
+                    pair_at(&linear[2].rotation[k]) + pair_at(&state.thermal_turn[k]));
+  };
+  return {turn(0), turn(2), turn(4)};
+}
+
+/// What the rotary axes add.
+template <RotaryWorking::Arrangement arrangement, std::size_t direction>
+inline Compensation rotary_um(const RotaryWorking& working, const RotaryState& state, const Vector3& position_mm,
+                              const PerAxis<CurveValues>& linear, const PerRotary<RotaryValues>& values) noexcept {
+  using enum RotaryWorking::Arrangement;
+  if constexpr (arrangement == tables) {
+    const Twist twist = both<direction>(working, values);
+    const Lanes& arm = working.arm_mm[0];
+    return plus_cross(shift_of(twist), turns_of(twist),
+                      {position_mm[0] + arm[0], position_mm[1] + arm[1], position_mm[2] + arm[2]});
+  } else if constexpr (arrangement == heads) {
+    const Twist twist = both<direction>(working, values);
+    const Vector3 arm_mm =
+        turned<direction>(working, arm_of_tool_mm(working, values[1].turned), values[0].turned[0], values[0].turned[1]);
+    return plus_cross(shift_of(twist), plus(turns_of(twist), linear_turns(working, linear, state)), arm_mm);
+  } else {
+    const Twist& table = values[0].twist;
+    const Twist& head = values[1].twist;
+    const Vector3 arm_mm = arm_of_tool_mm(working, values[1].turned);
+    const Compensation of_table =
+        plus_cross(shift_of(table), turns_of(table), plus(plus(position_mm, working.table_arm_mm), arm_mm));
+    const Compensation of_head =
+        plus_cross(shift_of(head), plus(turns_of(head), linear_turns(working, linear, state)), arm_mm);
+    return {of_table.xy_um + of_head.xy_um, of_table.z_um + of_head.z_um};
+  }
+}
+
+inline Compensation rotary_um(const RotaryWorking& working, const RotaryState& state, const Vector3& position_mm,
+                              const PerAxis<CurveValues>& linear, const PerRotary<RotaryValues>& values) noexcept {
+  using enum RotaryWorking::Arrangement;
+  const auto with = [&]<RotaryWorking::Arrangement arrangement, std::size_t direction>() {
+    return rotary_um<arrangement, direction>(working, state, position_mm, linear, values);
+  };
+  if (working.arrangement == table_and_head) return with.operator()<table_and_head, 0>();
+  switch (working.inner_direction + (working.arrangement == heads ? 4 : 0)) {
+    case 0:
+      return with.operator()<tables, 0>();
+    case 1:
+      return with.operator()<tables, 1>();
+    case 2:
+      return with.operator()<tables, 2>();
+    case 3:
+      return with.operator()<tables, 3>();
+    case 4:
+      return with.operator()<heads, 0>();
+    case 5:
+      return with.operator()<heads, 1>();
+    case 6:
+      return with.operator()<heads, 2>();
+    default:
+      return with.operator()<heads, 3>();
+  }
 }
 
 }  // namespace
@@ -323,6 +511,50 @@ void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>&
   ++state.ticks;
 }
 
+void start_rotary(const RotaryWorking& working, RotaryState& state, const PerRotary<std::int64_t>& counts,
+                  const PerRotary<double>& position_deg, const PerRotary<Approach>& approach) noexcept {
+  state = RotaryState{};
+  for (std::size_t p = 0; p < kRotaryInputs; ++p) {
+    const RotaryAxisWorking& axis = working.axes[p];
+    if (axis.letter == '\0') continue;
+    state.turn[p] = turn_of(position_deg[p]) - axis.start;
+    state.turn_at_0[p] = state.turn[p] - static_cast<std::uint64_t>(counts[p]) * axis.turn_per_count;
+    state.extreme_counts[p] = counts[p];
+    const bool backwards = static_cast<std::int64_t>(axis.turn_per_count) < 0;
+    state.counts_rise[p] = (approach[p] == Approach::reverse) == backwards ? 1 : 0;
+  }
+}
+
+double rotary_position_deg(const RotaryWorking& working, const RotaryState& state, std::size_t place) noexcept {
+  return static_cast<double>(state.turn[place] + working.axes[place].start) * (360.0 * 0x1p-64);
+}
+
+void follow_thermal(const CompiledMap& map, const ThermalState& thermal, RotaryState& rotary) noexcept {
+  if (!map.rotary.turns_tool() || map.rotary.um_per_mm == 0.0) return;
+  const PerAxis<Vector3> effect = thermal_tool_effect_um_per_mm(map.thermal, thermal);
+  for (std::size_t k = 0; k < rotary.thermal_turn.size(); ++k) {
+    const std::size_t about = std::array<std::size_t, 6>{1, 2, 2, 0, 0, 1}[k];
+    const std::size_t i = (about + 1) % kAxes, j = (about + 2) % kAxes;
+    const double um_per_mm = effect[i][j] != 0.0 ? effect[i][j] : -effect[j][i];  // one of these axes may not exist
+    rotary.thermal_turn[k] = um_per_mm / map.rotary.um_per_mm;
+  }
+}
+
+void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
+          const ThermalPolynomial& thermal, RotaryState& rotary,
+          const PerRotary<std::int64_t>& rotary_counts) noexcept {
+  const PerAxis<CurveValues> values = read_axes(map, state, counts);
+  const Vector3 linear_um = combine(map, values, state.position_mm);
+  const Compensation turned_um = rotary_um(map.rotary, rotary, state.position_mm, values,
+                                           {read_rotary(map.rotary.axes[0], rotary, rotary_counts[0], 0),
+                                            read_rotary(map.rotary.axes[1], rotary, rotary_counts[1], 1)});
+  const Lanes warm_um = value_um(thermal, state.position_mm);
+  state.compensation_um = {linear_um[0] + turned_um.xy_um[0] + warm_um[0],
+                           linear_um[1] + turned_um.xy_um[1] + warm_um[1], linear_um[2] + turned_um.z_um + warm_um[2]};
+  put_out(map.output, state);
+  ++state.ticks;
+}
+
 Vector3 compensation_um_at(const CompiledMap& map, const Vector3& position_mm,
                            const PerAxis<Approach>& approach) noexcept {
   const auto values = [&](std::size_t a) { return look_up(map, map.curves[a][side_of(approach[a])], position_mm[a]); };
@@ -342,17 +574,57 @@ PerAxis<Vector3> tool_effect_um_per_mm(const CompiledMap& map, const TickState& 
   return effect;
 }
 
-bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal, const Vector3& offset_mm,
-                 double most_um) noexcept {
-  const PerAxis<Vector3> effect = tool_effect_um_per_mm(map, state, thermal);
+PerAxis<Vector3> tool_effect_um_per_mm(const CompiledMap& map, const TickState& state, const ThermalState& thermal,
+                                       const RotaryState& rotary) noexcept {
+  const RotaryWorking& working = map.rotary;
+  const PerRotary<RotaryValues> values{values_at(working.axes[0], rotary.turn[0], rotary.counts_rise[0]),
+                                       values_at(working.axes[1], rotary.turn[1], rotary.counts_rise[1])};
+  const bool apart = working.arrangement == RotaryWorking::Arrangement::table_and_head;
+  const Twist twist = both<RotaryWorking::kOblique>(working, values);
+  const PerAxis<Vector3> unturned = tool_effect_um_per_mm(map, state, thermal);
+  PerAxis<Vector3> effect{};
+  for (std::size_t l = 0; l < kAxes; ++l) {
+    Vector3 arm{};
+    arm[l] = 1.0;
+    if (working.turns_tool()) arm = turned_about(working.turned_about, arm, values[1].turned[0], values[1].turned[1]);
+    if (working.arrangement == RotaryWorking::Arrangement::heads)
+      arm = turned_about(working.inner_axis, arm, values[0].turned[0], values[0].turned[1]);
+    for (std::size_t k = 0; k < kAxes; ++k) {
+      const std::size_t i = (k + 1) % kAxes, j = (k + 2) % kAxes;
+      const double turn = apart ? values[0].twist[k][1] + values[1].twist[k][1] : twist[k][1];
+      for (std::size_t o = 0; o < kAxes; ++o) effect[l][o] += arm[k] * unturned[k][o];
+      effect[l][j] += turn * arm[i];
+      effect[l][i] -= turn * arm[j];
+    }
+  }
+  return effect;
+}
+
+namespace {
+
+/// Takes the map to this tool, or part of the way. @param per_mm  um along X, Y, Z for each mm along x, y, z
+bool go_to_tool(CompiledMap& map, ThermalState& thermal, const PerAxis<Vector3>& per_mm, const Vector3& offset_mm,
+                double most_um) noexcept {
   Vector3 change_um{};
   for (std::size_t l = 0; l < kAxes; ++l)
-    for (std::size_t o = 0; o < kAxes; ++o) change_um[o] += effect[l][o] * (offset_mm[l] - map.tool_offset_mm[l]);
+    for (std::size_t o = 0; o < kAxes; ++o) change_um[o] += per_mm[l][o] * (offset_mm[l] - map.tool_offset_mm[l]);
   const double share = share_within(change_um, most_um);
   const Vector3 next_mm = part_of_the_way(map.tool_offset_mm, offset_mm, share);
   set_levers(map, next_mm);
-  set_tool_of_rows(map.thermal, thermal, next_mm);
+  set_tool_of_rows(map.thermal, thermal, unturned_tool_mm(map, next_mm));
   return share >= 1.0;
+}
+
+}  // namespace
+
+bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal, const Vector3& offset_mm,
+                 double most_um) noexcept {
+  return go_to_tool(map, thermal, tool_effect_um_per_mm(map, state, thermal), offset_mm, most_um);
+}
+
+bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal, RotaryState& rotary,
+                 const Vector3& offset_mm, double most_um) noexcept {
+  return go_to_tool(map, thermal, tool_effect_um_per_mm(map, state, thermal, rotary), offset_mm, most_um);
 }
 
 bool change_squareness(CompiledMap& map, const TickState& state, const Vector3& um_per_m, double most_um) noexcept {

@@ -1,6 +1,6 @@
 // The working form of a map, made once when a map becomes active so that the tick is a straight run through memory, and
 // the fixed-period loop of the unit over it: positions in, D/A counts out (thesis 5.3, compensation mode). No heap, no
-// exception, no lock, no clock, bounded time; tests/core runs it with allocation forbidden. Storage is fixed (about 2.7
+// exception, no lock, no clock, bounded time; tests/core runs it with allocation forbidden. Storage is fixed (about 4.4
 // MB): the owner puts it on the heap or in static memory before the first tick.
 #pragma once
 
@@ -11,6 +11,7 @@
 #include "core/address_map.hpp"
 #include "core/fault.hpp"
 #include "core/memory_image.hpp"
+#include "core/rotary.hpp"
 #include "core/thermal.hpp"
 
 namespace ecs {
@@ -75,7 +76,7 @@ struct CompiledMap {
   PerAxis<std::array<CurveSet, kSides>> curves{};
   PerAxis<AngularAction> angular{};
   PerAxis<ToolAction> tool{};
-  Vector3 tool_offset_mm{};  ///< that `angular` and `thermal` reckon with; change_tool() changes it
+  Vector3 tool_offset_mm{};  ///< that the map reckons with; change_tool() changes it
   SquarenessAction squareness{};
   SquarenessAction squareness_of_one{};  ///< of 1 um/m of each
   Vector3 squareness_um_per_m{};         ///< C0Y, B0Z, A0Z that `squareness` corrects; change_squareness() changes them
@@ -85,6 +86,7 @@ struct CompiledMap {
   ThermalWorking thermal{};  ///< without rows: none acts
   std::array<double, kCells> value{};
   std::array<double, kCells> slope{};
+  RotaryWorking rotary{};  ///< arrangement none: no rotary axis
 };
 
 struct CompileVerdict {
@@ -96,6 +98,11 @@ struct CompileVerdict {
 /// Refuses a map that lacks a component the scope and chain need and that is not declared zero; squareness comes from
 /// the parameters. On refusal `map` must not be used.
 [[nodiscard]] CompileVerdict compile(const ImageView& image, CompiledMap& map) noexcept;
+
+/// Adds rotary axes to a map that compile() has built from an image with these parameters. On refusal the map is as
+/// before, without rotary axes.
+[[nodiscard]] RotaryFault compile_rotary(const RotaryMachine& machine, const UnitParameters& parameters,
+                                         CompiledMap& map) noexcept;
 
 /// What the loop remembers from tick to tick, and what can be read of it in between.
 struct TickState {
@@ -129,9 +136,25 @@ void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>&
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
           const ThermalPolynomial& thermal) noexcept;
 
+/// Sets the rotary axes before the first tick. @pre the map has rotary axes
+/// @param counts, position_deg, approach  by place (RotaryWorking)
+void start_rotary(const RotaryWorking& working, RotaryState& state, const PerRotary<std::int64_t>& counts,
+                  const PerRotary<double>& position_deg, const PerRotary<Approach>& approach) noexcept;
+/// One period with rotary axes. @pre the map has rotary axes  @param rotary_counts  by place
+void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
+          const ThermalPolynomial& thermal, RotaryState& rotary, const PerRotary<std::int64_t>& rotary_counts) noexcept;
+/// Where a head turns the tool, thermal rows act at its tip: after begin_thermal() and each step_thermal().
+void follow_thermal(const CompiledMap& map, const ThermalState& thermal, RotaryState& rotary) noexcept;
+/// Angle at the last tick, 0 … 360 deg.
+[[nodiscard]] double rotary_position_deg(const RotaryWorking& working, const RotaryState& state,
+                                         std::size_t place) noexcept;
+
 /// What a tool offset does at the place of the last tick: um of compensation along X, Y, Z for each mm along x, y, z.
 [[nodiscard]] PerAxis<Vector3> tool_effect_um_per_mm(const CompiledMap& map, const TickState& state,
                                                      const ThermalState& thermal) noexcept;
+/// The same with rotary axes at the angles of the last tick; x, y, z are those of the tool at angles of 0.
+[[nodiscard]] PerAxis<Vector3> tool_effect_um_per_mm(const CompiledMap& map, const TickState& state,
+                                                     const ThermalState& thermal, const RotaryState& rotary) noexcept;
 
 /// Takes the levers of every rotation, of the map and of its thermal rows, to another tool offset, between two ticks.
 /// No axis is corrected by more than `most_um` more or less than before at the place of the last tick.
@@ -142,6 +165,9 @@ void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>&
 /// @return         that offset is reached
 bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal, const Vector3& offset_mm,
                  double most_um) noexcept;
+/// The same with rotary axes at the angles of the last tick. @pre the map has rotary axes
+bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal, RotaryState& rotary,
+                 const Vector3& offset_mm, double most_um) noexcept;
 
 /// Corrects other squareness errors C0Y, B0Z, A0Z from now on, between two ticks, with the limit of change_tool().
 /// Those that scope and axes do not contain stay without effect.

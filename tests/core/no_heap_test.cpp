@@ -77,6 +77,11 @@ TEST_CASE("checking, compiling and 10,000 ticks allocate nothing") {
   const auto state = std::make_unique<TickState>();
   const auto thermal = std::make_unique<ThermalState>();
   InputValues inputs{};
+  const std::vector<std::uint8_t> values(12 * 36, 1);
+  RotaryMachine rotary_machine{{'T', 'X', 'Y', 'Z', 'C'}, {{{.letter = 'C'}}}, {}};
+  rotary_machine.tables[0].count = 36;
+  rotary_machine.tables[0].values = {values, values};
+  RotaryState rotary;
 
   REQUIRE(allocations_of([] {
             int* volatile kept = new int(1);  // else an optimised build leaves both out
@@ -95,7 +100,15 @@ TEST_CASE("checking, compiling and 10,000 ticks allocate nothing") {
           }
         }) == 0);
   CHECK(sound);
-  CHECK(state->ticks == 10'000);
+  p.tool_range_mm = {1.0, 1.0, 1.0};
+  CHECK(allocations_of([&] {
+          sound = compile_rotary(rotary_machine, p, *map) == RotaryFault::none;
+          start_rotary(map->rotary, rotary, {}, {}, {});
+          follow_thermal(*map, *thermal, rotary);
+          for (std::int64_t i = 0; i < 10'000; ++i) tick(*map, *state, {i, i, i}, thermal->acting, rotary, {i * 7, 0});
+        }) == 0);
+  CHECK(sound);
+  CHECK(state->ticks == 20'000);
 }
 
 #endif

@@ -1,0 +1,124 @@
+// Rotary axes in the loop (thesis 9.4): up to two of A, B, C that carry the workpiece or the tool, each beyond every
+// linear axis of its side. The unit corrects X, Y, Z, so all is reckoned in the frame of the linear axes: with the axis
+// next to them (`inner`, turned by R), the one beyond it (`outer`) and arms counted from the pivots
+//   E = δ_inner + Q δ_outer + (ε_inner + Q ε_outer) × arm      Q = R of a head, R⁻¹ of a table
+// A head also turns the tool offset, at which the rotations of the linear axes act. Directions may be oblique.
+// Does not live here: the bytes (memory_image.hpp), the tick (tick.hpp), chains in general (kinematics/).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "core/axis.hpp"
+#include "core/bytes.hpp"
+#include "core/parameters.hpp"
+#include "core/thermal.hpp"
+
+namespace ecs {
+
+inline constexpr std::size_t kRotaryInputs = 2;
+template <class T>
+using PerRotary = std::array<T, kRotaryInputs>;
+
+/// A rotary axis as the unit needs it. Angles are those of the tool against the workpiece, right-handed.
+struct RotaryAxis {
+  char letter = '\0';                ///< A, B or C; '\0': no axis
+  double deg_per_count = 1e-3;       ///< sign = wiring polarity; not 0, below half a turn
+  double deadband_deg = 2e-3;        ///< minimum angle to qualify as a move
+  Vector3 direction{0.0, 0.0, 1.0};  ///< of positive rotation, all axes at 0, length 1
+  Vector3 pivot_mm{};                ///< a point on the axis, all axes at 0
+  std::array<double, 6> location{};  ///< location *errors* XO. YO. ZO. [um] AO. BO. CO. [um/m]
+  friend bool operator==(const RotaryAxis&, const RotaryAxis&) = default;
+};
+
+/// The six curves of one axis, on one grid. Straight between the values; beyond the ends of a table that is no whole
+/// turn the nearer end holds.
+struct RotaryTable {
+  double start_deg = 0.0;
+  double increment_deg = 10.0;  ///< such that 1,440 to 3,600 equal cells make a turn and each value begins one
+  std::uint32_t count = 0;      ///< of values of each curve; 0: all six are zero
+  std::array<double, 6> resolution{0.01, 0.01, 0.01, 0.01, 0.01, 0.01};  ///< um or um/m per count
+  /// Reverse, forward; 6 × count × 2 bytes: compensation = value × resolution, curve after curve EX. … EC.
+  std::array<ByteView, 2> values{};
+};
+
+/// What a unit with rotary axes has beyond its parameters.
+struct RotaryMachine {
+  std::array<char, 8> configuration{};  ///< with the rotary axes: "XYACTZ", zero-terminated
+  PerRotary<RotaryAxis> axes{};         ///< in any order
+  PerRotary<RotaryTable> tables{};      ///< in the same
+};
+
+/// Why rotary axes cannot be compensated.
+enum class RotaryFault : std::uint8_t {
+  none,
+  other_chain,    ///< the configuration is not that of the parameters with the letters of the axes
+  turned_linear,  ///< a rotary axis moves a linear one
+  part_of_model,  ///< scope, convention or interpolation are not those of the whole model
+  no_tool_range,  ///< a head turns the tool, but the map need not hold what only a tool levers
+  bad_axis,
+  bad_table,
+  uneven_table  ///< no number of cells fits its increment
+};
+[[nodiscard]] std::string_view text_of(RotaryFault fault) noexcept;
+
+/// Curves, cosine and sine at the beginning of a cell, and what they grow by for each 2^-32 of it, in the order
+/// EX EA EY EB EZ EC cos sin: um, and um for each mm of an arm.
+struct alignas(64) RotaryCell {
+  std::array<double, 8> value{};
+  std::array<double, 8> slope{};
+};
+
+/// One axis as the tick needs it: a turn in equal cells, so many that each value of the table begins one. Cosine and
+/// sine are straight within a cell: with the fewest cells they are up to 2.4e-6 too small.
+struct RotaryAxisWorking {
+  static constexpr std::uint32_t kFewestCells = 1440, kMostCells = 3600;
+  char letter = '\0';
+  std::uint64_t turn_per_count = 0;  ///< in 2^-64 of a turn: angles overflow to 0 after a turn
+  std::int64_t deadband_counts = 0;
+  std::uint64_t start = 0;  ///< angle at which the first cell begins, in 2^-64 of a turn
+  std::uint64_t cells = 1;
+  std::array<std::array<RotaryCell, 2>, kMostCells> cell{};  ///< while the counts fall, and rise
+};
+
+/// The working form, in places: 0 the inner axis, or the table where a head is there as well; 1 the other one.
+struct RotaryWorking {
+  enum class Arrangement : std::uint8_t { none, tables, heads, table_and_head };
+  static constexpr std::size_t kOblique = 3;
+
+  Arrangement arrangement = Arrangement::none;
+  std::size_t inner_direction = kOblique;     ///< X, Y or Z, either way, or oblique
+  Vector3 inner_axis{0.0, 0.0, 1.0};          ///< if oblique; the sine of the inner cells is that of Q
+  double um_per_mm = 1e-3;                    ///< of a linear axis's rotation of 1 um/m: with the angular scale
+  alignas(16) std::array<Lanes, 3> arm_mm{};  ///< of the tool: constant, and for cosine and sine of the axis at place 1
+  Vector3 table_arm_mm{};                     ///< of the table beside a head: without the arm of the tool
+  Vector3 turned_from_mm{};                   ///< pivot from which that axis turns the tool
+  Vector3 turned_about{0.0, 0.0, 1.0};        ///< its direction
+  Vector3 arm_from_mm{};                      ///< pivot from which arms count
+  PerRotary<RotaryAxisWorking> axes{};        ///< by place
+
+  [[nodiscard]] bool turns_tool() const noexcept { return arrangement >= Arrangement::heads; }
+};
+
+/// An angle of any size in 2^-64 of a turn.
+[[nodiscard]] std::uint64_t turn_of(double deg) noexcept;
+
+/// Builds the working form. Allocation-free. On refusal `working` has no rotary axis.
+[[nodiscard]] RotaryFault compile_rotary_axes(const RotaryMachine& machine, const UnitParameters& parameters,
+                                              RotaryWorking& working) noexcept;
+/// Arms of another tool.
+void set_rotary_tool(RotaryWorking& working, const Vector3& tool_offset_mm) noexcept;
+
+/// What the loop remembers of rotary axes from tick to tick, by place.
+struct RotaryState {
+  PerRotary<std::uint64_t> turn_at_0{};  ///< angle from `start` where the transducer shows 0 counts
+  PerRotary<std::uint64_t> turn{};       ///< angle from `start`, in 2^-64 of a turn
+  PerRotary<std::int64_t> extreme_counts{};
+  PerRotary<std::uint64_t> counts_rise{};            ///< approach as the transducer shows it, 0 or 1
+  alignas(16) std::array<double, 6> thermal_turn{};  ///< rotation by thermal rows, at a tool that a head turns: B C C A
+                                                     ///< A B, um/m of the linear axes
+};
+
+}  // namespace ecs
