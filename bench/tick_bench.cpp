@@ -21,6 +21,33 @@ void volumetric_tick(benchmark::State& bench) {
 }
 BENCHMARK(volumetric_tick)->ArgName("values")->Arg(360)->Arg(32'000)->Arg(160'000);
 
+/// With 16 thermal rows, and two rotary axes beside the same without.
+void warm_tick(benchmark::State& bench, const char* configuration) {
+  const auto map = ecs::bench::full_map(32'000, ecs::bench::thermal_rows(16));
+  const bool turns = *configuration != '\0';
+  if (!map || (turns && !ecs::bench::add_rotary_axes(*map, configuration)))
+    return bench.SkipWithError("the map does not compile");
+  const auto walk = ecs::bench::random_walk(1 << 14);
+  ecs::TickState state;
+  ecs::ThermalState thermal;
+  ecs::RotaryState rotary;
+  ecs::start(state, walk[0], {-500.0, -500.0, -500.0}, {});
+  if (turns) ecs::start_rotary(map->rotary, rotary, {}, {}, {});
+  std::size_t i = 0;
+  for (auto _ : bench) {
+    const auto& counts = walk[i++ & (walk.size() - 1)];
+    if (turns)
+      ecs::tick(*map, state, counts, thermal.acting, rotary, {3 * counts[0], -7 * counts[1]});
+    else
+      ecs::tick(*map, state, counts, thermal.acting);
+    benchmark::DoNotOptimize(state.dac_counts);
+  }
+}
+BENCHMARK_CAPTURE(warm_tick, three_axes, "");
+BENCHMARK_CAPTURE(warm_tick, tables, "XYACTZ");
+BENCHMARK_CAPTURE(warm_tick, heads, "XYTZCB");
+BENCHMARK_CAPTURE(warm_tick, table_and_head, "XYCTZB");
+
 }  // namespace
 
 BENCHMARK_MAIN();

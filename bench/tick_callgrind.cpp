@@ -4,6 +4,7 @@
 // in so many ticks (0: never). With a configuration, such as XYACTZ, the two rotary axes turn as well.
 #include <cstdio>
 #include <cstdlib>
+#include <vector>
 
 #include <valgrind/callgrind.h>
 
@@ -29,6 +30,8 @@ int main(int argc, char** argv) {
   if (rotary_axes && !ecs::bench::add_rotary_axes(*map, argv[4])) return 1;
   ecs::RotaryState rotary;
   ecs::start_rotary(map->rotary, rotary, {}, {}, {});
+  std::vector<ecs::PerRotary<std::int64_t>> turns;
+  for (const auto& counts : walk) turns.push_back({3 * counts[0], -7 * counts[1]});
   CALLGRIND_START_INSTRUMENTATION;
   if (rows == 0 && !rotary_axes) {
     for (const auto& counts : walk) ecs::tick(*map, state, counts);
@@ -40,7 +43,7 @@ int main(int argc, char** argv) {
         ecs::follow_thermal(*map, thermal, rotary);
       }
       if (rotary_axes)
-        ecs::tick(*map, state, counts, thermal.acting, rotary, {counts[0], counts[1]});
+        ecs::tick(*map, state, counts, thermal.acting, rotary, turns[state.ticks]);
       else
         ecs::tick(*map, state, counts, thermal.acting);
     }

@@ -175,16 +175,18 @@ void leave_free(RotaryAxisWorking& working) noexcept {
   }
 }
 
-/// Direction of the inner axis if it is X, Y or Z, and its sense.
-void set_direction(const Vector3& direction, RotaryWorking& working, double& sense) noexcept {
-  working.inner_direction = RotaryWorking::kOblique;
-  sense = 1.0;
+/// Sets the direction of the inner axis, and the way of the tick. @return its sense
+double set_direction(const Vector3& direction, RotaryWorking& working) noexcept {
+  std::size_t along = RotaryWorking::kOblique;
+  double sense = 1.0;
   for (std::size_t d = 0; d < kAxes; ++d) {
     if (std::abs(direction[d]) < 1.0 - 1e-15) continue;
-    working.inner_direction = d;
+    along = d;
     sense = direction[d] > 0.0 ? 1.0 : -1.0;
   }
   working.inner_axis = sum({}, direction, sense);
+  working.way = static_cast<std::uint32_t>(4 * (static_cast<std::size_t>(working.arrangement) - 1) + along);
+  return sense;
 }
 
 }  // namespace
@@ -226,12 +228,12 @@ RotaryFault compile_rotary_axes(const RotaryMachine& machine, const UnitParamete
   const RotaryAxis& inner = *places.axis[0];
   const RotaryAxis& other = two ? *places.axis[1] : inner;
   const bool both_sides = places.arrangement == RotaryWorking::Arrangement::table_and_head;
-  working.um_per_mm = parameters.angular_scale * 1e-3;
-  CellRule rule{&inner, working.um_per_mm, 1.0, {}};
-  set_direction(inner.direction, working, rule.sine);
+  working.arrangement = places.arrangement;
+  working.um_per_mm.fill(parameters.angular_scale * 1e-3);
+  CellRule rule{&inner, working.um_per_mm[0], set_direction(inner.direction, working), {}};
   if (places.arrangement == RotaryWorking::Arrangement::tables) rule.sine = -rule.sine;
   place_axis(machine, rule, working.axes[0]);
-  rule = {&other, working.um_per_mm, 1.0, both_sides ? Vector3{} : sum(inner.pivot_mm, other.pivot_mm, -1.0)};
+  rule = {&other, working.um_per_mm[0], 1.0, both_sides ? Vector3{} : sum(inner.pivot_mm, other.pivot_mm, -1.0)};
   if (two)
     place_axis(machine, rule, working.axes[1]);
   else
@@ -240,7 +242,6 @@ RotaryFault compile_rotary_axes(const RotaryMachine& machine, const UnitParamete
   working.turned_about = other.direction;
   working.arm_from_mm = both_sides ? other.pivot_mm : inner.pivot_mm;
   working.table_arm_mm = sum(other.pivot_mm, inner.pivot_mm, -1.0);
-  working.arrangement = places.arrangement;
   set_rotary_tool(working, parameters.tool_offset_mm);
   return RotaryFault::none;
 }

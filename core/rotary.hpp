@@ -89,9 +89,9 @@ struct RotaryWorking {
   static constexpr std::size_t kOblique = 3;
 
   Arrangement arrangement = Arrangement::none;
-  std::size_t inner_direction = kOblique;     ///< X, Y or Z, either way, or oblique
-  Vector3 inner_axis{0.0, 0.0, 1.0};          ///< if oblique; the sine of the inner cells is that of Q
-  double um_per_mm = 1e-3;                    ///< of a linear axis's rotation of 1 um/m: with the angular scale
+  std::uint32_t way = 0;  ///< of the tick: 4 × (arrangement − 1) + direction of the inner axis, X, Y or Z or kOblique
+  alignas(16) std::array<double, 2> um_per_mm{};  ///< twice: of a linear axis's rotation of 1 um/m
+  Vector3 inner_axis{0.0, 0.0, 1.0};              ///< the sine of the inner cells is that of Q about this direction
   alignas(16) std::array<Lanes, 3> arm_mm{};  ///< of the tool: constant, and for cosine and sine of the axis at place 1
   Vector3 table_arm_mm{};                     ///< of the table beside a head: without the arm of the tool
   Vector3 turned_from_mm{};                   ///< pivot from which that axis turns the tool
@@ -116,9 +116,9 @@ struct RotaryState {
   PerRotary<std::uint64_t> turn_at_0{};  ///< angle from `start` where the transducer shows 0 counts
   PerRotary<std::uint64_t> turn{};       ///< angle from `start`, in 2^-64 of a turn
   PerRotary<std::int64_t> extreme_counts{};
-  PerRotary<std::uint64_t> counts_rise{};            ///< approach as the transducer shows it, 0 or 1
-  alignas(16) std::array<double, 6> thermal_turn{};  ///< rotation by thermal rows, at a tool that a head turns: B C C A
-                                                     ///< A B, um/m of the linear axes
+  PerRotary<std::uint64_t> counts_rise{};  ///< approach as the transducer shows it, 0 or 1
+  /// 0 A B C: rotation by thermal rows that acts at a tool which a head turns, um/m.
+  alignas(16) Lanes thermal_turn{};
 };
 
 }  // namespace ecs

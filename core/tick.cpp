@@ -131,6 +131,7 @@ void compile_axes(const UnitParameters& p, CompiledMap& map) noexcept {
     OutputWorking& output = map.output;
     output.counts_per_um[a] = from.output_scale_counts_per_um * from.compensation_polarity;
     output.limit_counts[a] = std::min(from.output_limit_um * from.output_scale_counts_per_um, 32767.0);
+    output.least_counts[a] = -output.limit_counts[a];
     output.slew_counts[a] = from.output_slew_um_per_s * from.output_scale_counts_per_um * map.period_s;
     output.mm_per_output[a] = 1e-3 / output.counts_per_um[a];
     output.follow_part[a] = 1.0 - std::exp(-from.position_loop_gain_per_s * map.period_s);
@@ -203,11 +204,17 @@ namespace {
 
 using Six = std::array<double, 6>;
 
-/// The curves of one axis at its position: EX EY EZ, and the rotations as AngularAction needs them, B C C A A B.
+/// The curves of one axis at its position, in the order of the senses.
 struct CurveValues {
-  Vector3 translation;
-  alignas(16) Six rotation;
+  Pair xy;
+  Pair za;
+  Pair bc;
 };
+
+/// Rotations as a cross product needs them: B C, C A, A B.
+using Turns = std::array<Pair, kAxes>;
+
+inline Turns turns_of(Pair za, Pair bc) noexcept { return {bc, highs(bc, za), Pair{za[1], bc[0]}}; }
 
 /// A loop of plain arithmetic, so that the compiler makes vector instructions of it.
 inline Six cells_at(const CurveSet& curves, double position_mm) noexcept {
@@ -226,39 +233,37 @@ inline Six cells_at(const CurveSet& curves, double position_mm) noexcept {
 
 inline CurveValues look_up(const CompiledMap& map, const CurveSet& curves, double position_mm) noexcept {
   const Six cell = cells_at(curves, position_mm);
-  const auto value = [&](std::size_t s) {
+  const auto values = [&](std::size_t s) {
     const auto i = static_cast<std::size_t>(static_cast<std::int64_t>(cell[s]));
-    return map.value[i] + map.slope[i] * cell[s];
+    const auto j = static_cast<std::size_t>(static_cast<std::int64_t>(cell[s + 1]));
+    return Pair{map.value[i], map.value[j]} + Pair{map.slope[i], map.slope[j]} * Pair{cell[s], cell[s + 1]};
   };
-  const double ea = value(3);
-  const double eb = value(4);
-  const double ec = value(5);
-  return {{value(0), value(1), value(2)}, {eb, ec, ec, ea, ea, eb}};
+  return {values(0), values(2), values(4)};
 }
 
-/// The six products of one moving axis.
-inline Six turned_um(const AngularAction& action, const Six& rotation, const Six& lever_mm) noexcept {
-  const double* const gain = std::assume_aligned<16>(action.gain.data());
-  const double* const constant = std::assume_aligned<16>(action.constant.data());
-  Six turned;
-  for (std::size_t k = 0; k < 6; ++k) turned[k] = rotation[k] * (gain[k] * lever_mm[k] + constant[k]);
-  return turned;
-}
+/// Along X, Y and Z.
+struct Compensation {
+  Pair xy_um;
+  double z_um = 0.0;
+};
 
 /// The rows of the term table in their compiled order (thesis 4.3).
-inline Vector3 combine(const CompiledMap& map, const PerAxis<CurveValues>& values, const Vector3& p) noexcept {
-  alignas(16) const Six lever_mm{p[0], p[0], p[1], p[1], p[2], p[2]};
-  const Six by_x = turned_um(map.angular[0], values[0].rotation, lever_mm);
-  const Six by_y = turned_um(map.angular[1], values[1].rotation, lever_mm);
-  const Six by_z = turned_um(map.angular[2], values[2].rotation, lever_mm);
-  Six turned;
-  for (std::size_t k = 0; k < 6; ++k) turned[k] = by_x[k] + by_y[k] + by_z[k];
-  const auto moved = [&](std::size_t o) {
-    return values[0].translation[o] + values[1].translation[o] + values[2].translation[o];
-  };
+inline Compensation combine(const CompiledMap& map, const PerAxis<CurveValues>& values, const Vector3& p) noexcept {
+  std::array<Turns, kAxes> turned;  // by moving axis: um along Z Y, X Z, Y X
+  for (std::size_t a = 0; a < kAxes; ++a) {
+    const AngularAction& action = map.angular[a];
+    const Turns turns = turns_of(values[a].za, values[a].bc);
+    for (std::size_t l = 0; l < kAxes; ++l)
+      turned[a][l] = turns[l] * (pair_at(&action.gain[2 * l]) * twice(p[l]) + pair_at(&action.constant[2 * l]));
+  }
+  const auto sum = [&](std::size_t l) { return turned[0][l] + turned[1][l] + turned[2][l]; };
+  const Pair zy = sum(0), xz = sum(1), yx = sum(2);
+  const Pair moved = values[0].xy + values[1].xy + values[2].xy;
+  const double moved_z = (values[0].za + values[1].za + values[2].za)[0];
   const SquarenessAction& square = map.squareness;
-  return {moved(0) + turned[2] + turned[5] + square.x_by_y * p[1] + square.x_by_z * p[2],
-          moved(1) + turned[1] + turned[4] + square.y_by_z * p[2], moved(2) + turned[0] + turned[3]};
+  return {moved + Pair{xz[0], zy[1]} + Pair{yx[1], yx[0]} + Pair{square.x_by_y * p[1], 0.0} +
+              Pair{square.x_by_z, square.y_by_z} * twice(p[2]),
+          moved_z + zy[0] + xz[1]};
 }
 
 /// A counter that wraps round is no overflow: the difference does not see it.
@@ -273,19 +278,26 @@ inline std::int32_t rounded(double value) noexcept { return static_cast<std::int
 /// Scaling, size limit, slew limit, rounding; and how the axes follow. Plain arithmetic in lanes, as above.
 inline void put_out(const OutputWorking& to, TickState& state) noexcept {
   const Lanes wanted_um{state.compensation_um[0], state.compensation_um[1], state.compensation_um[2], 0.0};
+  const double* const counts_per_um = std::assume_aligned<16>(to.counts_per_um.data());
+  const double* const least_counts = std::assume_aligned<16>(to.least_counts.data());
+  const double* const limit_counts = std::assume_aligned<16>(to.limit_counts.data());
+  const double* const slew_counts = std::assume_aligned<16>(to.slew_counts.data());
+  const double* const mm_per_output = std::assume_aligned<16>(to.mm_per_output.data());
+  const double* const follow_part = std::assume_aligned<16>(to.follow_part.data());
+  const double* const unsure_kept = std::assume_aligned<16>(to.unsure_kept.data());
   const Lanes before = state.output_counts;
   const Lanes own_mm = state.own_motion_mm, unsure_mm = state.unsure_mm;
   Lanes asked, output, followed, unsure;
   for (std::size_t a = 0; a < 4; ++a) {
-    asked[a] = wanted_um[a] * to.counts_per_um[a];
-    const double least = before[a] - to.slew_counts[a];
-    const double most = before[a] + to.slew_counts[a];
-    const double above = asked[a] > -to.limit_counts[a] ? asked[a] : -to.limit_counts[a];
-    const double sized = above < to.limit_counts[a] ? above : to.limit_counts[a];
+    asked[a] = wanted_um[a] * counts_per_um[a];
+    const double least = before[a] - slew_counts[a];
+    const double most = before[a] + slew_counts[a];
+    const double above = asked[a] > least_counts[a] ? asked[a] : least_counts[a];
+    const double sized = above < limit_counts[a] ? above : limit_counts[a];
     const double rising = sized > least ? sized : least;
     output[a] = rising < most ? rising : most;
-    followed[a] = own_mm[a] + (output[a] * to.mm_per_output[a] - own_mm[a]) * to.follow_part[a];
-    unsure[a] = unsure_mm[a] * to.unsure_kept[a] + std::abs((output[a] - before[a]) * to.mm_per_output[a]);
+    followed[a] = own_mm[a] + (output[a] * mm_per_output[a] - own_mm[a]) * follow_part[a];
+    unsure[a] = unsure_mm[a] * unsure_kept[a] + std::abs((output[a] - before[a]) * mm_per_output[a]);
   }
   state.output_counts = output;
   state.own_motion_mm = followed;
@@ -312,7 +324,8 @@ inline PerAxis<CurveValues> read_axes(const CompiledMap& map, TickState& state,
   return {read_axis(map, state, counts, 0), read_axis(map, state, counts, 1), read_axis(map, state, counts, 2)};
 }
 
-inline Vector3 compensated(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts) noexcept {
+inline Compensation compensated(const CompiledMap& map, TickState& state,
+                                const PerAxis<std::int64_t>& counts) noexcept {
   return combine(map, read_axes(map, state, counts), state.position_mm);
 }
 
@@ -384,19 +397,11 @@ inline Twist both(const RotaryWorking& working, const PerRotary<RotaryValues>& v
   return {inner[0] + outer[0], inner[1] + outer[1], inner[2] + outer[2]};
 }
 
-/// Rotations as a cross product needs them: B C, C A, A B.
-using Turns = std::array<Pair, kAxes>;
-
-inline Turns turns_of(const Twist& twist) noexcept {
-  return {highs(twist[1], twist[2]), highs(twist[2], twist[0]), highs(twist[0], twist[1])};
+/// @param za, bc  rotations to add, as in CurveValues
+inline Turns turns_of(const Twist& twist, Pair za, Pair bc) noexcept {
+  return turns_of(twist[0] + za, highs(twist[1], twist[2]) + bc);
 }
-inline Turns plus(const Turns& a, const Turns& b) noexcept { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-
-/// Along X, Y and Z.
-struct Compensation {
-  Pair xy_um;
-  double z_um = 0.0;
-};
+inline Turns turns_of(const Twist& twist) noexcept { return turns_of(twist[0], highs(twist[1], twist[2])); }
 
 inline Compensation plus_cross(const Compensation& sum, const Turns& turns, const Vector3& arm_mm) noexcept {
   const Pair zx{arm_mm[2], arm_mm[0]}, yz{arm_mm[1], arm_mm[2]}, yx{arm_mm[1], arm_mm[0]};
@@ -418,15 +423,12 @@ inline Vector3 arm_of_tool_mm(const RotaryWorking& working, Pair turn) noexcept 
 
 inline Vector3 plus(const Vector3& a, const Vector3& b) noexcept { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 
-/// Rotation of the linear axes, which acts at a tool that a head turns.
-inline Turns linear_turns(const RotaryWorking& working, const PerAxis<CurveValues>& linear,
-                          const RotaryState& state) noexcept {
-  const Pair scale = twice(working.um_per_mm);
-  const auto turn = [&](std::size_t k) {
-    return scale * (pair_at(&linear[0].rotation[k]) + pair_at(&linear[1].rotation[k]) +
-                    pair_at(&linear[2].rotation[k]) + pair_at(&state.thermal_turn[k]));
-  };
-  return {turn(0), turn(2), turn(4)};
+/// Rotations of a head and of the linear axes, which act at a tool that the head turns.
+inline Turns turns_at_tool(const RotaryWorking& working, const RotaryState& state, const PerAxis<CurveValues>& linear,
+                           const Twist& head) noexcept {
+  const Pair scale = pair_at(working.um_per_mm.data());
+  return turns_of(head, scale * (linear[0].za + linear[1].za + linear[2].za + pair_at(&state.thermal_turn[0])),
+                  scale * (linear[0].bc + linear[1].bc + linear[2].bc + pair_at(&state.thermal_turn[2])));
 }
 
 /// What the rotary axes add.
@@ -443,15 +445,14 @@ inline Compensation rotary_um(const RotaryWorking& working, const RotaryState& s
     const Twist twist = both<direction>(working, values);
     const Vector3 arm_mm =
         turned<direction>(working, arm_of_tool_mm(working, values[1].turned), values[0].turned[0], values[0].turned[1]);
-    return plus_cross(shift_of(twist), plus(turns_of(twist), linear_turns(working, linear, state)), arm_mm);
+    return plus_cross(shift_of(twist), turns_at_tool(working, state, linear, twist), arm_mm);
   } else {
     const Twist& table = values[0].twist;
     const Twist& head = values[1].twist;
     const Vector3 arm_mm = arm_of_tool_mm(working, values[1].turned);
     const Compensation of_table =
         plus_cross(shift_of(table), turns_of(table), plus(plus(position_mm, working.table_arm_mm), arm_mm));
-    const Compensation of_head =
-        plus_cross(shift_of(head), plus(turns_of(head), linear_turns(working, linear, state)), arm_mm);
+    const Compensation of_head = plus_cross(shift_of(head), turns_at_tool(working, state, linear, head), arm_mm);
     return {of_table.xy_um + of_head.xy_um, of_table.z_um + of_head.z_um};
   }
 }
@@ -462,8 +463,7 @@ inline Compensation rotary_um(const RotaryWorking& working, const RotaryState& s
   const auto with = [&]<RotaryWorking::Arrangement arrangement, std::size_t direction>() {
     return rotary_um<arrangement, direction>(working, state, position_mm, linear, values);
   };
-  if (working.arrangement == table_and_head) return with.operator()<table_and_head, 0>();
-  switch (working.inner_direction + (working.arrangement == heads ? 4 : 0)) {
+  switch (working.way) {
     case 0:
       return with.operator()<tables, 0>();
     case 1:
@@ -471,15 +471,17 @@ inline Compensation rotary_um(const RotaryWorking& working, const RotaryState& s
     case 2:
       return with.operator()<tables, 2>();
     case 3:
-      return with.operator()<tables, 3>();
+      return with.operator()<tables, RotaryWorking::kOblique>();
     case 4:
       return with.operator()<heads, 0>();
     case 5:
       return with.operator()<heads, 1>();
     case 6:
       return with.operator()<heads, 2>();
+    case 7:
+      return with.operator()<heads, RotaryWorking::kOblique>();
     default:
-      return with.operator()<heads, 3>();
+      return with.operator()<table_and_head, 0>();
   }
 }
 
@@ -497,16 +499,17 @@ void start(TickState& state, const PerAxis<std::int64_t>& counts, const Vector3&
 }
 
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts) noexcept {
-  state.compensation_um = compensated(map, state, counts);
+  const Compensation asked = compensated(map, state, counts);
+  state.compensation_um = {asked.xy_um[0], asked.xy_um[1], asked.z_um};
   put_out(map.output, state);
   ++state.ticks;
 }
 
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
           const ThermalPolynomial& thermal) noexcept {
-  state.compensation_um = compensated(map, state, counts);
+  const Compensation asked = compensated(map, state, counts);
   const Lanes warm_um = value_um(thermal, state.position_mm);
-  for (std::size_t a = 0; a < kAxes; ++a) state.compensation_um[a] += warm_um[a];
+  state.compensation_um = {asked.xy_um[0] + warm_um[0], asked.xy_um[1] + warm_um[1], asked.z_um + warm_um[2]};
   put_out(map.output, state);
   ++state.ticks;
 }
@@ -530,13 +533,12 @@ double rotary_position_deg(const RotaryWorking& working, const RotaryState& stat
 }
 
 void follow_thermal(const CompiledMap& map, const ThermalState& thermal, RotaryState& rotary) noexcept {
-  if (!map.rotary.turns_tool() || map.rotary.um_per_mm == 0.0) return;
+  if (!map.rotary.turns_tool() || map.rotary.um_per_mm[0] == 0.0) return;
   const PerAxis<Vector3> effect = thermal_tool_effect_um_per_mm(map.thermal, thermal);
-  for (std::size_t k = 0; k < rotary.thermal_turn.size(); ++k) {
-    const std::size_t about = std::array<std::size_t, 6>{1, 2, 2, 0, 0, 1}[k];
+  for (std::size_t about = 0; about < kAxes; ++about) {
     const std::size_t i = (about + 1) % kAxes, j = (about + 2) % kAxes;
     const double um_per_mm = effect[i][j] != 0.0 ? effect[i][j] : -effect[j][i];  // one of these axes may not exist
-    rotary.thermal_turn[k] = um_per_mm / map.rotary.um_per_mm;
+    rotary.thermal_turn[1 + about] = um_per_mm / map.rotary.um_per_mm[0];
   }
 }
 
@@ -544,13 +546,13 @@ void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>&
           const ThermalPolynomial& thermal, RotaryState& rotary,
           const PerRotary<std::int64_t>& rotary_counts) noexcept {
   const PerAxis<CurveValues> values = read_axes(map, state, counts);
-  const Vector3 linear_um = combine(map, values, state.position_mm);
+  const Compensation linear_um = combine(map, values, state.position_mm);
   const Compensation turned_um = rotary_um(map.rotary, rotary, state.position_mm, values,
                                            {read_rotary(map.rotary.axes[0], rotary, rotary_counts[0], 0),
                                             read_rotary(map.rotary.axes[1], rotary, rotary_counts[1], 1)});
   const Lanes warm_um = value_um(thermal, state.position_mm);
-  state.compensation_um = {linear_um[0] + turned_um.xy_um[0] + warm_um[0],
-                           linear_um[1] + turned_um.xy_um[1] + warm_um[1], linear_um[2] + turned_um.z_um + warm_um[2]};
+  const Pair xy_um = linear_um.xy_um + turned_um.xy_um + Pair{warm_um[0], warm_um[1]};
+  state.compensation_um = {xy_um[0], xy_um[1], linear_um.z_um + turned_um.z_um + warm_um[2]};
   put_out(map.output, state);
   ++state.ticks;
 }
@@ -558,7 +560,8 @@ void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>&
 Vector3 compensation_um_at(const CompiledMap& map, const Vector3& position_mm,
                            const PerAxis<Approach>& approach) noexcept {
   const auto values = [&](std::size_t a) { return look_up(map, map.curves[a][side_of(approach[a])], position_mm[a]); };
-  return combine(map, {values(0), values(1), values(2)}, position_mm);
+  const Compensation asked = combine(map, {values(0), values(1), values(2)}, position_mm);
+  return {asked.xy_um[0], asked.xy_um[1], asked.z_um};
 }
 
 PerAxis<Vector3> tool_effect_um_per_mm(const CompiledMap& map, const TickState& state,
@@ -566,9 +569,10 @@ PerAxis<Vector3> tool_effect_um_per_mm(const CompiledMap& map, const TickState& 
   PerAxis<Vector3> effect = thermal_tool_effect_um_per_mm(map.thermal, thermal);
   for (std::size_t a = 0; a < kAxes; ++a) {
     const CurveValues values = look_up(map, map.curves[a][side_of(state.approach[a])], state.position_mm[a]);
+    const Turns turns = turns_of(values.za, values.bc);
     for (std::size_t k = 0; k < 6; ++k) {
       const std::size_t lever = k / 2, observed = (lever + (k % 2 == 0 ? 2 : 1)) % 3;
-      effect[lever][observed] += values.rotation[k] * map.tool[a].per_mm[k];
+      effect[lever][observed] += turns[k / 2][k % 2] * map.tool[a].per_mm[k];
     }
   }
   return effect;

@@ -57,6 +57,7 @@ struct AxisWorking {
 /// From compensation to D/A counts, and back to the motion they bring about; absent axes have zeros.
 struct alignas(16) OutputWorking {
   Lanes counts_per_um{};  ///< polarity inside
+  Lanes least_counts{};   ///< −limit_counts
   Lanes limit_counts{};   ///< at most 32,767
   Lanes slew_counts{};    ///< per tick
   Lanes mm_per_output{};  ///< how far one D/A count moves the axis, in the end
@@ -188,12 +189,12 @@ struct SelectedValue {
 /// @param unsure_mm  the position may be wrong by this much, either way
 [[nodiscard]] inline Approach sensed_approach(Approach before, double position_mm, double deadband_mm,
                                               double& extreme_mm, double unsure_mm = 0.0) noexcept {
-  const double onward = static_cast<double>(static_cast<std::int8_t>(before));
-  const double onward_mm = (position_mm - extreme_mm) * onward;
+  const bool forward = before == Approach::forward;
+  const double onward_mm = forward ? position_mm - extreme_mm : extreme_mm - position_mm;
   if (onward_mm >= unsure_mm) {
-    extreme_mm = position_mm - onward * unsure_mm;
+    extreme_mm = forward ? position_mm - unsure_mm : position_mm + unsure_mm;
   } else if (-onward_mm > deadband_mm + unsure_mm) {
-    extreme_mm = position_mm + onward * unsure_mm;
+    extreme_mm = forward ? position_mm + unsure_mm : position_mm - unsure_mm;
     return before == Approach::forward ? Approach::reverse : Approach::forward;
   }
   return before;
