@@ -14,7 +14,7 @@ void volumetric_tick(benchmark::State& bench) {
   ecs::start(state, walk[0], {-500.0, -500.0, -500.0},
              {ecs::Approach::forward, ecs::Approach::forward, ecs::Approach::forward});
   std::size_t i = 0;
-  for (auto _ : bench) {
+  for (auto _ : bench) {  // NOLINT(clang-analyzer-deadcode.DeadStores)
     ecs::tick(*map, state, walk[i++ & (walk.size() - 1)]);
     benchmark::DoNotOptimize(state.dac_counts);
   }
@@ -30,11 +30,11 @@ void warm_tick(benchmark::State& bench, const char* configuration) {
   const auto walk = ecs::bench::random_walk(1 << 14);
   ecs::TickState state;
   ecs::ThermalState thermal;
-  ecs::RotaryState rotary;
+  ecs::RotaryTickState rotary;
   ecs::start(state, walk[0], {-500.0, -500.0, -500.0}, {});
   if (turns) ecs::start_rotary(map->rotary, rotary, {}, {}, {});
   std::size_t i = 0;
-  for (auto _ : bench) {
+  for (auto _ : bench) {  // NOLINT(clang-analyzer-deadcode.DeadStores)
     const auto& counts = walk[i++ & (walk.size() - 1)];
     if (turns)
       ecs::tick(*map, state, counts, thermal.acting, rotary, {3 * counts[0], -7 * counts[1]});

@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
   (void)ecs::begin_thermal(map->thermal, thermal, inputs, datum_mm, nullptr, 0.0);
   const bool rotary_axes = argc > 4;
   if (rotary_axes && !ecs::bench::add_rotary_axes(*map, argv[4])) return 1;
-  ecs::RotaryState rotary;
+  ecs::RotaryTickState rotary;
   ecs::start_rotary(map->rotary, rotary, {}, {}, {});
   std::vector<ecs::PerRotary<std::int64_t>> turns;
   for (const auto& counts : walk) turns.push_back({3 * counts[0], -7 * counts[1]});

@@ -75,7 +75,7 @@ inline std::unique_ptr<CompiledMap> full_map(std::uint32_t values, const std::ve
 /// Gives the map the two rotary axes of a configuration such as XYACTZ: all six curves every 10 deg for each approach,
 /// and all location errors. @return false: the configuration is not one of this machine
 inline bool add_rotary_axes(CompiledMap& map, std::string_view configuration) {
-  RotaryMachine machine;
+  RotarySetup machine;
   configuration.copy(machine.configuration.data(), machine.configuration.size() - 1);
   std::vector<std::uint8_t> values(12 * 36);
   std::size_t axis = 0;

@@ -36,7 +36,7 @@ struct Places {
 };
 
 /// Each side of the T from the base outward: linear axes, then rotary ones.
-RotaryFault place(const RotaryMachine& machine, const UnitParameters& parameters, Places& places) noexcept {
+RotaryFault place(const RotarySetup& machine, const UnitParameters& parameters, Places& places) noexcept {
   std::array<char, 9> linear{};
   std::size_t letters = 0, rotary = 0, on_tables = 0;
   bool tool_side = false, after_rotary = false;
@@ -69,7 +69,7 @@ RotaryFault place(const RotaryMachine& machine, const UnitParameters& parameters
 }
 
 /// Cells in a turn of which each value of the table begins one; 0: no number fits.
-std::uint32_t cells_for(const RotaryTable& table) noexcept {
+std::uint32_t cells_for(const RotaryCurves& table) noexcept {
   if (table.count == 0) return RotaryAxisWorking::kFewestCells;
   for (std::uint32_t cells = RotaryAxisWorking::kFewestCells; cells <= RotaryAxisWorking::kMostCells; ++cells) {
     const double each = cells * table.increment_deg / kTurn_deg;
@@ -78,7 +78,7 @@ std::uint32_t cells_for(const RotaryTable& table) noexcept {
   return 0;
 }
 
-RotaryFault fault_of(const RotaryTable& table) noexcept {
+RotaryFault fault_of(const RotaryCurves& table) noexcept {
   if (table.count == 0) return RotaryFault::none;
   const auto sound_resolution = [](double each) { return each > 0.0 && each <= 1000.0; };
   const bool sound = std::abs(table.start_deg) <= 10.0 * kTurn_deg && table.increment_deg > 0.0 &&
@@ -97,7 +97,7 @@ struct Grid {
 };
 
 /// The curves where a cell begins. @param side  0 reverse, 1 forward
-std::array<double, 6> curves_at(const RotaryTable& table, std::size_t side, std::uint32_t cell,
+std::array<double, 6> curves_at(const RotaryCurves& table, std::size_t side, std::uint32_t cell,
                                 const Grid& grid) noexcept {
   std::array<double, 6> curves{};
   if (table.count == 0) return curves;
@@ -127,7 +127,7 @@ struct CellRule {
   Vector3 moved_mm{};     ///< from the pivot to the point from which the common arm counts
 };
 
-std::array<double, 8> values_of_cell(const RotaryTable& table, std::size_t side, std::uint32_t k, const Grid& grid,
+std::array<double, 8> values_of_cell(const RotaryCurves& table, std::size_t side, std::uint32_t k, const Grid& grid,
                                      const CellRule& rule) noexcept {
   std::array<double, 6> curves = curves_at(table, side, k, grid);
   for (std::size_t s = 0; s < 6; ++s) curves[s] -= rule.axis->location[s];
@@ -144,9 +144,9 @@ std::array<double, 8> values_of_cell(const RotaryTable& table, std::size_t side,
   return cell;
 }
 
-void place_axis(const RotaryMachine& machine, const CellRule& rule, RotaryAxisWorking& working) noexcept {
+void place_axis(const RotarySetup& machine, const CellRule& rule, RotaryAxisWorking& working) noexcept {
   const RotaryAxis& axis = *rule.axis;
-  const RotaryTable& table = machine.tables[static_cast<std::size_t>(&axis - machine.axes.data())];
+  const RotaryCurves& table = machine.tables[static_cast<std::size_t>(&axis - machine.axes.data())];
   const std::uint32_t cells = cells_for(table);
   const Grid grid{cells, static_cast<std::uint32_t>(std::lround(cells * table.increment_deg / kTurn_deg))};
   working.letter = axis.letter;
@@ -208,7 +208,7 @@ std::uint64_t turn_of(double deg) noexcept {
   return part < 1.0 ? static_cast<std::uint64_t>(part * kTurn) : 0;
 }
 
-RotaryFault compile_rotary_axes(const RotaryMachine& machine, const UnitParameters& parameters,
+RotaryFault compile_rotary_axes(const RotarySetup& machine, const UnitParameters& parameters,
                                 RotaryWorking& working) noexcept {
   working.arrangement = RotaryWorking::Arrangement::none;
   Places places;

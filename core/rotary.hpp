@@ -35,7 +35,7 @@ struct RotaryAxis {
 
 /// The six curves of one axis, on one grid. Straight between the values; beyond the ends of a table that is no whole
 /// turn the nearer end holds.
-struct RotaryTable {
+struct RotaryCurves {
   double start_deg = 0.0;
   double increment_deg = 10.0;  ///< such that 1,440 to 3,600 equal cells make a turn and each value begins one
   std::uint32_t count = 0;      ///< of values of each curve; 0: all six are zero
@@ -45,10 +45,10 @@ struct RotaryTable {
 };
 
 /// What a unit with rotary axes has beyond its parameters.
-struct RotaryMachine {
+struct RotarySetup {
   std::array<char, 8> configuration{};  ///< with the rotary axes: "XYACTZ", zero-terminated
   PerRotary<RotaryAxis> axes{};         ///< in any order
-  PerRotary<RotaryTable> tables{};      ///< in the same
+  PerRotary<RotaryCurves> tables{};     ///< in the same
 };
 
 /// Why rotary axes cannot be compensated.
@@ -106,13 +106,13 @@ struct RotaryWorking {
 [[nodiscard]] std::uint64_t turn_of(double deg) noexcept;
 
 /// Builds the working form. Allocation-free. On refusal `working` has no rotary axis.
-[[nodiscard]] RotaryFault compile_rotary_axes(const RotaryMachine& machine, const UnitParameters& parameters,
+[[nodiscard]] RotaryFault compile_rotary_axes(const RotarySetup& machine, const UnitParameters& parameters,
                                               RotaryWorking& working) noexcept;
 /// Arms of another tool.
 void set_rotary_tool(RotaryWorking& working, const Vector3& tool_offset_mm) noexcept;
 
 /// What the loop remembers of rotary axes from tick to tick, by place.
-struct RotaryState {
+struct RotaryTickState {
   PerRotary<std::uint64_t> turn_at_0{};  ///< angle from `start` where the transducer shows 0 counts
   PerRotary<std::uint64_t> turn{};       ///< angle from `start`, in 2^-64 of a turn
   PerRotary<std::int64_t> extreme_counts{};

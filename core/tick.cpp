@@ -192,7 +192,7 @@ CompileVerdict compile(const ImageView& image, CompiledMap& map) noexcept {
   return {};
 }
 
-RotaryFault compile_rotary(const RotaryMachine& machine, const UnitParameters& parameters, CompiledMap& map) noexcept {
+RotaryFault compile_rotary(const RotarySetup& machine, const UnitParameters& parameters, CompiledMap& map) noexcept {
   const RotaryFault fault = compile_rotary_axes(machine, parameters, map.rotary);
   set_levers(map, parameters.tool_offset_mm);
   ThermalState none;
@@ -347,7 +347,7 @@ inline RotaryValues values_at(const RotaryAxisWorking& axis, std::uint64_t turn,
 }
 
 /// Angle and approach of the rotary axis at a place, and its values there.
-inline RotaryValues read_rotary(const RotaryAxisWorking& axis, RotaryState& state, std::int64_t counts,
+inline RotaryValues read_rotary(const RotaryAxisWorking& axis, RotaryTickState& state, std::int64_t counts,
                                 std::size_t place) noexcept {
   const auto now = static_cast<std::uint64_t>(counts);
   const std::int64_t sense = 2 * static_cast<std::int64_t>(state.counts_rise[place]) - 1;
@@ -424,8 +424,8 @@ inline Vector3 arm_of_tool_mm(const RotaryWorking& working, Pair turn) noexcept 
 inline Vector3 plus(const Vector3& a, const Vector3& b) noexcept { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 
 /// Rotations of a head and of the linear axes, which act at a tool that the head turns.
-inline Turns turns_at_tool(const RotaryWorking& working, const RotaryState& state, const PerAxis<CurveValues>& linear,
-                           const Twist& head) noexcept {
+inline Turns turns_at_tool(const RotaryWorking& working, const RotaryTickState& state,
+                           const PerAxis<CurveValues>& linear, const Twist& head) noexcept {
   const Pair scale = pair_at(working.um_per_mm.data());
   return turns_of(head, scale * (linear[0].za + linear[1].za + linear[2].za + pair_at(&state.thermal_turn[0])),
                   scale * (linear[0].bc + linear[1].bc + linear[2].bc + pair_at(&state.thermal_turn[2])));
@@ -433,7 +433,7 @@ inline Turns turns_at_tool(const RotaryWorking& working, const RotaryState& stat
 
 /// What the rotary axes add.
 template <RotaryWorking::Arrangement arrangement, std::size_t direction>
-inline Compensation rotary_um(const RotaryWorking& working, const RotaryState& state, const Vector3& position_mm,
+inline Compensation rotary_um(const RotaryWorking& working, const RotaryTickState& state, const Vector3& position_mm,
                               const PerAxis<CurveValues>& linear, const PerRotary<RotaryValues>& values) noexcept {
   using enum RotaryWorking::Arrangement;
   if constexpr (arrangement == tables) {
@@ -457,7 +457,7 @@ inline Compensation rotary_um(const RotaryWorking& working, const RotaryState& s
   }
 }
 
-inline Compensation rotary_um(const RotaryWorking& working, const RotaryState& state, const Vector3& position_mm,
+inline Compensation rotary_um(const RotaryWorking& working, const RotaryTickState& state, const Vector3& position_mm,
                               const PerAxis<CurveValues>& linear, const PerRotary<RotaryValues>& values) noexcept {
   using enum RotaryWorking::Arrangement;
   const auto with = [&]<RotaryWorking::Arrangement arrangement, std::size_t direction>() {
@@ -514,9 +514,9 @@ void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>&
   ++state.ticks;
 }
 
-void start_rotary(const RotaryWorking& working, RotaryState& state, const PerRotary<std::int64_t>& counts,
+void start_rotary(const RotaryWorking& working, RotaryTickState& state, const PerRotary<std::int64_t>& counts,
                   const PerRotary<double>& position_deg, const PerRotary<Approach>& approach) noexcept {
-  state = RotaryState{};
+  state = RotaryTickState{};
   for (std::size_t p = 0; p < kRotaryInputs; ++p) {
     const RotaryAxisWorking& axis = working.axes[p];
     if (axis.letter == '\0') continue;
@@ -528,11 +528,11 @@ void start_rotary(const RotaryWorking& working, RotaryState& state, const PerRot
   }
 }
 
-double rotary_position_deg(const RotaryWorking& working, const RotaryState& state, std::size_t place) noexcept {
+double rotary_position_deg(const RotaryWorking& working, const RotaryTickState& state, std::size_t place) noexcept {
   return static_cast<double>(state.turn[place] + working.axes[place].start) * (360.0 * 0x1p-64);
 }
 
-void follow_thermal(const CompiledMap& map, const ThermalState& thermal, RotaryState& rotary) noexcept {
+void follow_thermal(const CompiledMap& map, const ThermalState& thermal, RotaryTickState& rotary) noexcept {
   if (!map.rotary.turns_tool() || map.rotary.um_per_mm[0] == 0.0) return;
   const PerAxis<Vector3> effect = thermal_tool_effect_um_per_mm(map.thermal, thermal);
   for (std::size_t about = 0; about < kAxes; ++about) {
@@ -543,7 +543,7 @@ void follow_thermal(const CompiledMap& map, const ThermalState& thermal, RotaryS
 }
 
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
-          const ThermalPolynomial& thermal, RotaryState& rotary,
+          const ThermalPolynomial& thermal, RotaryTickState& rotary,
           const PerRotary<std::int64_t>& rotary_counts) noexcept {
   const PerAxis<CurveValues> values = read_axes(map, state, counts);
   const Compensation linear_um = combine(map, values, state.position_mm);
@@ -579,7 +579,7 @@ PerAxis<Vector3> tool_effect_um_per_mm(const CompiledMap& map, const TickState& 
 }
 
 PerAxis<Vector3> tool_effect_um_per_mm(const CompiledMap& map, const TickState& state, const ThermalState& thermal,
-                                       const RotaryState& rotary) noexcept {
+                                       const RotaryTickState& rotary) noexcept {
   const RotaryWorking& working = map.rotary;
   const PerRotary<RotaryValues> values{values_at(working.axes[0], rotary.turn[0], rotary.counts_rise[0]),
                                        values_at(working.axes[1], rotary.turn[1], rotary.counts_rise[1])};
@@ -626,7 +626,7 @@ bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal
   return go_to_tool(map, thermal, tool_effect_um_per_mm(map, state, thermal), offset_mm, most_um);
 }
 
-bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal, RotaryState& rotary,
+bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal, RotaryTickState& rotary,
                  const Vector3& offset_mm, double most_um) noexcept {
   return go_to_tool(map, thermal, tool_effect_um_per_mm(map, state, thermal, rotary), offset_mm, most_um);
 }

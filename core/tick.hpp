@@ -102,7 +102,7 @@ struct CompileVerdict {
 
 /// Adds rotary axes to a map that compile() has built from an image with these parameters. On refusal the map is as
 /// before, without rotary axes.
-[[nodiscard]] RotaryFault compile_rotary(const RotaryMachine& machine, const UnitParameters& parameters,
+[[nodiscard]] RotaryFault compile_rotary(const RotarySetup& machine, const UnitParameters& parameters,
                                          CompiledMap& map) noexcept;
 
 /// What the loop remembers from tick to tick, and what can be read of it in between.
@@ -139,15 +139,16 @@ void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>&
 
 /// Sets the rotary axes before the first tick. @pre the map has rotary axes
 /// @param counts, position_deg, approach  by place (RotaryWorking)
-void start_rotary(const RotaryWorking& working, RotaryState& state, const PerRotary<std::int64_t>& counts,
+void start_rotary(const RotaryWorking& working, RotaryTickState& state, const PerRotary<std::int64_t>& counts,
                   const PerRotary<double>& position_deg, const PerRotary<Approach>& approach) noexcept;
 /// One period with rotary axes. @pre the map has rotary axes  @param rotary_counts  by place
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
-          const ThermalPolynomial& thermal, RotaryState& rotary, const PerRotary<std::int64_t>& rotary_counts) noexcept;
+          const ThermalPolynomial& thermal, RotaryTickState& rotary,
+          const PerRotary<std::int64_t>& rotary_counts) noexcept;
 /// Where a head turns the tool, thermal rows act at its tip: after begin_thermal() and each step_thermal().
-void follow_thermal(const CompiledMap& map, const ThermalState& thermal, RotaryState& rotary) noexcept;
+void follow_thermal(const CompiledMap& map, const ThermalState& thermal, RotaryTickState& rotary) noexcept;
 /// Angle at the last tick, 0 … 360 deg.
-[[nodiscard]] double rotary_position_deg(const RotaryWorking& working, const RotaryState& state,
+[[nodiscard]] double rotary_position_deg(const RotaryWorking& working, const RotaryTickState& state,
                                          std::size_t place) noexcept;
 
 /// What a tool offset does at the place of the last tick: um of compensation along X, Y, Z for each mm along x, y, z.
@@ -155,7 +156,8 @@ void follow_thermal(const CompiledMap& map, const ThermalState& thermal, RotaryS
                                                      const ThermalState& thermal) noexcept;
 /// The same with rotary axes at the angles of the last tick; x, y, z are those of the tool at angles of 0.
 [[nodiscard]] PerAxis<Vector3> tool_effect_um_per_mm(const CompiledMap& map, const TickState& state,
-                                                     const ThermalState& thermal, const RotaryState& rotary) noexcept;
+                                                     const ThermalState& thermal,
+                                                     const RotaryTickState& rotary) noexcept;
 
 /// Takes the levers of every rotation, of the map and of its thermal rows, to another tool offset, between two ticks.
 /// No axis is corrected by more than `most_um` more or less than before at the place of the last tick.
@@ -167,7 +169,7 @@ void follow_thermal(const CompiledMap& map, const ThermalState& thermal, RotaryS
 bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal, const Vector3& offset_mm,
                  double most_um) noexcept;
 /// The same with rotary axes at the angles of the last tick. @pre the map has rotary axes
-bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal, RotaryState& rotary,
+bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal, RotaryTickState& rotary,
                  const Vector3& offset_mm, double most_um) noexcept;
 
 /// Corrects other squareness errors C0Y, B0Z, A0Z from now on, between two ticks, with the limit of change_tool().

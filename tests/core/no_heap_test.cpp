@@ -78,10 +78,10 @@ TEST_CASE("checking, compiling and 10,000 ticks allocate nothing") {
   const auto thermal = std::make_unique<ThermalState>();
   InputValues inputs{};
   const std::vector<std::uint8_t> values(12 * 36, 1);
-  RotaryMachine rotary_machine{{'T', 'X', 'Y', 'Z', 'C'}, {{{.letter = 'C'}}}, {}};
+  RotarySetup rotary_machine{{'T', 'X', 'Y', 'Z', 'C'}, {{{.letter = 'C'}}}, {}};
   rotary_machine.tables[0].count = 36;
   rotary_machine.tables[0].values = {values, values};
-  RotaryState rotary;
+  RotaryTickState rotary;
 
   REQUIRE(allocations_of([] {
             int* volatile kept = new int(1);  // else an optimised build leaves both out

@@ -1,5 +1,5 @@
 // Rotary axes in the running loop, against the product of the exact matrices of the chain
-// (support/measured_machine.hpp).
+// (tests/core/support/measured_machine.hpp).
 #include "core/rotary.hpp"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ double largest(const Eigen::Vector3d& v) { return v.cwiseAbs().maxCoeff(); }
 
 /// What an image would hold of the rotary axes.
 struct RotaryMap {
-  RotaryMachine machine;
+  RotarySetup machine;
   PerRotary<std::array<std::vector<std::uint8_t>, 2>> values;
 
   explicit RotaryMap(const MeasuredMachine& m, double deg_per_count = kDegEachCount) {
@@ -47,7 +47,7 @@ struct RotaryMap {
  private:
   void add(std::size_t i, char letter, const TurningAxis& from, double deg_per_count) {
     machine.axes[i] = {letter, deg_per_count, 0.01, from.direction, from.pivot_mm, from.location};
-    RotaryTable& table = machine.tables[i];
+    RotaryCurves& table = machine.tables[i];
     table.start_deg = from.curves[0][0].start_mm;
     table.increment_deg = from.curves[0][0].increment_mm;
     const std::size_t count = from.curves[0][0].hundredths.size() - (from.curves[0][0].hundredths.size() == 37 ? 1 : 0);
@@ -69,7 +69,7 @@ struct FiveAxisUnit {
   RotaryMap rotary_map;
   std::unique_ptr<CompiledMap> map = std::make_unique<CompiledMap>();
   TickState state;
-  RotaryState rotary;
+  RotaryTickState rotary;
   ThermalState thermal;
 
   explicit FiveAxisUnit(const MeasuredMachine& m, double deg_per_count = kDegEachCount)
@@ -305,7 +305,7 @@ TEST_CASE("rotary axes that cannot be compensated are refused with the reason") 
   const MeasuredMachine m = draws.five_axis_machine("XYACTZ", kSmall_um_per_m, 8.0, false);
   FiveAxisUnit unit(m);
   const auto fault_with = [&](auto change) {
-    RotaryMachine machine = unit.rotary_map.machine;
+    RotarySetup machine = unit.rotary_map.machine;
     UnitParameters parameters = m.parameters;
     change(machine, parameters);
     const RotaryFault fault = compile_rotary(machine, parameters, *unit.map);
@@ -313,7 +313,7 @@ TEST_CASE("rotary axes that cannot be compensated are refused with the reason") 
     return fault;
   };
   const auto chain = [&](const char* configuration) {
-    return fault_with([&](RotaryMachine& machine, UnitParameters&) {
+    return fault_with([&](RotarySetup& machine, UnitParameters&) {
       machine.configuration = {};
       std::string(configuration).copy(machine.configuration.data(), 7);
     });
@@ -326,16 +326,16 @@ TEST_CASE("rotary axes that cannot be compensated are refused with the reason") 
   CHECK(chain("YXACTZ") == RotaryFault::other_chain);
   CHECK(chain("ACXYTZ") == RotaryFault::turned_linear);
   CHECK(chain("XYATCZ") == RotaryFault::turned_linear);
-  CHECK(fault_with([](RotaryMachine&, UnitParameters& p) { p.scope = Scope::planar; }) == RotaryFault::part_of_model);
-  CHECK(fault_with([](RotaryMachine&, UnitParameters& p) { p.interpolation = Interpolation::nearest; }) ==
+  CHECK(fault_with([](RotarySetup&, UnitParameters& p) { p.scope = Scope::planar; }) == RotaryFault::part_of_model);
+  CHECK(fault_with([](RotarySetup&, UnitParameters& p) { p.interpolation = Interpolation::nearest; }) ==
         RotaryFault::part_of_model);
-  CHECK(fault_with([](RotaryMachine& machine, UnitParameters& p) {
+  CHECK(fault_with([](RotarySetup& machine, UnitParameters& p) {
           machine.configuration = {'X', 'Y', 'C', 'T', 'Z', 'A'};
           p.tool_range_mm[1] = 0.0;
         }) == RotaryFault::no_tool_range);
   const double not_a_number = std::numeric_limits<double>::quiet_NaN();
   const auto axis = [&](auto change) {
-    return fault_with([&](RotaryMachine& one, UnitParameters&) { change(one.axes[1]); });
+    return fault_with([&](RotarySetup& one, UnitParameters&) { change(one.axes[1]); });
   };
   CHECK(axis([](RotaryAxis& a) { a.direction = {0.0, 0.7, 0.7}; }) == RotaryFault::bad_axis);
   CHECK(axis([](RotaryAxis& a) { a.deg_per_count = 0.0; }) == RotaryFault::bad_axis);
@@ -344,12 +344,12 @@ TEST_CASE("rotary axes that cannot be compensated are refused with the reason") 
   CHECK(axis([&](RotaryAxis& a) { a.pivot_mm[2] = not_a_number; }) == RotaryFault::bad_axis);
   CHECK(axis([&](RotaryAxis& a) { a.location[5] = not_a_number; }) == RotaryFault::bad_axis);
   const auto table = [&](auto change) {
-    return fault_with([&](RotaryMachine& one, UnitParameters&) { change(one.tables[0]); });
+    return fault_with([&](RotarySetup& one, UnitParameters&) { change(one.tables[0]); });
   };
-  CHECK(table([](RotaryTable& t) { t.increment_deg = 10.4; }) == RotaryFault::bad_table);
-  CHECK(table([](RotaryTable& t) { t.increment_deg = 7.77; }) == RotaryFault::uneven_table);
-  CHECK(table([](RotaryTable& t) { t.increment_deg = 0.05; }) == RotaryFault::uneven_table);
-  CHECK(table([](RotaryTable& t) { t.count = 35; }) == RotaryFault::bad_table);
-  CHECK(table([](RotaryTable& t) { t.resolution[3] = 0.0; }) == RotaryFault::bad_table);
-  CHECK(table([&](RotaryTable& t) { t.start_deg = not_a_number; }) == RotaryFault::bad_table);
+  CHECK(table([](RotaryCurves& t) { t.increment_deg = 10.4; }) == RotaryFault::bad_table);
+  CHECK(table([](RotaryCurves& t) { t.increment_deg = 7.77; }) == RotaryFault::uneven_table);
+  CHECK(table([](RotaryCurves& t) { t.increment_deg = 0.05; }) == RotaryFault::uneven_table);
+  CHECK(table([](RotaryCurves& t) { t.count = 35; }) == RotaryFault::bad_table);
+  CHECK(table([](RotaryCurves& t) { t.resolution[3] = 0.0; }) == RotaryFault::bad_table);
+  CHECK(table([&](RotaryCurves& t) { t.start_deg = not_a_number; }) == RotaryFault::bad_table);
 }

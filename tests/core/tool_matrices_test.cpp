@@ -1,5 +1,5 @@
 // Another tool in the running loop, against the product of the exact matrices of the chain with the tool at its end
-// (support/measured_machine.hpp).
+// (tests/core/support/measured_machine.hpp).
 #include <algorithm>
 #include <array>
 #include <cmath>
