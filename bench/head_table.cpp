@@ -154,6 +154,7 @@ class Head {
   [[nodiscard]] const std::string& chain() const { return chain_; }
 
   laser::MeasurementSet first_set() { return measured(first_, causes_, noise_um_, true); }
+  /// From where the first set ended: an axis at rest keeps the lost motion with which it arrived.
   laser::MeasurementSet followed(const model::MeasurementProposal& proposal) {
     BallPlan plan;
     plan.ball_mm = proposal.ball->place_mm;
@@ -161,6 +162,7 @@ class Head {
     for (const auto& sweep : proposal.ball->sweeps)
       plan.sweeps.push_back({index_of(sweep.axis), sweep.targets_deg, sweep.parked_deg});
     plan.runs = proposal.runs;
+    plan.stand = stand_;
     return measured(plan, causes_, noise_um_, true);
   }
 
@@ -207,8 +209,15 @@ class Head {
     written(folder_ / "errors.toml", errors);
     auto simulation = checked(simulation_for(folder_ / "machine.toml", folder_ / "errors.toml", seed_ * 10 + ++sets_));
     laser::MeasurementSet set = checked(ball_readings(simulation, plan));
-    for (laser::Reading& r : set.readings)
+    for (laser::Reading& r : set.readings) {
+      for (std::size_t a = 0; a < kAxes; ++a)
+        if (r.angle_deg[a] != plan.stand.angle_deg[a])
+          plan.stand.approach[a] = r.angle_deg[a] > plan.stand.angle_deg[a] ? Approach::forward : Approach::reverse;
+      plan.stand.angle_deg = r.angle_deg;
+      plan.stand.approach[index_of(r.axis)] = r.approach;
       for (const Cause& one : causes) r.error += one.added(r);
+    }
+    stand_ = plan.stand;
     return set;
   }
 
@@ -218,7 +227,9 @@ class Head {
       const laser::MeasurementSet set = measured(first_, {one}, 0.0, false);
       model::Model model;
       model.effects = model::usual_effects(model::observations_of(set, model, machine_));
-      const double left_um = checked(model::fit(model, model::observations_of(set, model, machine_))).rms_um;
+      // plain: without noise every deviation would be an outlier
+      const double left_um =
+          checked(model::fit(model, model::observations_of(set, model, machine_), {.plain = true})).rms_um;
       double square = 0.0;
       for (const laser::Reading& r : set.readings) square += r.error * r.error;
       if (left_um < kLeastLeft * std::sqrt(square / static_cast<double>(set.readings.size()))) continue;
@@ -235,6 +246,7 @@ class Head {
   std::string chain_, machine_text_, base_;
   double noise_um_ = 0.0;
   BallPlan first_;
+  RotaryState stand_;  ///< at the end of the latest set
   params::Machine machine_;
   std::vector<Cause> causes_;
 };

@@ -151,7 +151,7 @@ Result<laser::MeasurementSet> ball_readings(Simulation& simulation, const BallPl
   const TurningGeometry geometry = geometry_of(machine, plan.tool_offset_mm);
   const Vector3 workpiece_mm = turning_pose(geometry, {}, {}, plan.ball_mm, {}).nominal_mm;
   laser::MeasurementSet set = begun(machine, "ball on the table");
-  RotaryState rotary;
+  RotaryState rotary = plan.stand;
   double time_s = 0.0;
   const std::vector<Sweep> sweeps =
       plan.sweeps.empty() ? reachable_sweeps(geometry, machine, workpiece_mm) : plan.sweeps;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/result.hpp"
+#include "ecs_emulator/errors/kinematics.hpp"
 #include "ecs_emulator/machine/simulation.hpp"
 #include "laser/circle_test.hpp"
 #include "laser/measurement_set.hpp"
@@ -100,6 +101,7 @@ struct BallPlan {
   double noise_um = 0.3;      ///< standard deviation of a reading
   double seconds = 5.0;       ///< from one pose to the next
   bool on_workpiece = false;  ///< sensors turn with the table: readings along its X, Y, Z
+  RotaryState stand;          ///< of the rotary axes before the first pose: referenced, if nothing else is said
 };
 
 /// Every rotary axis over its travel with the other at 0, and again with the other half way to the farther end: 12

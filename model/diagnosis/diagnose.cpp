@@ -529,9 +529,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
   return diagnosis;
 }
 
-/// Effects that may be missing at once from readings along paths: what a line's new model holds from the start, slopes
-/// and lost motion, is here among what is sought, and of two axes.
-constexpr std::size_t kMostOnPaths = 6;
+/// Effects that may be missing at once from readings along paths, or of a ball: what a line's new model holds from the
+/// start, slopes and lost motion, is there among what is sought, and all readings show the errors of several axes.
+constexpr std::size_t kMostOfSeveralAxes = 6;
 
 /// Searches the readings, of large sets an even choice.
 /// @param answer  from a ReportInput about all readings
@@ -558,7 +558,8 @@ template <class Answered, class Few>
 Result<Answered> diagnosed(Result<Answered> (*answer)(const ReportInput&), const Few& few, const Model& model,
                            const Observations& data, DiagnoseOptions options) {
   if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to diagnose");
-  if (!data.paths.empty()) options.most_effects = std::max(options.most_effects, kMostOnPaths);
+  if (!data.paths.empty() || !data.through_chain.empty())
+    options.most_effects = std::max(options.most_effects, kMostOfSeveralAxes);
   try {
     const Regressors regressors(data);
     ECS_TRY(base, base_of(model, regressors, options.plain, nullptr));

@@ -17,6 +17,8 @@
 namespace ecs::model {
 namespace {
 
+using Eigen::Index;
+
 /// Fits that differ by less than this fall of χ² (three standard deviations) cannot be told apart.
 constexpr double kIndistinguishable = 9.0;
 /// The same for a period together with the two sizes of a harmonic (three degrees of freedom).
@@ -323,6 +325,60 @@ Solution parted(const Search& search, Solution best, const StepwiseOptions& opti
   return best;
 }
 
+/// The same effect with these of its columns only. @param space  what is left beside the other effects
+Choice with_columns(const Search& search, const Space& space, Choice whole, const std::vector<Index>& columns) {
+  const Family& family = search.families()[whole.family];
+  whole.cost -= family.ln_readings * static_cast<double>(whole.columns.size() - columns.size());
+  whole.columns = columns;
+  whole.parameters = columns.size();
+  Space with = space;
+  absorb(with, search.white_columns_of(whole));
+  whole.gain = space.chi2() - with.chi2();
+  return whole;
+}
+
+/// Whether an effect acts along several directions, of which its cause may have one and another effect the others.
+bool has_directions(const EffectInstance& effect) {
+  return effect.definition().place == Place::artefact && effect.definition().column_sets.size() > 1;
+}
+
+/// Sets of its columns that are a part of those it uses.
+std::vector<std::vector<Index>> parts_of_columns(const Search& search, const Choice& whole) {
+  std::vector<std::vector<Index>> parts;
+  for (const auto& set : search.families()[whole.family].effect.definition().column_sets) {
+    const bool is_part = std::ranges::all_of(
+        set, [&](Index column) { return std::ranges::find(whole.columns, column) != whole.columns.end(); });
+    if (is_part && set.size() < whole.columns.size()) parts.push_back(set);
+  }
+  return parts;
+}
+
+/// An effect along several directions may stand for itself along some of them and for another effect: forward steps
+/// take the whole first, and its place is taken then. The pair replaces it where that is better.
+Solution parted_by_direction(const Search& search, const Solution& best, const StepwiseOptions& options) {
+  Solution better = best;
+  for (std::size_t i = 0; i < best.chosen.size(); ++i) {
+    const Choice& whole = best.chosen[i];
+    if (best.chosen.size() >= options.most_effects || !has_directions(search.families()[whole.family].effect)) continue;
+    const Solution rest = search.solution(without_member(best.chosen, i), best.own);
+    for (const std::vector<Index>& columns : parts_of_columns(search, whole)) {
+      const Choice part = with_columns(search, rest.space, whole, columns);
+      const Solution with_part = search.solution(with(rest.chosen, part), rest.own);
+      for (std::size_t f = 0; f < search.candidates(); ++f) {
+        const auto is_it = [&](const Choice& choice) { return choice.family == f; };
+        if (!has_directions(search.families()[f].effect) || std::ranges::any_of(with_part.chosen, is_it)) continue;
+        const Choice other = search.choice_at(with_part.space, f, 0.0);
+        if (other.gain <= 0.0) continue;
+        Solution tried = search.solution(with(with_part.chosen, other), rest.own);
+        if (worth(search, tried, options) > worth(search, better, options) + kLeastProgress &&
+            plausible(search, tried.chosen))
+          better = std::move(tried);
+      }
+    }
+  }
+  return better;
+}
+
 /// Sets of effects one larger than a state: the best solution of every set.
 class NextSets {
  public:
@@ -390,7 +446,8 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
       if (more > kLeastProgress) best = solution;
     }
   }
-  return parted(search, merged(search, exchanged(search, std::move(best), options), options), options);
+  best = parted(search, merged(search, exchanged(search, std::move(best), options), options), options);
+  return parted_by_direction(search, best, options);
 }
 
 std::vector<Group> groups_of(const Search& search, const Solution& solution, double entry_score) {

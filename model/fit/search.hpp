@@ -122,6 +122,11 @@ class Search {
   /// Columns of a choice in readings' units: fitted part and fixed part.
   [[nodiscard]] Columns columns_of(const Choice& choice) const;
 
+  /// The fitted part whitened. @pre not of fixed size
+  [[nodiscard]] Eigen::MatrixXd white_columns_of(const Choice& choice) const {
+    return whitener_(columns_of(choice).of);
+  }
+
   /// Scores of all values of a family beyond `space`, best first, at most this many.
   [[nodiscard]] std::vector<Choice> peaks_of(const Space& space, std::size_t family,
                                              std::size_t most = kAllPeaks) const;

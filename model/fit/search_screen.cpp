@@ -176,12 +176,6 @@ constexpr std::size_t kValuesOfPair = 8;
 
 double score_of(const Choice& choice) { return choice.score(); }
 
-/// What turns comes back: a period in degrees goes into a turn a whole number of times.
-bool is_fraction_of_turn(double period_deg) {
-  const double orders = 360.0 / period_deg;
-  return orders > 0.5 && std::abs(orders - std::round(orders)) < 1e-6 * orders;
-}
-
 }  // namespace
 
 std::vector<Choice> Search::scores_of(std::size_t f, const Space& seen, std::size_t most) const {
@@ -231,9 +225,13 @@ Choice Search::best_period(const Space& space, const std::vector<Choice>& peaks)
     fits = true;
   };
   // the period may be twice the one found (its second harmonic stronger) or half of it, or another peak
+  // of a turn only the fractions that are tried: others are no waves of that axis, or another effect
   const bool of_turn = families_[f].effect.rotary;
+  const auto is_tried = [&](double value) {
+    return std::ranges::any_of(families_[f].grid, [&](double one) { return std::abs(one / value - 1.0) < kSamePeak; });
+  };
   for (const double value : {2.0 * best.nonlinear, 0.5 * best.nonlinear})
-    if ((!of_turn || is_fraction_of_turn(value)) &&
+    if ((!of_turn || is_tried(value)) &&
         choice_at(space, f, value).score() > (fits ? best.score() - kRefinedRise : 0.0))
       take(refined_choice(space, f, value));
   std::size_t tried = 0;
