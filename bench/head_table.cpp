@@ -289,6 +289,7 @@ std::optional<model::MeasurementProposal> judged(const laser::MeasurementSet& se
       answer.groups.push_back({to_text(one.effect)});
       answer.groups.back().insert(answer.groups.back().end(), one.indistinguishable_from.begin(),
                                   one.indistinguishable_from.end());
+      for (const model::RivalOfPart& rival : one.in_part) answer.groups.back().push_back(to_text(rival.other));
       model = checked(model::add_effect(model, data, model::request_of(one.effect), "data")).model;
       any = true;
     }

@@ -217,6 +217,8 @@ Cell candidate_cell(const Candidate& c) {
   const auto details = [](bool any, const std::string& text) { return any ? paragraph(text, 2, 4) : std::string(); };
   std::vector<std::string> rivals;
   for (const model::EffectInstance& rival : c.rivals) rivals.push_back(place_text(rival));
+  std::vector<std::string> rivals_of_parts;
+  for (const model::RivalOfPart& rival : c.in_part) rivals_of_parts.push_back(to_text(rival.other));
   AnswerFields fields = described(
       inlined({effect_json(c.effect), ""}), "place"_shown(place_in_table(c.effect)),
       "parameters"_is(values, details(!c.parameters.empty(), parameters_text(c.parameters))), "sigma"_is(sigmas),
@@ -236,6 +238,7 @@ Cell candidate_cell(const Candidate& c) {
       "indistinguishable_from"_is(
           c.indistinguishable_from,
           details(!rivals.empty(), fmt::format("cannot be distinguished from: {}", fmt::join(rivals, ", ")))),
+      "indistinguishable_in_part"_is(rivals_of_parts),
       "because"_is(c.because, details(!c.because.empty(), "because: " + c.because)),
       "next_measurement"_is(
           c.next_measurement,

@@ -194,6 +194,7 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
   candidate.tried_at.coefficients.assign(ranked.choice.columns.begin(), ranked.choice.columns.end());
   candidate.probability = ranked.probability;
   candidate.set = ranked.set;
+  candidate.in_part = ranked.in_part;
   candidate.e_value = ranked.e_value;
   const double freedom = std::max<double>(1.0, static_cast<double>(ranked.choice.parameters));
   candidate.p_value =
@@ -429,6 +430,16 @@ std::optional<std::string> slope_note(const Candidate& one, const Regressors& re
       place_text(one.effect));
 }
 
+/// "a part of machine_bending (z_sin_um, z_cos_um) may be head_bending instead: …"
+std::string note_of(const RivalOfPart& rival) {
+  std::vector<std::string_view> sizes;
+  for (const ParameterDefinition& size : rival.part.definition().parameters)
+    if (!rival.part.parameters.contains(std::string(size.name))) sizes.push_back(size.name);
+  return fmt::format("a part of {} ({}) may be {} instead: these data do not distinguish them. {}",
+                     place_text(rival.part), fmt::join(sizes, ", "), place_text(rival.other),
+                     separating_measurement(rival.part, {rival.other}));
+}
+
 Result<Diagnosis> reported(const ReportInput& in) {
   const Observations& data = in.regressors.data();
   const VectorXd before = told_residual(in.model, data, in.options.plain, in.base.residual);
@@ -488,6 +499,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
   if (const auto note = even_targets_note(data)) diagnosis.notes.push_back(*note);
   for (const Candidate& candidate : diagnosis.candidates)
     if (const auto note = slope_note(candidate, in.regressors)) diagnosis.notes.push_back(*note);
+  for (const Candidate& candidate : diagnosis.candidates)
+    for (const RivalOfPart& rival : candidate.in_part)
+      if (candidate.in_answer()) diagnosis.notes.push_back(note_of(rival));
   if (!in.found.run_note.empty()) diagnosis.notes.push_back(in.found.run_note);
   const bool structure = diagnosis.verdict == Verdict::unexplained_structure ||
                          diagnosis.verdict == Verdict::partly_explained ||

@@ -77,6 +77,11 @@ struct TrialNumbers {
   [[nodiscard]] double shown_explained() const { return std::max(0.0, explained); }
 };
 
+/// Of an effect along several directions: another one that explains as much as some of them do.
+struct RivalOfPart {
+  EffectInstance kept, part, other;  ///< the effect along the others; along those; what may take their place
+};
+
 struct Candidate : TrialNumbers {
   EffectInstance effect;                      ///< with `fitted` values and its curve
   std::vector<ParameterEstimate> parameters;  ///< with sigma where they are determined
@@ -100,6 +105,7 @@ struct Candidate : TrialNumbers {
   std::size_t skipped = 0;                          ///< readings without a cell that it needs
   std::vector<std::string> indistinguishable_from;  ///< "effect:axis:sense-or-code"
   std::vector<EffectInstance> rivals;               ///< the same, with approach and sensors
+  std::vector<RivalOfPart> in_part;                 ///< none of them rivals of the whole
   std::string because;                              ///< the evidence, in words
   std::string next_measurement;                     ///< one sentence
 };

@@ -93,6 +93,8 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, const std::ve
                         group.wander,           group.p_value,
                         group.p_value_alone};
     for (const Choice& rival : group.rivals) one.rivals.push_back(instance(rival));
+    for (const Group::InPart& part : group.in_part)
+      one.in_part.push_back({instance(part.kept), instance(part.part), instance(part.other)});
     list.push_back(std::move(one));
   }
   const std::size_t members = list.size();

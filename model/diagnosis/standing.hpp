@@ -44,6 +44,7 @@ struct RankedCandidate {
   std::optional<double> e_value{};
   bool wander = false;
   double p_value = 1.0, p_value_alone = 1.0;
+  std::vector<RivalOfPart> in_part{};
   [[nodiscard]] bool in_answer() const { return standing != Standing::possible; }
 };
 

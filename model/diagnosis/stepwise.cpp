@@ -450,6 +450,42 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
   return parted_by_direction(search, best, options);
 }
 
+namespace {
+
+/// Effects that may be what a member along several directions is along some of them, each once: beside the most of the
+/// member with which it explains as much, with no more parameters. None that is a rival of the whole.
+std::vector<Group::InPart> rivals_of_parts(const Search& search, const Solution& solution, const Group& group,
+                                           const Space& rest) {
+  std::vector<Group::InPart> found;
+  const Choice& whole = group.member;
+  if (!has_directions(search.families()[whole.family].effect)) return found;
+  std::vector<std::vector<Index>> parts = parts_of_columns(search, whole);
+  std::ranges::stable_sort(parts, std::greater{}, &std::vector<Index>::size);
+  for (const std::vector<Index>& columns : parts) {
+    Group::InPart one;
+    one.kept = with_columns(search, rest, whole, columns);
+    std::vector<Index> others = whole.columns;
+    std::erase_if(others, [&](Index column) { return std::ranges::find(columns, column) != columns.end(); });
+    one.part = with_columns(search, rest, whole, others);
+    Space beside = rest;
+    absorb(beside, search.white_columns_of(one.kept));
+    const double of_part = whole.gain - one.kept.gain;
+    if (of_part < 2.0 * kIndistinguishable) continue;  // nothing to speak of
+    for (std::size_t f = 0; f < search.candidates(); ++f) {
+      const auto is_it = [&](const Choice& choice) { return choice.family == f; };
+      if (!has_directions(search.families()[f].effect) || std::ranges::any_of(solution.chosen, is_it) ||
+          std::ranges::any_of(group.rivals, is_it) ||
+          std::ranges::any_of(found, [&](const Group::InPart& before) { return is_it(before.other); }))
+        continue;
+      one.other = search.choice_at(beside, f, 0.0);
+      if (one.other.parameters <= others.size() && one.other.gain >= of_part - kIndistinguishable) found.push_back(one);
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
 std::vector<Group> groups_of(const Search& search, const Solution& solution, double entry_score) {
   std::vector<Group> groups;
   for (std::size_t i = 0; i < solution.chosen.size(); ++i) {
@@ -510,6 +546,7 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       if (simpler) std::swap(rival, group.member);
     }
     std::erase_if(group.rivals, [&](const Choice& rival) { return !is_alike(search, group.member, rival); });
+    group.in_part = rivals_of_parts(search, solution, group, rest.space);
     group.values = values_that_fit(search, rest.space, group.member);
     if (search.families()[group.member.family].effect.traits().periodic && !group.values.empty() &&
         group.values.front().nonlinear != group.member.nonlinear) {  // one of the machine's pitches that fits as well

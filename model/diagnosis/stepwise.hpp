@@ -28,6 +28,11 @@ struct Group {
   Choice member;
   std::vector<Choice> rivals;  ///< equal in fit within what noise allows, with few parameters more
   std::vector<Choice> weaker;  ///< the next best, best first
+  /// Of a member along several directions: another effect that explains as much as some of them do, beside the others.
+  struct InPart {
+    Choice kept, part, other;  ///< the member along the others; along those; what may take their place
+  };
+  std::vector<InPart> in_part;
   /// At all values of its searched parameter that fit within Δχ² 9 of the best (14.2 where they need one harmonic
   /// less), the facts of the machine first; of one without a derivative (a place) at the least and the greatest.
   std::vector<Choice> values;

@@ -176,11 +176,24 @@ std::vector<Sense> senses_of(const Observations& data) {
   return senses;
 }
 
+/// From which side the rotary axes come to the first pose of a set that is measured behind the readings.
+PerAxis<int> sides_at_start(const Observations& data, const laser::Reading& first) {
+  const std::size_t last = last_row(data);
+  PerAxis<int> side = data.through_chain[last].approach;
+  for (std::size_t a = 0; a < kAxes; ++a)
+    if (first.angle_deg[a] != data.position_mm[last][a])
+      side[a] = first.angle_deg[a] > data.position_mm[last][a] ? 1 : -1;
+  side[index_of(first.axis)] = static_cast<int>(first.approach);
+  return side;
+}
+
 /// The set at that place, as far as it is within reach.
 BallSet set_at(const Observations& data, const BallPlace& at, const std::vector<BallSet::Sweep>& wanted, int run,
                double pose_s) {
   const std::map<Vector3, Vector3> places = places_of(data, at, wanted);
-  BallSet set{within_reach(data, wanted, places), {}, at.tool_mm, {}, {}};
+  BallSet set;
+  set.sweeps = within_reach(data, wanted, places);
+  set.tool_mm = at.tool_mm;
   if (const auto zero = places.find(Vector3{}); zero != places.end()) set.place_mm = zero->second;
   double time_s = 0.0;
   for (const BallSet::Sweep& sweep : set.sweeps)
@@ -198,6 +211,7 @@ BallSet set_at(const Observations& data, const BallPlace& at, const std::vector<
           set.readings.push_back(reading);
         }
       }
+  if (!set.readings.empty()) set.side = sides_at_start(data, set.readings.front());
   return set;
 }
 

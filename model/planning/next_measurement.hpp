@@ -45,6 +45,9 @@ struct BallSet {
   Vector3 tool_mm{};                     ///< from the tool reference point to the ball or probe in the spindle
   std::vector<laser::Reading> readings;  ///< of one run in order, every sense; their `error` means nothing
   std::string why;                       ///< what this set shows that the present one does not, a sentence
+  /// Side from which A, B, C come to the first pose (1: from below), as their lost motion follows from the order of the
+  /// readings so far and these.
+  PerAxis<int> side{1, 1, 1};
 };
 
 /// One run as a person sets it up. Positions in machine coordinates.

@@ -106,6 +106,19 @@ class ProgramWriter {
     if (plan_.runs > 1) line("$END", "END OF RUNS");
   }
 
+  /// Off the first pose, to the side from which every rotary axis comes to it.
+  void come_from_sides(const BallSet& set, double away_mm) {
+    constexpr double kOff_deg = 5.0;  // a choice: beyond any lost motion
+    block("G90G00Z" + word(away_mm));
+    std::string angles;
+    for (std::size_t a = 0; a < kAxes; ++a) {
+      if (!machine_.rotary[a]) continue;
+      const auto [low, high] = machine_.rotary[a]->travel_deg;
+      angles += "ABC"[a] + word(std::clamp(set.readings.front().angle_deg[a] - set.side[a] * kOff_deg, low, high));
+    }
+    block("G90G00" + angles, "REMOVE BACKLASH BEFORE FIRST READING");
+  }
+
   /// Pose by pose: away along Z, the rotary axes, X and Y, back to the ball.
   void ball(const BallSet& set) {
     constexpr double kAway_mm = 50.0;  // a choice: clear of a ball and its stem
@@ -118,6 +131,7 @@ class ProgramWriter {
     for (const laser::Reading& one : set.readings) highest_mm = std::max(highest_mm, one.position_mm[2]);
     const auto& z = machine_.axes[index_of(Axis::Z)];
     const double away_mm = z ? std::min(highest_mm + kAway_mm, z->travel_mm[1]) : highest_mm + kAway_mm;
+    if (!set.readings.empty()) come_from_sides(set, away_mm);
     if (plan_.runs > 1) line(fmt::format("$REP {}", plan_.runs), fmt::format("REPEAT {} TIMES", plan_.runs));
     std::optional<double> before_s;
     for (const laser::Reading& one : set.readings) {

@@ -178,6 +178,15 @@ bool lists(const Candidate& candidate, const EffectInstance& other) {
 /// Least separation [sigma] at which a cause counts as seen: as what separates rivals.
 constexpr double kSeen = kSeparates;
 
+/// The first effect of the answer of which a part may be another effect.
+auto first_with_open_part(const Diagnosis& diagnosis) {
+  return std::ranges::find_if(diagnosis.candidates,
+                              [](const Candidate& one) { return one.in_answer() && !one.in_part.empty(); });
+}
+
+/// Whether two parts of one effect have the same sizes held.
+bool same_columns(const EffectInstance& one, const EffectInstance& other) { return one.parameters == other.parameters; }
+
 double rms_where_not_zero(const VectorXd& column) {
   double sum = 0.0, count = 0.0;
   for (Index k = 0; k < column.size(); ++k) {
@@ -213,6 +222,15 @@ OpenGroup open_group(const Diagnosis& diagnosis) {
       group.rivals.push_back(other.effect);
     else if (other.in_answer())
       group.settled.push_back(other.effect);
+  }
+  if (const auto part = group.rivals.size() > 1 ? diagnosis.candidates.end() : first_with_open_part(diagnosis);
+      part != diagnosis.candidates.end()) {
+    group.settled = {part->in_part.front().kept};
+    group.rivals = {part->in_part.front().part};
+    for (const RivalOfPart& one : part->in_part)
+      if (same_columns(one.part, group.rivals.front())) group.rivals.push_back(one.other);
+    for (const Candidate& other : diagnosis.candidates)
+      if (other.in_answer() && &other != &*part) group.settled.push_back(other.effect);
   }
   for (const EffectInstance& rival : group.rivals) group.names.push_back(name_with_sensor(rival));
   return group;

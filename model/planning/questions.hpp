@@ -40,7 +40,8 @@ struct OpenGroup {
   std::vector<std::string> names;       ///< one per rival
   std::vector<EffectInstance> settled;  ///< named effects outside the group
 };
-/// The first group of several; the first named cause where no group has any.
+/// The first group of several; else the first effect of which a part may be another one, along with those; else the
+/// first named cause.
 [[nodiscard]] OpenGroup open_group(const Diagnosis& diagnosis);
 
 /// "thermal_drift:X:EX (t_spindle_degC)"
