@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "ecs_emulator/errors/kinematics.hpp"
 #include "ecs_emulator/machine/simulation.hpp"
 #include "laser/circle_test.hpp"
 #include "laser/measurement_set.hpp"
