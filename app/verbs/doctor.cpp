@@ -5,6 +5,7 @@
 
 #include "app/cli/verb.hpp"
 #include "base/answer_table.hpp"
+#include "commissioning/unit/status.hpp"
 
 namespace ecs::app {
 namespace {
@@ -45,11 +46,15 @@ Result<Outcome> examine(VerbContext& context, const DoctorRequest& request) {
   std::vector<DoctorFinding> findings = diagnosis.findings;
   for (DoctorFinding& finding : surroundings()) findings.push_back(std::move(finding));
   const bool works = diagnosis.works;
+  const auto& lines = diagnosis.lines;
   return outcome_of(
       record_cell("link {link} ({origin})\n{findings}{works}", "link"_is(context.link_name), "origin"_is(choice.origin),
                   "works"_is(works, "the link works\n", "the link does not work\n"),
                   "working_link"_is(text_cell(diagnosis.working_link)),
                   "serial_number"_is(diagnosis.identity ? text_cell(diagnosis.identity->serial_number) : null_cell()),
+                  "battery"_is(lines ? Cell{battery_cell(*lines).json, {}} : null_cell()),
+                  "battery_age_s"_is(lines ? cell_of(lines->battery_age_s) : null_cell()),
+                  "control_on"_is(lines ? Cell{control_cell(*lines).json, {}} : null_cell()),
                   "statistics"_is(statistics_json(diagnosis.statistics)),
                   "findings"_is(list_cell(findings, finding_cell)),
                   "error"_is(works ? shown_cell() : Cell{problem_json(why_not(diagnosis)), {}})),

@@ -18,9 +18,11 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "base/answer_table.hpp"
 #include "base/process.hpp"
 #include "base/text.hpp"
 #include "commissioning/link/unit_link.hpp"
+#include "commissioning/unit/status.hpp"
 #include "protocol/line/modbus_link.hpp"
 #include "protocol/registers/register_map.hpp"
 #include "protocol/registers/unit_registers.hpp"
@@ -230,6 +232,17 @@ bool heard_another_host(const LinkAddress& address, Examination& work) {
   return judge_other_hosts(client, work);
 }
 
+/// The battery that keeps the map, and whether the control is on.
+void judge_supplies(UnitClient& client, Examination& work) {
+  const auto lines = client.control_lines();
+  if (!lines) return;
+  work.diagnosis.lines = *lines;
+  const bool low = lines->battery == protocol::BatteryState::low;
+  add(work, "battery", low ? FindingState::problem : FindingState::ok, battery_cell(*lines).text);
+  if (lines->control_on_wired)
+    add(work, "control", lines->control_on ? FindingState::ok : FindingState::note, control_cell(*lines).text);
+}
+
 bool greet(Result<UnitClient>& client, Examination& work) {
   const auto identity = client->identity();
   if (!identity) {
@@ -242,6 +255,7 @@ bool greet(Result<UnitClient>& client, Examination& work) {
       fmt::format("unit {} ({}) answers, firmware {}.{}", identity->serial_number, identity->unit_name,
                   identity->firmware_major, identity->firmware_minor));
   judge_quality(*client, work);
+  judge_supplies(*client, work);
   return true;
 }
 
@@ -362,6 +376,7 @@ void examine_emulator(const LinkChoice& choice, Examination& work) {
   work.diagnosis.identity = *identity;
   add(work, "link", FindingState::ok, fmt::format("the bundled emulator answers as unit {}", identity->serial_number));
   judge_quality(link->client(), work);
+  judge_supplies(link->client(), work);
 }
 
 }  // namespace

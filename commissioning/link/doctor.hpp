@@ -48,6 +48,7 @@ struct Diagnosis {
   bool works = false;
   std::string working_link;  ///< another link that answers, if the given one does not; empty: none found
   std::optional<protocol::Identity> identity;
+  std::optional<protocol::ControlLines> lines;  ///< nothing: the unit has none (firmware before 1.1)
   protocol::LinkStatistics statistics;
   std::vector<DoctorFinding> findings;
 };

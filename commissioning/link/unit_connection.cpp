@@ -16,8 +16,9 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kBetweenFastLooks = 25ms;  ///< forty a second where the link is fast enough
 constexpr auto kBetweenSlowLooks = 1s;
 constexpr auto kBeforeNextTry = 1s;
-constexpr auto kBetweenInputs = 5s;  ///< temperatures change slowly; on a slow line they cost a twentieth of it
-constexpr auto kGlance = 5ms;        ///< how soon a cancel and a wish for the link are seen
+constexpr auto kLeastBetweenInputs = 500ms, kMostBetweenInputs = 5000ms;
+constexpr int kRestPerInputs = 20;  ///< they cost a twentieth of the line, as far as they are not too old then
+constexpr auto kGlance = 5ms;       ///< how soon a cancel and a wish for the link are seen
 constexpr int kFailuresToLose = 3;
 
 std::string where_of(const protocol::UnitClient& client) {
@@ -163,10 +164,14 @@ void UnitConnection::look() {
 }
 
 void UnitConnection::look_at_inputs() {
-  next_inputs_ = Clock::now() + kBetweenInputs;
+  const auto begun = Clock::now();
   const auto inputs = unit_link_->client().live_inputs();
   const auto lines = unit_link_->client().control_lines();
+  const auto now = Clock::now();
+  next_inputs_ =
+      now + std::clamp<Clock::duration>(kRestPerInputs * (now - begun), kLeastBetweenInputs, kMostBetweenInputs);
   const std::lock_guard lock(mutex_);
+  state_.inputs_at = now;
   state_.inputs = inputs ? std::optional(*inputs) : std::nullopt;
   state_.lines = lines ? std::optional(*lines) : std::nullopt;
   ++changes_;

@@ -47,9 +47,10 @@ struct WatchedUnit {
 
 /// With what was sampled.
 struct SampledUnit : WatchedUnit {
-  std::deque<protocol::MonitorSample> samples;  ///< oldest first, at most kKept
-  std::optional<protocol::LiveInputs> inputs;   ///< read every few seconds while somebody watches
-  std::optional<protocol::ControlLines> lines;  ///< the same; nothing: the unit has none (firmware before 1.1)
+  std::deque<protocol::MonitorSample> samples;        ///< oldest first, at most kKept
+  std::optional<protocol::LiveInputs> inputs;         ///< read every few seconds while somebody watches
+  std::optional<protocol::ControlLines> lines;        ///< the same; nothing: the unit has none (firmware before 1.1)
+  std::chrono::steady_clock::time_point inputs_at{};  ///< when both were read
 };
 
 class UnitConnection {
@@ -88,6 +89,7 @@ class UnitConnection {
     ECS_DO(opened());
     ECS_DO(same_unit(shown));
     auto result = work(*unit_link_);
+    next_inputs_ = {};
     settle();
     return result;
   }
@@ -99,6 +101,7 @@ class UnitConnection {
     if (!turn.has_link()) return tl::unexpected(link_was_busy());
     ECS_DO(opened());
     auto result = work(*unit_link_);
+    next_inputs_ = {};
     settle();
     return result;
   }
@@ -173,7 +176,7 @@ class UnitConnection {
   std::shared_ptr<EmulatorProcess> emulator_;  ///< kept while the link is closed
   int failures_ = 0;                           ///< looks in a row that brought nothing
   std::chrono::steady_clock::time_point next_try_{};
-  std::chrono::steady_clock::time_point next_inputs_{};
+  std::chrono::steady_clock::time_point next_inputs_{};  ///< at once after every piece of work, which may change them
 
   std::atomic<int> waiting_{0};  ///< pieces of work that want the link
   std::atomic<int> watchers_{0};

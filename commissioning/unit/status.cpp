@@ -36,6 +36,10 @@ Result<void> decode(StatusSnapshot& snapshot) {
     for (const protocol::HostEvent& event : page.events)
       if (event.number != 0) snapshot.events.push_back(event);
   }
+  if (!snapshot.lines_registers.empty()) {
+    ECS_TRY(lines, protocol::value_in<protocol::ControlLines>(snapshot.lines_registers));
+    snapshot.lines = lines;
+  }
   return protocol::take_pointers(snapshot.pointer_registers, snapshot.status);
 }
 
@@ -128,8 +132,8 @@ Json raw_json(const StatusSnapshot& snapshot) {
   for (const auto& value : snapshot.selected)
     selected.push_back(value ? Json::array({value->counts, number_or_null(value->value)}) : Json(nullptr));
   return object_of("identity"_is(snapshot.identity_registers), "status"_is(snapshot.status_registers),
-                   "pointers"_is(snapshot.pointer_registers), "selected"_is(selected),
-                   "events"_is(snapshot.event_blocks));
+                   "pointers"_is(snapshot.pointer_registers), "lines"_is(snapshot.lines_registers),
+                   "selected"_is(selected), "events"_is(snapshot.event_blocks));
 }
 
 }  // namespace
@@ -145,6 +149,7 @@ Result<StatusSnapshot> take_snapshot(protocol::UnitClient& client, const std::st
     ECS_TRY(registers, read(block));
     *into = std::move(registers);
   }
+  if (auto lines = read(protocol::kControlLines)) snapshot.lines_registers = std::move(*lines);
   ECS_TRY(blocks, client.event_blocks(events));
   snapshot.event_blocks = std::move(blocks);
   ECS_DO(decode(snapshot));
@@ -183,6 +188,8 @@ Result<StatusSnapshot> parse_snapshot(std::string_view text, const std::string& 
     ECS_TRY(registers, registers_at(*raw, key, block, name));
     *into = std::move(registers);
   }
+  if (const auto lines = raw->find("lines"); lines != raw->end())  // files of before have none
+    snapshot.lines_registers = registers_in(*lines, protocol::kControlLines);
   ECS_TRY(blocks, event_blocks_in(*raw, name));
   snapshot.event_blocks = std::move(blocks);
   if (const auto decoded = decode(snapshot); !decoded) return problem_at(name, 0, 0, decoded.error().message);
@@ -222,8 +229,12 @@ Cell fault_cell(const UnitStatus& status) {
   const std::string address = hex_address(status.fault_address);
   const std::string axis = status.fault_axis ? std::string(1, letter_of(*status.fault_axis)) : std::string();
   std::string input;
-  if (status.fault == Fault::live_input)
-    input = status.fault_address == kLoadInput + 1 ? "; the load" : fmt::format("; input {}", status.fault_address);
+  const auto is_of = [&](std::size_t which) { return status.fault_address == which + 1; };
+  if (status.fault == Fault::live_input || status.fault == Fault::unknown_input)
+    input = is_of(kLoadInput)        ? "; the load"
+            : is_of(kDeviationInput) ? "; the deviation"
+            : is_of(kToolInput)      ? "; the tool: it is not in the table, or a copy of the table is damaged"
+                                     : fmt::format("; input {}", status.fault_address);
   return record_cell("fault {number} ({name}): {meaning}{address}{axis}{input}. What to do: {action}",
                      "name"_is(text.name), "number"_is(static_cast<int>(status.fault)), "meaning"_is(text.meaning),
                      "action"_is(text.action),
@@ -377,6 +388,19 @@ std::string_view name_of(Approach approach) {
   return approach == Approach::reverse ? "reverse" : "unknown";
 }
 
+Cell battery_cell(const protocol::ControlLines& lines) {
+  constexpr double kSecondsPerDay = 86'400.0;
+  const bool low = lines.battery == protocol::BatteryState::low;
+  return {low ? "low" : "good",
+          fmt::format("{}, {:.1f} days old{}", low ? "low" : "good", lines.battery_age_s / kSecondsPerDay,
+                      low ? "; replace it while the unit is switched on, or its map is lost" : "")};
+}
+
+Cell control_cell(const protocol::ControlLines& lines) {
+  if (!lines.control_on_wired) return null_cell("not known: its \"power on\" is not wired to the unit");
+  return {lines.control_on, lines.control_on ? "on" : "off: every axis has to be referenced again when it is back"};
+}
+
 std::string fault_sentence(const UnitStatus& status) { return fault_cell(status).text; }
 std::string axes_text(const StatusSnapshot& snapshot) { return axes_cell(snapshot).text; }
 std::string pointers_text(const StatusSnapshot& snapshot) { return pointers_cell(snapshot).text; }
@@ -395,14 +419,23 @@ Cell status_cell(const StatusSnapshot& snapshot) {
   const bool checked = s.block_check_expected == s.block_check_found;
   if (s.fault == Fault::none)
     fault.text = checked ? "no fault" : "no stored fault, but the axis memory is damaged: see the block check below";
+  const auto& lines = snapshot.lines;
+  const auto row = [](std::string_view name, Cell cell) {
+    cell.text = fmt::format("{:<13}{}\n", name, cell.text);
+    return cell;
+  };
   Cell events = events_cell(snapshot.events);
   events.text = newest_events_text(snapshot.events);
   return record_cell(
-      "{unit}status of {taken}\nmode         {mode}\n{fault}\n\n{ram_test}{block_check}{map}{loop}, watchdog trips "
-      "{watchdog_trips}\nup for       {uptime_s} s\n\n{axes}\n{pointers}{events}",
+      "{unit}status of {taken}\nmode         "
+      "{mode}\n{fault}\n\n{ram_test}{block_check}{map}{battery}{control_on}{loop}, "
+      "watchdog trips {watchdog_trips}\nup for       {uptime_s} s\n\n{axes}\n{pointers}{events}",
       "taken"_is(text_cell(snapshot.taken)), "link"_is(text_cell(snapshot.link)), "unit"_is(unit_cell(snapshot)),
       "mode"_is(ecs::name_of(s.mode)), "fault"_is(std::move(fault)), "ram_test"_is(ram_test_cell(s)),
       "block_check"_is(block_check_cell(s)), "map"_is(map_cell(s)),
+      "battery"_is(lines ? row("battery", battery_cell(*lines)) : null_cell()),
+      "battery_age_s"_is(lines ? cell_of(lines->battery_age_s) : null_cell()),
+      "control_on"_is(lines ? row("control", control_cell(*lines)) : null_cell()),
       "loop"_is(record_cell("loop         period {period_us} us, {overruns} overruns; {ticks} periods since power-up",
                             "period_us"_is(s.loop_period_us), "overruns"_is(s.loop_overruns), "ticks"_is(s.ticks))),
       "uptime_s"_is(s.uptime_s), "watchdog_trips"_is(s.watchdog_trips), "axes"_is(axes_cell(snapshot)),

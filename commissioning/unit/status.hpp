@@ -31,11 +31,13 @@ struct StatusSnapshot {
   protocol::Identity identity;
   protocol::UnitStatus status;
   std::array<std::optional<SelectedValue>, kCurves> selected{};  ///< of the pointers in use, where they could be read
+  std::optional<protocol::ControlLines> lines;                   ///< nothing: the unit has none (firmware before 1.1)
   std::vector<protocol::HostEvent> events;                       ///< the oldest first
   // as they came
   protocol::Registers identity_registers;
   protocol::Registers status_registers;
   protocol::Registers pointer_registers;
+  protocol::Registers lines_registers{};  ///< empty: none
   std::vector<protocol::Registers> event_blocks{};
 };
 
@@ -61,6 +63,11 @@ struct StatusSnapshot {
 [[nodiscard]] std::string axes_text(const StatusSnapshot& snapshot);        ///< a row for each axis
 [[nodiscard]] std::string pointers_text(const StatusSnapshot& snapshot);    ///< a row for each curve in use
 [[nodiscard]] std::string memory_text(const protocol::UnitStatus& status);  ///< RAM test, block check, active map
+
+/// "good, 12.3 days old", with what to do where it is low; "good" or "low" in JSON.
+[[nodiscard]] Cell battery_cell(const protocol::ControlLines& lines);
+/// "on", "off: …" with what follows; in JSON null where no wire says it.
+[[nodiscard]] Cell control_cell(const protocol::ControlLines& lines);
 
 /// The fault in plain words, its place if it has one, and what to do next. @pre fault is not none
 [[nodiscard]] std::string fault_sentence(const protocol::UnitStatus& status);

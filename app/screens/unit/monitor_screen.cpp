@@ -147,8 +147,10 @@ void draw_monitor(Canvas& canvas, const Area& area, const SampledUnit& unit, dou
   else if (unit.inputs) {
     const std::string of_inputs = inputs_text(*unit.inputs), of_lines = unit.lines ? lines_text(*unit.lines) : "";
     const bool doubtful = any_doubtful(*unit.inputs) || (unit.lines && any_doubtful(*unit.lines));
-    canvas.paragraph(below, 0, of_inputs.empty() ? std::string(trimmed(of_lines)) : of_inputs + of_lines,
-                     doubtful ? Tone::warning : Tone::plain);
+    std::string text = of_inputs.empty() ? std::string(trimmed(of_lines)) : of_inputs + of_lines;
+    const double read_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - unit.inputs_at).count();
+    if (!text.empty() && read_s > kOld_s) text += fmt::format("   (read {:.0f} s ago)", read_s);
+    canvas.paragraph(below, 0, text, doubtful ? Tone::warning : Tone::plain);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "app/screens/forms/rows.hpp"
 #include "app/screens/utility/parts.hpp"
 #include "app/screens/utility/screens.hpp"
+#include "base/answer_table.hpp"
 #include "base/text.hpp"
 #include "commissioning/memory/decode.hpp"
 #include "commissioning/session/commands.hpp"
@@ -158,6 +159,12 @@ class StatusScreen final : public KeyedScreen {
       const bool wrong = line.find("failed") != std::string::npos || line.find("differ") != std::string::npos;
       add(line.substr(0, kNameColumns), line.substr(std::min<std::size_t>(kNameColumns, line.size())),
           wrong ? Tone::bad : Tone::plain);
+    }
+    if (const auto& lines = snapshot()->lines) {
+      add("battery", battery_cell(*lines).text,
+          lines->battery == protocol::BatteryState::low ? Tone::warning : Tone::plain);
+      if (lines->control_on_wired)
+        add("control", control_cell(*lines).text, lines->control_on ? Tone::plain : Tone::warning);
     }
     ++row;
     add("loop period", fmt::format("{:g} us; {} periods since power-up, in every mode", s.loop_period_us, s.ticks));

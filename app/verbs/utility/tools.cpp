@@ -1,6 +1,4 @@
 // `ecs utility tools, tool`: the table of tools in the unit, which of them acts, and the wires to the control.
-#include "core/tools.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +11,9 @@
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "commissioning/unit/status.hpp"
 #include "commissioning/unit/transfer.hpp"
+#include "core/tools.hpp"
 #include "laser/csv_table.hpp"
 #include "protocol/registers/unit_data.hpp"
 
@@ -51,11 +51,10 @@ Cell acting_cell(const protocol::ControlLines& lines) {
   return {lines.tool, text};
 }
 
-Cell battery_cell(const protocol::ControlLines& lines) {
-  const bool low = lines.battery == protocol::BatteryState::low;
-  return {low ? "low" : "good",
-          fmt::format("battery {}, {:.1f} days old{}\n", low ? "low" : "good", lines.battery_age_s / 86'400.0,
-                      low ? "; replace it while the unit is switched on, or its map is lost" : "")};
+/// What acts, acts only while the unit compensates.
+std::string_view state_text(const protocol::ControlLines& lines) {
+  const bool selected = lines.tool_state == protocol::ToolState::acting && !lines.compensating_out;
+  return selected ? "selected" : name_of(lines.tool_state);
 }
 
 std::string wires_text(const protocol::ControlLines& lines) {
@@ -69,14 +68,15 @@ Result<Outcome> show_tools(VerbContext& context, const cli::Nothing&) {
   ECS_TRY(lines, unit.client().control_lines());
   ECS_TRY(table, unit.client().tool_table());
   const std::vector<Tool> tools = tools_of(table);
+  const Cell battery = battery_cell(lines);
   return outcome_of(record_cell(
-      "{selected}{tool_wired}{battery}{tools}", "selected"_is(acting_cell(lines)),
-      "state"_is(name_of(lines.tool_state)),
+      "{selected}{tool_wired}{battery}{tools}", "selected"_is(acting_cell(lines)), "state"_is(state_text(lines)),
       "acting_mm"_is(Cell{
           Json{{"x", lines.tool_offset_mm[0]}, {"y", lines.tool_offset_mm[1]}, {"z", lines.tool_offset_mm[2]}}, {}}),
       "tool_wired"_is(lines.tool_wired, wires_text(lines)), "control_on_wired"_is(lines.control_on_wired),
       "control_on"_is(lines.control_on), "compensating_output"_is(lines.compensating_out),
-      "fault_output"_is(lines.fault_out), "battery"_is(battery_cell(lines)), "battery_age_s"_is(lines.battery_age_s),
+      "fault_output"_is(lines.fault_out), "battery"_is(Cell{battery.json, fmt::format("battery {}\n", battery.text)}),
+      "battery_age_s"_is(lines.battery_age_s),
       "tools"_is(tools.empty() ? Cell{Json::array(), "the table of tools is empty\n"}
                                : list_cell(tools, tool_cell, "number       x mm       y mm       z mm\n"))));
 }

@@ -37,6 +37,9 @@ TEST_CASE("a unit that answers is named, and every finding is reported as soon a
   CHECK(finding(diagnosis, "link")->state == FindingState::ok);
   REQUIRE(finding(diagnosis, "line"));
   CHECK(finding(diagnosis, "line")->message.starts_with("20 of 20 reads answered"));
+  REQUIRE(finding(diagnosis, "battery"));
+  CHECK(finding(diagnosis, "battery")->message == "good, 0.0 days old");
+  CHECK(finding(diagnosis, "control") == nullptr);  // no wire says it
   CHECK(diagnosis.statistics.timeouts == 0);
 }
 

@@ -63,6 +63,38 @@ TEST_CASE("a block check that differs says what to do, and so does its JSON that
   CHECK(!contains(status_cell(s).text, "What to do: send"));
 }
 
+TEST_CASE("battery and control are in the status, and unknown in a file of a unit that does not state them") {
+  StatusSnapshot s = faulty_unit();
+  const Cell silent = status_cell(s);
+  CHECK(silent.json["battery"].is_null());
+  CHECK(silent.json["control_on"].is_null());
+  CHECK(!contains(silent.text, "battery"));
+  protocol::ControlLines lines;
+  lines.battery = protocol::BatteryState::low;
+  lines.battery_age_s = 900 * 86'400;
+  s.lines_registers = protocol::registers_of(lines, 0);
+  for (const bool wired : {false, true}) {
+    lines.control_on_wired = wired;
+    lines.control_on = false;
+    s.lines_registers = protocol::registers_of(lines, 0);
+    const StatusSnapshot read = must(parse_snapshot(json_with_registers(s).dump(), "s"));
+    CHECK(read.lines == lines);
+    const Cell cell = status_cell(read);
+    CHECK(contains(cell.text, "battery      low, 900.0 days old; replace it while the unit is switched on"));
+    CHECK(cell.json["battery"] == "low");
+    CHECK(cell.json["battery_age_s"] == lines.battery_age_s);
+    CHECK(contains(cell.text, wired ? "control      off: every axis has to be referenced again" : "not known"));
+    CHECK(cell.json["control_on"] == (wired ? Json(false) : Json(nullptr)));
+  }
+}
+
+TEST_CASE("a fault of the tool names the tool") {
+  StatusSnapshot s = faulty_unit();
+  s.status.fault = Fault::live_input;
+  s.status.fault_address = kToolInput + 1;
+  CHECK(contains(fault_sentence(s.status), "the tool: it is not in the table, or a copy of the table is damaged"));
+}
+
 TEST_CASE("the words say what to do next") {
   const std::string text = status_cell(faulty_unit()).text;
   check_holds(text, {"replace that axis memory module", "0x100ABC", "raise the approach speed"});
