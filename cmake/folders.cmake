@@ -79,7 +79,7 @@ ecs_folder(commissioning/parameters base commissioning/link commissioning/sessio
            fmt::fmt)
 ecs_folder(commissioning/plot base commissioning/session core laser laser/analysis laser/map fmt::fmt)
 ecs_folder(commissioning/session base Threads::Threads fmt::fmt)
-ecs_folder(commissioning/unit base core laser/map params protocol/client protocol/registers fmt::fmt)
+ecs_folder(commissioning/unit base core laser laser/map params protocol/client protocol/registers fmt::fmt)
 ecs_folder(commissioning/utility base commissioning/link commissioning/plot commissioning/session commissioning/unit
            core params protocol/client Threads::Threads fmt::fmt)
 ecs_folder(commissioning/volume base base/cli commissioning/link commissioning/maps commissioning/models
@@ -112,8 +112,8 @@ ecs_folder(app/screens/utility app/plot app/screens/files app/screens/forms app/
            params fmt::fmt)
 ecs_folder(app/ui app/names base commissioning/plot commissioning/session PkgConfig::ncursesw PkgConfig::utf8proc
            fmt::fmt)
-ecs_folder(app/verbs app/cli app/plot base base/cli commissioning/link commissioning/measurements commissioning/volume
-           fmt::fmt)
+ecs_folder(app/verbs app/cli app/plot base base/cli commissioning/link commissioning/measurements commissioning/unit
+           commissioning/volume fmt::fmt)
 ecs_folder(app/verbs/laser app/cli app/plot base commissioning/laser_session commissioning/measurements
            commissioning/plot commissioning/session laser/analysis laser/import laser/map laser/standards
            laser/writers Threads::Threads fmt::fmt)
@@ -126,5 +126,5 @@ ecs_folder(app/verbs/model app/cli app/plot base commissioning/measurements comm
 ecs_folder(app/verbs/params app/cli base commissioning/parameters commissioning/session commissioning/unit core params
            fmt::fmt)
 ecs_folder(app/verbs/unit app/cli base commissioning/link commissioning/unit fmt::fmt)
-ecs_folder(app/verbs/utility app/cli base commissioning/session commissioning/unit core laser params protocol/registers
+ecs_folder(app/verbs/utility app/cli base commissioning/session commissioning/unit core params protocol/registers
            fmt::fmt)

@@ -112,6 +112,7 @@ Question question_before_sending(const ReadyMap& ready, const WatchedUnit& unit,
                          remarks.size() == 1 ? ":" : ", the first:", remarks.front());
   if (const auto missing = laser::missing_in(ready.map->header); !missing.empty())
     doubts += fmt::format("The header states no {}. ", fmt::join(missing, ", no "));
+  if (!ready.tools_beyond.empty()) doubts += fmt::format("Note: {}. ", ready.tools_beyond);
   const std::string replaced =
       ready.active
           ? fmt::format(
@@ -143,7 +144,10 @@ Result<ReadyMap> ready_map(UnitConnection& unit, JobControl& control, const MapF
     prepared.image.bytes = std::move(image);
     ECS_TRY(active, active_check(link.client()));
     const std::uint32_t check = ImageView(prepared.image.bytes).check();
-    return ReadyMap{std::make_shared<const PreparedMap>(std::move(prepared)), files, identity, active, check};
+    const auto parameters = ImageView(prepared.image.bytes).parameters();
+    std::string beyond = parameters ? tools_beyond_range(link.client(), *parameters) : std::string();
+    return ReadyMap{
+        std::make_shared<const PreparedMap>(std::move(prepared)), files, identity, active, check, std::move(beyond)};
   });
 }
 

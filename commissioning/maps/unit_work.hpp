@@ -40,6 +40,7 @@ struct ReadyMap {
   protocol::Identity unit;
   std::optional<std::uint32_t> active;  ///< block check of what the unit holds now
   std::uint32_t check = 0;              ///< of this map
+  std::string tools_beyond{};           ///< tools_beyond_range() of its parameters
 };
 
 struct SendAttempt {

@@ -123,8 +123,12 @@ void ParametersTransfer::send() {
 }
 
 void ParametersTransfer::read_to_send(bool switching) {
-  const auto read = [connection = connection_, switching](JobControl& control) {
-    return connection->with_link(control, switching ? switched_to_integration : unit_content);
+  const auto read = [connection = connection_, switching, parameters = to_send_.parameters](JobControl& control) {
+    return connection->with_link(control, [&](UnitLink& link) -> Result<UnitContent> {
+      ECS_TRY(unit, switching ? switched_to_integration(link) : unit_content(link));
+      unit.tools_beyond = tools_beyond_range(link.client(), parameters);
+      return unit;
+    });
   };
   task_.start(kReading, read, [this, switching](Result<UnitContent> unit) {
     if (!unit) return say_no_exchange(unit.error());
@@ -191,9 +195,11 @@ void ParametersTransfer::ask_to_switch(const UnitContent& unit) {
 
 void ParametersTransfer::ask_to_send() {
   const std::string other = other_unit_sentence(to_send_, *controller_->unit());
+  const std::string& beyond = controller_->unit()->tools_beyond;
   asking_.ask(
       {fmt::format("Send the parameters to {}?", title_of(*controller_->unit())),
-       (other.empty() ? "" : "ANOTHER UNIT: " + other + "\n") + overwritten(*controller_) + warned(*controller_),
+       (other.empty() ? "" : "ANOTHER UNIT: " + other + "\n") + (beyond.empty() ? "" : "TOOLS: " + beyond + ".\n") +
+           overwritten(*controller_) + warned(*controller_),
        "send", "do not send"},
       [this, owner = other.empty() ? to_send_.identity : params::Identity()] {
         start_sending(owner, UnfitMap::refuse);

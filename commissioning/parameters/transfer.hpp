@@ -27,6 +27,7 @@ struct UnitContent {
   UnitMode mode = UnitMode::starting;
   std::optional<UnitParameters> parameters;
   std::string none_because;  ///< why there are none: the unit is new, or its memory is corrupt
+  std::string tools_beyond;  ///< tools_beyond_range() of the parameters to send, once they are to be sent
 };
 /// "EMULATOR, unit MCM-0107"
 [[nodiscard]] std::string title_of(const UnitContent& unit);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/address_map.hpp"
 #include "core/memory_image.hpp"
@@ -363,6 +364,23 @@ Result<SendReport> send_image_to(protocol::UnitClient& client, const protocol::I
                     false,
                     false,
                     {}};
+}
+
+std::string tools_beyond_range(protocol::UnitClient& client, const UnitParameters& parameters) {
+  const auto lines = client.control_lines();
+  if (!lines || lines->tools == 0) return {};  // their table is a long read on a slow line
+  const auto record = client.tool_record();
+  std::vector<std::uint16_t> beyond;
+  for (const Tool& tool : record ? record->table.tools : decltype(ToolTable::tools){})
+    if (tool.number != 0 && !in_range(tool.offset_mm, parameters)) beyond.push_back(tool.number);
+  if (beyond.empty()) return {};
+  std::sort(beyond.begin(), beyond.end());
+  const Vector3& range_mm = parameters.tool_range_mm;
+  return fmt::format(
+      "tool {} of the unit's table {} beyond the new tool range, X {:.10g}, Y {:.10g}, Z {:.10g} mm "
+      "(compensation.tool_range_mm): the unit will not use {}",
+      fmt::join(beyond, ", "), beyond.size() == 1 ? "is" : "are", range_mm[0], range_mm[1], range_mm[2],
+      beyond.size() == 1 ? "it" : "them");
 }
 
 Result<SendReport> send_parameters(protocol::UnitClient& client, const UnitParameters& parameters,

@@ -93,6 +93,10 @@ enum class Incomplete { refuse, accept };
                                                  const params::Identity& owner, UnfitMap unfit = UnfitMap::refuse,
                                                  const protocol::ProgressCallback& progress = {});
 
+/// Which tools of the unit's table are beyond the tool range of parameters that are to be sent, in one sentence; empty:
+/// none. A table that cannot be read has none.
+[[nodiscard]] std::string tools_beyond_range(protocol::UnitClient& client, const UnitParameters& parameters);
+
 /// Whom an image is addressed to when it is sent.
 enum class Addressee {
   as_stated,  ///< whom it states; what it leaves open is filled in from the unit

@@ -1,6 +1,7 @@
 // What the unit does on commands over the link (docs/unit.md, "commands").
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -71,6 +72,9 @@ protocol::CommandResult Unit::begin(const Command& command) {
   if (command.code == CommandCode::select_tool || command.code == CommandCode::set_tool ||
       command.code == CommandCode::remove_tool)
     return change_tools(command);
+  if (command.code == CommandCode::begin_tools || command.code == CommandCode::stage_tool ||
+      command.code == CommandCode::commit_tools)
+    return gather_tools(command);
   if (command.code == CommandCode::try_squareness) return try_squareness(command.squareness_um_per_m);
   silent_s_ = 0.0;
   if (mode_ == UnitMode::halted) return refused(UnitError::unit_fault, "halted: switch the unit off and on");
@@ -221,11 +225,49 @@ protocol::CommandResult Unit::change_tools(const Command& command) {
     (void)remove_tool(next, command.tool);
   else if (!put_tool(next, {command.tool, command.tool_offset_mm}))
     return refused(UnitError::bad_argument, fmt::format("the table is full: {} tools", kMostTools));
-  tools_ = next;
+  return put_in_force(next);
+}
+
+/// Stored whole in the slot that is not in force, and in force only then.
+protocol::CommandResult Unit::put_in_force(const ToolTable& tools) {
+  tools_ = tools;
   store_tools();
   if (!powered_) return refused(UnitError::unit_fault, "no power");
+  if (std::exchange(tools_lost_, false) && fault_ == Fault::live_input && fault_address_ == kToolInput + 1) {
+    fault_ = Fault::none;
+    fault_address_ = 0;
+  }
   select_tool();
   return done();
+}
+
+/// A whole table, beside the one in force until it is complete.
+protocol::CommandResult Unit::gather_tools(const Command& command) {
+  if (mode_ == UnitMode::halted) return refused(UnitError::unit_fault, "halted: switch the unit off and on");
+  if (command.code == CommandCode::begin_tools) {
+    staged_tools_.emplace();
+    return done();
+  }
+  if (!staged_tools_) return refused(UnitError::no_staging, "begin a table of tools first");
+  if (command.code == CommandCode::stage_tool) {
+    if (command.tool == 0 || command.tool > kGreatestToolNumber)
+      return refused(UnitError::bad_argument, fmt::format("expected a tool number from 1 to {}", kGreatestToolNumber));
+    if (!put_tool(*staged_tools_, {command.tool, command.tool_offset_mm}))
+      return refused(UnitError::bad_argument, fmt::format("the table is full: {} tools", kMostTools));
+    return done();
+  }
+  const ToolTable staged = *std::exchange(staged_tools_, std::nullopt);
+  const auto count =
+      std::count_if(staged.tools.begin(), staged.tools.end(), [](const Tool& t) { return t.number != 0; });
+  if (static_cast<std::uint32_t>(count) != command.length || protocol::tools_digest(staged) != command.digest)
+    return refused(UnitError::check_mismatch, "the table of tools is not the one sent; the one before stays in force");
+  for (const Tool& tool : staged.tools)
+    if (tool.number != 0 && !in_range(tool.offset_mm, parameters_))
+      return refused(UnitError::bad_argument,
+                     fmt::format("tool {} is beyond compensation.tool_range_mm of the parameters", tool.number));
+  if (tools_.selected != 0 && !wires_.tool && tool_of(staged, tools_.selected) == nullptr)
+    return refused(UnitError::bad_argument, fmt::format("tool {} is selected, and not in the table", tools_.selected));
+  return put_in_force({tools_.sequence, tools_.selected, staged.tools});
 }
 
 protocol::CommandResult Unit::begin_staging(protocol::StagingFrom from) {

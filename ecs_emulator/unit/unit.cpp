@@ -34,12 +34,13 @@ void Unit::tidy_commit_records() {
                 std::array<std::uint8_t, kCommitSlotBytes>{});
 }
 
-/// A damaged record beside a sound one is no reason to stop, but is reported until a map is committed.
-void Unit::report_damaged_record() {
+/// A damaged record beside a sound one is no reason to stop, but is reported until a map is committed; of the tools
+/// until a host has changed their table or selected one.
+void Unit::report_damaged_records() {
   const auto damaged = damaged_record(memory_);
-  if (!damaged || fault_ != Fault::none) return;
-  fault_ = Fault::commit_record;
-  fault_address_ = *damaged;
+  if (fault_ != Fault::none || (!damaged && !tools_lost_)) return;
+  fault_ = damaged ? Fault::commit_record : Fault::live_input;
+  fault_address_ = damaged.value_or(kToolInput + 1);
 }
 
 void Unit::start_up() {
@@ -62,7 +63,8 @@ void Unit::start_up() {
   const ByteView tool_record = memory_.view(kToolRecord.first, kToolRecord.size);
   const auto tools = stored_tools(tool_record);
   tools_ = tools.value_or(ToolTable{});
-  tools_lost_ = !tools && !std::ranges::all_of(tool_record, [](std::uint8_t byte) { return byte == 0; });
+  tools_lost_ = protocol::damaged_tool_slots(tool_record) > 0;
+  staged_tools_.reset();
   isolate();
   ticks_ = 0;
   uptime_s_ = silent_s_ = 0.0;
@@ -77,7 +79,7 @@ void Unit::start_up() {
   hung_ = false;
   hung_s_ = 0.0;
   tidy_commit_records();
-  report_damaged_record();
+  report_damaged_records();
   reload_parameters();
 }
 
@@ -103,7 +105,7 @@ void Unit::enter_integration() {
   if (mode_ == UnitMode::compensating) store_thermal();
   isolate();
   mode_ = UnitMode::integration;
-  report_damaged_record();
+  report_damaged_records();
 }
 
 void Unit::raise(Fault fault, std::optional<Axis> axis, Address address) {
@@ -369,14 +371,14 @@ const Tool* Unit::usable_tool() const {
   const Tool* const tool = tools_.selected == 0 ? nullptr : tool_of(tools_, tools_.selected);
   return tool != nullptr && in_range(tool->offset_mm, parameters_) ? tool : nullptr;
 }
-bool Unit::knows_tool() const { return usable_tool() != nullptr || (tools_.selected == 0 && !tools_lost_); }
+bool Unit::knows_tool() const { return !tools_lost_ && (usable_tool() != nullptr || tools_.selected == 0); }
 
 /// Which tool acts from now on, by the wires of the control or by what a host has selected. An unknown number changes
 /// nothing of it.
 void Unit::select_tool() {
   if (wires_.tool && *wires_.tool != tools_.selected) {
     tools_.selected = *wires_.tool;
-    store_tools();
+    if (!tools_lost_) store_tools();  // the damage stays to be seen
   }
   const Tool* const tool = usable_tool();
   tool_known_ = knows_tool();
@@ -422,7 +424,6 @@ void Unit::store_tools() {
   encode_tools(tools_, slot);
   const std::uint32_t which = next_tool_slot(memory_.view(kToolRecord.first, kToolRecord.size));
   memory_.write(kToolRecord.first + which * kToolTableBytes, slot);
-  tools_lost_ = false;
   watch_supply();
 }
 

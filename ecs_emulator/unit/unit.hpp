@@ -143,7 +143,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   void isolate();
   void watch_supply();
   void tidy_commit_records();
-  void report_damaged_record();
+  void report_damaged_records();
   void watch_host();
   void hang_step();
   void wait_for_link();
@@ -183,6 +183,8 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] protocol::CommandResult output(const protocol::Command& command);
   [[nodiscard]] protocol::CommandResult set_input(const protocol::Command& command);
   [[nodiscard]] protocol::CommandResult change_tools(const protocol::Command& command);
+  [[nodiscard]] protocol::CommandResult gather_tools(const protocol::Command& command);
+  [[nodiscard]] protocol::CommandResult put_in_force(const ToolTable& tools);
   [[nodiscard]] protocol::CommandResult try_squareness(const Vector3& um_per_m);
   [[nodiscard]] protocol::CommandResult run_user_software(Address start, std::uint32_t argument);
   [[nodiscard]] protocol::CommandResult user_software_step();
@@ -216,7 +218,8 @@ class Unit final : public protocol::UnitPort, public Compensator {
   ControlWires wires_{};
   bool deviation_wired_ = false;
   ToolTable tools_{};
-  bool tools_lost_ = false;  ///< their record is damaged, and nobody has written or selected a tool since
+  std::optional<ToolTable> staged_tools_;  ///< that a host gathers; gone without power
+  bool tools_lost_ = false;  ///< their record is damaged, one slot of it or both, and no host has changed it since
   bool tool_known_ = true;   ///< the selected number is in the table, or none is selected
   bool tool_changes_ = false;
   bool squareness_changes_ = false;

@@ -74,9 +74,9 @@ Result<ControlLines> UnitClient::control_lines() {
   return link_.ask(kEchoAlone, kEchoOnly, kControlLines).and_then(value_in<ControlLines>);
 }
 
-Result<ToolTable> UnitClient::tool_table() {
+Result<UnitClient::ToolRecord> UnitClient::tool_record() {
   ECS_TRY(record, read_memory(kToolRecord.first, kToolRecord.size));
-  return stored_tools(record).value_or(ToolTable{});
+  return ToolRecord{stored_tools(record).value_or(ToolTable{}), damaged_tool_slots(record)};
 }
 
 Result<UnitStatus> UnitClient::status() {
@@ -366,6 +366,23 @@ Result<void> UnitClient::set_tool(const Tool& tool) {
 }
 Result<void> UnitClient::remove_tool(std::uint16_t number) {
   return run_acting({.code = CommandCode::remove_tool, .tool = number}, kShortLimit, kReadTools);
+}
+Result<void> UnitClient::replace_tools(std::span<const Tool> tools) {
+  auto begun = run({.code = CommandCode::begin_tools}, kShortLimit);
+  if (!begun && begun.error().kind == ProblemKind::refused &&
+      begun.error().message.ends_with(text_of(UnitError::unknown_command)))
+    begun.error().message += ". Set its tools one after the other: `ecs utility tool N --offset X,Y,Z`";
+  ECS_DO(begun);
+  ToolTable table;
+  for (const Tool& tool : tools) {
+    const Vector3 offset_mm = in_tool_steps(tool.offset_mm);
+    ECS_DO(run({.code = CommandCode::stage_tool, .tool = tool.number, .tool_offset_mm = offset_mm}, kShortLimit));
+    (void)put_tool(table, {tool.number, offset_mm});
+  }
+  return run_acting({.code = CommandCode::commit_tools,
+                     .length = static_cast<std::uint32_t>(tools.size()),
+                     .digest = tools_digest(table)},
+                    kShortLimit, kReadTools);
 }
 Result<void> UnitClient::try_squareness(const Vector3& um_per_m) {
   return run_acting({.code = CommandCode::try_squareness, .squareness_um_per_m = um_per_m}, kShortLimit,

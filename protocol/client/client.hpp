@@ -88,7 +88,11 @@ class UnitClient {
   [[nodiscard]] Result<MonitorSample> monitor();
   [[nodiscard]] Result<LiveInputs> live_inputs();
   [[nodiscard]] Result<ControlLines> control_lines();
-  [[nodiscard]] Result<ToolTable> tool_table();
+  struct ToolRecord {
+    ToolTable table;
+    std::size_t damaged_slots = 0;  ///< of the two that keep it: with one the table is the older one, with both empty
+  };
+  [[nodiscard]] Result<ToolRecord> tool_record();
   /// What hosts did to the unit, or tried: the newest `most` as the blocks they came in, the oldest first.
   [[nodiscard]] Result<std::vector<Registers>> event_blocks(std::size_t most);
 
@@ -120,6 +124,9 @@ class UnitClient {
   [[nodiscard]] Result<void> select_tool(std::uint16_t number);
   [[nodiscard]] Result<void> set_tool(const Tool& tool);
   [[nodiscard]] Result<void> remove_tool(std::uint16_t number);
+  /// The table in force is whole at every moment: the old one, or this one. Refused by a unit that cannot do that.
+  /// @param tools  at most kMostTools, each number once
+  [[nodiscard]] Result<void> replace_tools(std::span<const Tool> tools);
   /// @param um_per_m  C0Y, B0Z, A0Z
   [[nodiscard]] Result<void> try_squareness(const Vector3& um_per_m);
   [[nodiscard]] Result<void> output_off();

@@ -2,6 +2,8 @@
 #include "protocol/registers/unit_data.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -62,7 +64,10 @@ constexpr std::array<std::string_view, kCommandCount> kCommandNames{"none",
                                                                     "select tool",
                                                                     "set tool",
                                                                     "remove tool",
-                                                                    "try squareness"};
+                                                                    "try squareness",
+                                                                    "begin table of tools",
+                                                                    "stage tool",
+                                                                    "replace table of tools"};
 
 }  // namespace
 
@@ -90,6 +95,7 @@ bool acts_at_once(CommandCode code) noexcept {
     case CommandCode::set_tool:
     case CommandCode::remove_tool:
     case CommandCode::try_squareness:
+    case CommandCode::commit_tools:
       return true;
     default:
       return false;
@@ -97,7 +103,35 @@ bool acts_at_once(CommandCode code) noexcept {
 }
 
 bool needs_arming(CommandCode code) noexcept {
-  return acts_at_once(code) || code == CommandCode::begin_staging || code == CommandCode::commit_staged;
+  return acts_at_once(code) || code == CommandCode::begin_staging || code == CommandCode::commit_staged ||
+         code == CommandCode::begin_tools || code == CommandCode::stage_tool;
+}
+
+Vector3 in_tool_steps(const Vector3& offset_mm) noexcept {
+  Vector3 rounded{};
+  for (std::size_t a = 0; a < kAxes; ++a)
+    rounded[a] = static_cast<std::int32_t>(std::lround(offset_mm[a] / kToolStep_mm)) * kToolStep_mm;
+  return rounded;
+}
+
+std::uint64_t tools_digest(const ToolTable& table) {
+  ToolTable sorted{0, 0, table.tools};
+  std::sort(sorted.tools.begin(), sorted.tools.end(), [](const Tool& a, const Tool& b) { return a.number < b.number; });
+  std::array<std::uint8_t, kToolTableBytes> slot{};
+  encode_tools(sorted, slot);
+  return short_digest(digest_of(slot));
+}
+
+std::size_t damaged_tool_slots(ByteView record) noexcept {
+  std::size_t damaged = 0;
+  for (std::size_t slot = 0; slot < 2; ++slot) {
+    const ByteView bytes = record.subspan(slot * kToolTableBytes, kToolTableBytes);
+    std::array<std::uint8_t, kToolRecord.size> alone{};
+    std::copy(bytes.begin(), bytes.end(), alone.begin());
+    const bool is_used = std::any_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte != 0; });
+    if (is_used && !stored_tools(alone)) ++damaged;
+  }
+  return damaged;
 }
 
 ExchangeTerms exchange_terms(std::string_view code, std::string_view serial_number, std::uint32_t session,

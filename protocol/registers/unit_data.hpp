@@ -223,8 +223,12 @@ enum class CommandCode : std::uint16_t {
   remove_tool = 21,   ///< tool; in every mode; not the selected one
   /// squareness_um_per_m: corrected from now on until the unit leaves compensation mode, only while it compensates
   try_squareness = 22,
+  // the whole table of tools, in every mode: it is gathered beside the one in force, and replaces it in one piece
+  begin_tools = 23,   ///< an empty table is begun
+  stage_tool = 24,    ///< tool, tool_offset_mm: into it
+  commit_tools = 25,  ///< length = number of tools, digest of them (tools_digest()): it replaces the one in force
 };
-inline constexpr std::uint16_t kCommandCount = 23;
+inline constexpr std::uint16_t kCommandCount = 26;
 [[nodiscard]] std::string_view name_of(CommandCode code) noexcept;
 
 /// What the bank to write holds when a staging begins.
@@ -317,6 +321,12 @@ enum class CommandState : std::uint16_t { idle = 0, busy = 1, done = 2, refused 
 
 /// Of a tool offset in a command.
 inline constexpr double kToolStep_mm = 1e-4;
+/// The offset as it arrives.
+[[nodiscard]] Vector3 in_tool_steps(const Vector3& offset_mm) noexcept;
+/// Of the tools of a table, wherever they are in it: the first 8 bytes of a SHA-256.
+[[nodiscard]] std::uint64_t tools_digest(const ToolTable& table);
+/// How many of the two slots of the record hold something that is no table. @param record  kToolRecord
+[[nodiscard]] std::size_t damaged_tool_slots(ByteView record) noexcept;
 inline constexpr double kSquarenessStep_um_per_m = 1e-4;  ///< of a squareness value in a command
 
 /// What a host did to the unit, or tried.

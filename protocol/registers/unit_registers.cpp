@@ -240,6 +240,7 @@ void arguments(Pass& pass, T& command) {
     case CommandCode::remove_tool:
       return pass.number(command.tool, "tool");
     case CommandCode::set_tool:
+    case CommandCode::stage_tool:
       pass.number(command.tool, "tool");
       return in_steps(pass, command.tool_offset_mm, kToolStep_mm, "tool offset");
     case CommandCode::try_squareness:
@@ -250,6 +251,9 @@ void arguments(Pass& pass, T& command) {
       pass.number(command.length, "length");
       pass.number(command.digest, "digest");
       return pass.number(command.token, "token");
+    case CommandCode::commit_tools:
+      pass.number(command.length, "number of tools");
+      return pass.number(command.digest, "digest");
     case CommandCode::abandon_staged:
       return pass.number(command.token, "token");
     case CommandCode::test_datum:

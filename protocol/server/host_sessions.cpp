@@ -276,7 +276,10 @@ std::string arguments_in_words(const Command& command) {
     case CommandCode::try_squareness:
       return fmt::format("C0Y {:.6g}, B0Z {:.6g}, A0Z {:.6g}", command.squareness_um_per_m[0],
                          command.squareness_um_per_m[1], command.squareness_um_per_m[2]);
+    case CommandCode::commit_tools:
+      return fmt::format("{} tools, SHA {:08X}", command.length, command.digest >> 32);
     case CommandCode::set_tool:
+    case CommandCode::stage_tool:
       return fmt::format("{}: {:.6g} {:.6g} {:.6g}", command.tool, command.tool_offset_mm[0], command.tool_offset_mm[1],
                          command.tool_offset_mm[2]);
     case CommandCode::arm:

@@ -360,7 +360,10 @@ void RegisterServer::take_command(const Command& command, std::span<const std::u
   result.sequence = command.sequence;
   if (result.state == CommandState::done && switches_off(command.code)) ++stops_;
   if (result.state == CommandState::done && command.relay_on) output_host_ = session->host;
-  if (!sealed || needs_arming(command.code) || switches_off(command.code) || command.code == CommandCode::arm) {
+  // A table that is gathered changes nothing yet: what replaces it is noted, and what the unit refuses.
+  const bool gathers = command.code == CommandCode::begin_tools || command.code == CommandCode::stage_tool;
+  const bool notable = needs_arming(command.code) && !(gathers && result.state == CommandState::done);
+  if (!sealed || notable || switches_off(command.code) || command.code == CommandCode::arm) {
     HostEvent event;
     event.code = static_cast<std::uint16_t>(command.code) < kCommandCount ? command.code : CommandCode::none;
     event.state = result.state;

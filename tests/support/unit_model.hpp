@@ -43,6 +43,7 @@ class UnitModel : public UnitPort {
   int replies_to_lose = 0;           ///< carried out, but not answered
   int replies_left = -1;             ///< after this many the unit is silent; -1: never
   bool names_active_bank = false;    ///< as the one to write
+  bool knows_tables = true;          ///< of tools, replaced as a whole
   std::function<void()> after_commit;
   UnitClock unit_clock{1, 5'000};
   int starts_on_arming = 0;     ///< so often it starts as soon as it has answered that a host is armed
@@ -148,6 +149,8 @@ class UnitModel : public UnitPort {
       case CommandCode::stop:
         busy = false;
         return done();
+      case CommandCode::begin_tools:
+        return knows_tables ? done() : refused(UnitError::unknown_command);
       default:
         return done();
     }

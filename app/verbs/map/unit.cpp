@@ -178,6 +178,9 @@ Result<Outcome> send(VerbContext& context, const SendRequest& request) {
                        {request.other_machine, request.accept_incomplete ? Incomplete::accept : Incomplete::refuse,
                         request.accept_resampling}));
   ECS_TRY(unit, open_unit(context));
+  if (const auto parameters = ImageView(ready.image.bytes).parameters())
+    if (const std::string beyond = tools_beyond_range(unit.client(), *parameters); !beyond.empty())
+      context.console.warn(beyond);
   bool remarks_shown = false;  // when the unit accepts data: why it refuses them comes first
   const auto show_remarks = [&] {
     if (std::exchange(remarks_shown, true)) return;

@@ -399,6 +399,8 @@ Result<Outcome> send(VerbContext& context, const SendRequest& request) {
   const params::Identity owner = request.other_machine ? params::Identity() : file.identity;
   if (auto refused = refused_map(other_unit(owner, identity.serial_number), request.file))
     return tl::unexpected(std::move(*refused));
+  if (const std::string beyond = tools_beyond_range(unit.client(), file.parameters); !beyond.empty())
+    context.console.warn(beyond);
   ECS_TRY(report,
           send_parameters(unit.client(), file.parameters, owner, request.force ? UnfitMap::drop : UnfitMap::refuse,
                           progress_bar(context, "parameters")));

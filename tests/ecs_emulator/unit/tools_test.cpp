@@ -52,6 +52,20 @@ CommandResult select_tool(Bench& bench, std::uint16_t number) {
   return bench.tell(Command{.code = CommandCode::select_tool, .tool = number});
 }
 
+/// The whole table, as a host replaces it. @param more  tools that it states beside those it sends
+CommandResult replace_table(Bench& bench, const std::vector<Tool>& tools, std::uint32_t more = 0) {
+  ToolTable table;
+  REQUIRE(bench.tell(CommandCode::begin_tools).state == CommandState::done);
+  for (const Tool& tool : tools) {
+    const Command one{.code = CommandCode::stage_tool, .tool = tool.number, .tool_offset_mm = tool.offset_mm};
+    REQUIRE(bench.tell(one).state == CommandState::done);
+    REQUIRE(put_tool(table, tool));
+  }
+  return bench.tell(Command{.code = CommandCode::commit_tools,
+                            .length = static_cast<std::uint32_t>(tools.size()) + more,
+                            .digest = protocol::tools_digest(table)});
+}
+
 double compensation_of(Component component, double position_mm, Approach) {
   if (component == Component::EBX) return -60.0 * std::sin(position_mm / 90.0);
   if (component == Component::EAY) return -40.0 * std::cos(position_mm / 70.0);
@@ -294,6 +308,73 @@ TEST_CASE("a table of tools that is damaged in both its places leaves the tool u
   REQUIRE(b.tell(CommandCode::enter_integration).state == CommandState::done);
   REQUIRE(put_into_table(b, 1, {0.0, 0.0, -80.0}).state == CommandState::done);
   CHECK(b.unit.control_lines().tool_state == protocol::ToolState::none);
+}
+
+TEST_CASE("a whole table of tools replaces the one before in one piece, while the unit compensates") {
+  ToolBench b(false);
+  b.begin();
+  REQUIRE(select_tool(b, 2).state == CommandState::done);
+  REQUIRE(b.simulation.dwell(2.0));
+  std::vector<Tool> tools{{2, {0.0, 0.0, -251.0}}};
+  for (std::uint16_t number = 100; tools.size() < kMostTools; ++number) tools.push_back({number, {0.0, 0.0, -90.0}});
+  CHECK(b.tell(CommandCode::commit_tools).error == UnitError::no_staging);
+  CHECK(replace_table(b, tools, 1).error == UnitError::check_mismatch);
+  CHECK(contains(replace_table(b, {{5, {0.0, 0.0, -301.0}}}).text, "tool 5 is beyond compensation.tool_range_mm"));
+  CHECK(contains(replace_table(b, {{5, {0.0, 0.0, -30.0}}}).text, "tool 2 is selected, and not in the table"));
+  CHECK(b.unit.control_lines().tools == 3);
+  REQUIRE(replace_table(b, tools).state == CommandState::done);
+  CHECK(b.unit.control_lines().tools == kMostTools);
+  CHECK(b.largest_step_um(1000) <= 1.05 * b.parameters.tool_rate_um_per_s * b.unit.period_s());
+  CHECK(b.unit.control_lines().tool_offset_mm == Vector3{0.0, 0.0, -251.0});
+  CHECK(b.unit.mode() == UnitMode::compensating);
+}
+
+TEST_CASE("power that fails at any byte of a new table leaves the old one or the new one, never a mixture") {
+  const std::vector<Tool> new_tools{{7, {0.0, 0.0, -70.0}}, {8, {0.0, 0.0, -80.0}}};
+  std::size_t old_tables = 0, new_tables = 0;
+  for (std::uint64_t cut = 0; cut <= kToolTableBytes + 1; cut += cut < 60 || cut + 97 > kToolTableBytes - 60 ? 1 : 97) {
+    ToolBench b(false);
+    REQUIRE(b.stage_and_commit(b.image(compensation_of)).state == CommandState::done);
+    REQUIRE(put_into_table(b, 1, {0.0, 0.0, -80.0}).state == CommandState::done);
+    REQUIRE(put_into_table(b, 2, {0.0, 0.0, -250.0}).state == CommandState::done);
+    b.unit.memory().power_fails_after(cut);
+    (void)replace_table(b, new_tools);
+    b.unit.power(false);
+    b.unit.power(true);
+    const ByteView record = b.unit.memory().view(kToolRecord.first, kToolRecord.size);
+    const ToolTable table = must(stored_tools(record));
+    const bool is_new = tool_of(table, 7) != nullptr;
+    (is_new ? new_tables : old_tables) += 1;
+    CHECK((tool_of(table, 8) != nullptr) == is_new);
+    CHECK((tool_of(table, 1) == nullptr) == is_new);
+    CHECK((tool_of(table, 2) == nullptr) == is_new);
+    // what was cut in the middle is told
+    const bool is_damaged = protocol::damaged_tool_slots(record) > 0;
+    CHECK((b.unit.fault() == Fault::live_input) == is_damaged);
+  }
+  CHECK(old_tables > 10);
+  CHECK(new_tables > 0);
+}
+
+TEST_CASE("one damaged copy of the table of tools raises a fault, and the tool is unknown until a host states it") {
+  ToolBench b(false);
+  b.begin();
+  REQUIRE(select_tool(b, 2).state == CommandState::done);
+  b.unit.power(false);
+  const ByteView record = b.unit.memory().view(kToolRecord.first, kToolRecord.size);
+  const std::uint32_t older = next_tool_slot(record), newer = 1 - older;
+  b.unit.memory().corrupt(kToolRecord.first + newer * kToolTableBytes + 40, 0x11);
+  b.unit.power(true);
+  REQUIRE(b.simulation.run_for(0.2));
+  CHECK(b.unit.fault() == Fault::live_input);
+  CHECK(b.unit.status().fault_address == kToolInput + 1);
+  CHECK(b.unit.control_lines().tools == 3);
+  CHECK(b.unit.control_lines().tool_state == protocol::ToolState::unknown);
+  // stated: the table is whole again, and the fault is gone
+  REQUIRE(select_tool(b, 30).state == CommandState::done);
+  CHECK(b.unit.fault() == Fault::none);
+  CHECK(protocol::damaged_tool_slots(b.unit.memory().view(kToolRecord.first, kToolRecord.size)) == 0);
+  CHECK(b.unit.control_lines().tool_state == protocol::ToolState::acting);
 }
 
 TEST_CASE("without the control's power on the relays open, and every axis has to be referenced again") {

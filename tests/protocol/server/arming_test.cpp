@@ -362,6 +362,23 @@ TEST_CASE("the unit keeps what hosts did and tried, with host, time and result")
   CHECK(events_of(server, 4).front().code == CommandCode::output_off);
 }
 
+TEST_CASE("a table of tools is one event: what replaces it, not what gathers it; a refusal is one as well") {
+  UnitModel model;
+  RegisterServer server(model);
+  RegisterHost host(server, 7);
+  const std::size_t before = events_of(server).size();
+  for (const CommandCode code : {CommandCode::begin_tools, CommandCode::stage_tool, CommandCode::stage_tool})
+    CHECK(host.give({.code = code, .tool = 3}).state == CommandState::done);
+  CHECK(events_of(server).size() == before);
+  CHECK(host.give({.code = CommandCode::commit_tools, .length = 2, .digest = 0x1234567800000000}).state ==
+        CommandState::done);
+  REQUIRE(events_of(server).size() == before + 1);
+  CHECK(events_of(server).back().code == CommandCode::commit_tools);
+  CHECK(events_of(server).back().text == "2 tools, SHA 12345678");
+  CHECK(host.give({.code = CommandCode::set_tool, .tool = 3}).state == CommandState::done);
+  CHECK(events_of(server).size() == before + 2);
+}
+
 TEST_CASE("outputs are switched off and the mode is left while a command takes time, which ends as stopped") {
   for (const CommandCode code : {CommandCode::output_off, CommandCode::enter_integration, CommandCode::stop}) {
     UnitModel model;
