@@ -40,6 +40,7 @@ constexpr Synonyms kSynonyms[] = {
     {"DISPLAY ECS STATUS",
      "integration mode compensate compensation on off switch enable fault alarm reset error clear ram test"},
     {"RUN USER SOFTWARE", "machine code program execute"},
+    {"TOOLS", "tool table length offset magazine spindle"},
     {"MEMORY ACCESS", "hex bytes dump image"},
     {"VIEW MEMORY", "hex bytes dump image write peek poke"},
     {"MODEL", "diagnose cause effect fit residual backlash thermal"},

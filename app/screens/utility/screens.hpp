@@ -23,6 +23,8 @@ namespace ecs::app {
 [[nodiscard]] std::unique_ptr<Screen> status_screen(std::shared_ptr<UnitConnection> connection,
                                                     const std::string& file = {});
 
+[[nodiscard]] std::unique_ptr<Screen> tools_screen(std::shared_ptr<UnitConnection> connection);
+
 [[nodiscard]] std::vector<MenuChoice> utility_choices(const std::shared_ptr<UnitConnection>& connection);
 
 }  // namespace ecs::app

@@ -464,6 +464,7 @@ std::vector<MenuChoice> utility_choices(const std::shared_ptr<UnitConnection>& c
        [connection] { return status_screen(connection); }},
       {"RUN USER SOFTWARE", "machine code in the unit's memory",
        [connection] { return form_titled("RUN USER SOFTWARE", connection); }},
+      {"TOOLS", "table of tools: select, set, remove, send a file", [connection] { return tools_screen(connection); }},
   };
 }
 
