@@ -208,7 +208,9 @@ std::optional<Problem> wrong_kind(FileKind wanted, std::string_view content, con
                                                : std::string(words.command);
   if (!advice.empty()) advice = ": " + fmt::format(fmt::runtime(advice), as_word(file));
   return Problem{ProblemKind::bad_input,
-                 fmt::format("this is {}, not {}{}", words.one, words_of(wanted).one, advice),
+                 wanted == FileKind::other
+                     ? fmt::format("this is {}{}", words.one, advice)
+                     : fmt::format("this is {}, not {}{}", words.one, words_of(wanted).one, advice),
                  file,
                  line,
                  line > 0 ? 1 : 0,

@@ -79,9 +79,9 @@ Result<toml::table> parse_toml(std::string_view text, const std::string& file) {
   } catch (const toml::parse_error& error) {
     const auto at = error.source().begin;
     return problem_at(file, static_cast<int>(at.line), static_cast<int>(at.column),
-                      fmt::format("expected TOML: {}", error.description()));
+                      fmt::format("not valid TOML: {}", error.description()));
   } catch (const std::exception& error) {
-    return problem_at(file, 0, 0, fmt::format("expected TOML: {}", error.what()));
+    return problem_at(file, 0, 0, fmt::format("not valid TOML: {}", error.what()));
   }
 }
 

@@ -158,9 +158,13 @@ std::vector<CsvRow> rows_in(const std::vector<std::string_view>& lines, std::siz
                    "expected a row of readings, found a line beginning with #: such lines belong before the header");
     } else if (cut.fields.size() != width) {
       const std::size_t at = std::min(width, cut.fields.size() - 1);
+      const bool is_last = std::all_of(lines.begin() + static_cast<std::ptrdiff_t>(i) + 1, lines.end(),
+                                       [](std::string_view rest) { return trimmed(rest).empty(); });
       findings.add(line, cut.fields[at].column, "expected {} fields as in the header, found {}{}", width,
                    cut.fields.size(),
-                   cut.fields.size() > width ? " (a decimal comma? write numbers with a decimal point)" : "");
+                   cut.fields.size() > width ? " (a decimal comma? write numbers with a decimal point)"
+                   : is_last                 ? " in the last line: the file seems to be truncated, copy it again"
+                                             : "");
     } else {
       rows.push_back({line, std::move(cut.fields)});
     }

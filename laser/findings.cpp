@@ -12,8 +12,12 @@ void Findings::add(int line, int column, std::string message) {
 Problem Findings::as_problem() const {
   std::vector<Problem> all = shown_;
   if (count_ > kMostShown)
-    all.push_back(
-        Problem{ProblemKind::bad_input, fmt::format("and {} more faults", count_ - kMostShown), file_, 0, 0, {}});
+    all.push_back(Problem{ProblemKind::bad_input,
+                          fmt::format("and {} more fault{}", count_ - kMostShown, count_ - kMostShown == 1 ? "" : "s"),
+                          file_,
+                          0,
+                          0,
+                          {}});
   return folded(std::move(all));
 }
 

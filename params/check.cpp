@@ -369,8 +369,9 @@ Finding no_keys_of(Axis axis) {
   for (const Field& field : fields())
     if (field.axis == axis) finding.keys.push_back(field.key);
   finding.message = fmt::format(
-      "axis {0} is present, but the file has no [axis.{0}]: its end may be missing; add the table, or remove {0} from "
-      "configuration.axes",
+      "configuration.axes lists {0}, but the file has no [axis.{0}]: its end may be missing. Copy the file again or "
+      "read "
+      "the parameters with `ecs params receive`; if there is no axis {0}, remove it from configuration.axes",
       letter_of(axis));
   return finding;
 }
@@ -427,10 +428,13 @@ bool has_errors(const std::vector<Finding>& findings) {
 }
 
 std::string to_text(const std::vector<Finding>& findings) {
+  constexpr std::size_t kMostKeys = 4;  // more are a whole table of the file, which the message names
   std::string text;
-  for (const Finding& f : findings)
-    text += fmt::format("{}: {}{}{}\n", name_of(f.severity), fmt::join(f.keys, ", "), f.keys.empty() ? "" : ": ",
-                        f.message);
+  for (const Finding& f : findings) {
+    const bool with_keys = !f.keys.empty() && f.keys.size() <= kMostKeys;
+    text += fmt::format("{}: {}{}{}\n", name_of(f.severity),
+                        with_keys ? fmt::format("{}", fmt::join(f.keys, ", ")) : "", with_keys ? ": " : "", f.message);
+  }
   return text;
 }
 

@@ -137,7 +137,7 @@ MapChange change_between(const ErrorMap& first, const ErrorMap& second) {
 laser::MeasurementSet measurement_of(const MapChange& change, const ErrorMap& second,
                                      const std::vector<std::string>& names) {
   laser::MeasurementSet set;
-  set.metadata = {{"difference", fmt::format("errors by {} less errors by {}", names[1], names[0])}};
+  set.metadata = {{"difference", fmt::format("errors of {} minus errors of {}", names[1], names[0])}};
   if (!second.header.machine.empty()) set.metadata.push_back({"machine", second.header.machine});
   for (const CurveChange& curve : change.curves)
     for (const Approach approach : {Approach::forward, Approach::reverse}) {
@@ -161,7 +161,7 @@ Cell change_cell(const MapChange& change) {
     const ChangeFigures f = figures_of(curve);
     return record_cell(
         "{component:<4} {unit:<4} {largest:>8} {at_mm:>9} {approach:<7} {rms:>8} {mean:>8} {slope_per_m:>8} "
-        "{reversal:>8} {left_rms:>7}\n",
+        "{reversal:>8} {left_rms:>8}\n",
         "component"_is(name_of(curve.component)), "unit"_is(unit_of(curve.component)), "largest"_is(f.largest, 2),
         "at_mm"_is(f.at_mm, fmt::format("{:.6g}", f.at_mm)), "approach"_is(word_for(f.approach)), "rms"_is(f.rms, 2),
         "mean"_is(f.mean, 2), "slope_per_m"_is(f.slope_per_m, 2), "reversal"_is(f.reversal, 2),
@@ -169,8 +169,8 @@ Cell change_cell(const MapChange& change) {
         "to_mm"_is(curve.position_mm.back()));
   };
   return list_cell(change.curves, row,
-                   fmt::format("{:<4} {:<4} {:>8} {:>9} {:<7} {:>8} {:>8} {:>8} {:>8} {:>7}\n", "", "", "largest",
-                               "at [mm]", "", "rms", "mean", "slope/m", "reversal", "left"));
+                   fmt::format("{:<4} {:<4} {:>8} {:>9} {:<7} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "", "", "largest",
+                               "at [mm]", "", "rms", "mean", "slope/m", "reversal", "residual"));
 }
 
 }  // namespace ecs::commissioning

@@ -148,8 +148,10 @@ Result<void> join_metadata(MeasurementSet& all, const MeasurementSet& more) {
     if (!known)
       all.metadata.push_back(entry);
     else if (*known != entry.value)
-      all.notes.push_back(fmt::format("{}: {} \"{}\" is ignored, the first file has \"{}\"", more.source, entry.key,
-                                      entry.value, *known));
+      all.notes.push_back(
+          fmt::format("{}: {} is \"{}\", the first file has \"{}\": all readings are used, the header "
+                      "keeps the value of the first file",
+                      more.source, entry.key, entry.value, *known));
   }
   return {};
 }
@@ -196,7 +198,7 @@ std::string_view option_that_helps(const Problem& wrong) {
   if (says("EA, EB or EC")) return " (--axis X, --sense EB)";
   if (says("unit")) return " (--target-unit, --reading-unit)";
   if (says("columns") && !says("axis")) return " (--columns)";
-  return " (--axis X, --sense EX)";
+  return ", for example --axis X --sense EX";
 }
 
 }  // namespace
@@ -207,7 +209,9 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
   using cli::Range, cli::Words;
   return {
       {"--axis", &A::axis,
-       "moving axis, used in place of that in an instrument's file; a measurement CSV states its own",
+       "moving axis; overrides the axis stated in an instrument's file. Ignored for a measurement CSV, which states "
+       "the "
+       "axis in every row",
        Words{"X", "Y", "Z", "A", "B", "C"}},
       {sense_option, &A::sense, "measured component, if the file does not state it",
        Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},

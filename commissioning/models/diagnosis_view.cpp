@@ -112,9 +112,10 @@ std::string outliers_text(const Comparison& c) {
 Cell comparison_cell(const Comparison& c, std::size_t readings) {
   const Cell lack_of_fit = lack_of_fit_cell(c.lack_of_fit);
   const std::string judged = lack_of_fit_text(c.lack_of_fit, c.outliers.empty() ? c.rms_um : 0.0, c.noise.noise_um);
-  const std::string summary =
-      paragraph(fmt::format("{} readings: rms {:.3f} {}, peak {:.3f} {}; noise of one reading {}; lack-of-fit test: {}",
-                            readings, c.rms_um, c.noise.unit, c.peak_um, c.noise.unit, noise_text(c.noise), judged));
+  const std::string summary = paragraph(fmt::format(
+      "{} readings: rms {:.3f} {}, peak {:.3f} {}; noise of one reading {}; lack-of-fit test, with the values "
+      "as given: {}",
+      readings, c.rms_um, c.noise.unit, c.peak_um, c.noise.unit, noise_text(c.noise), judged));
   return record_cell(
       "{summary}\n{directions}{variables}{worst}{outliers}", "observations"_is(readings), "summary"_shown(summary),
       "rms_um"_is(c.rms_um), "peak_um"_is(c.peak_um), "noise_um"_is(c.noise.noise_um),
@@ -128,17 +129,24 @@ using model::Candidate;
 using model::Diagnosis;
 using model::Verdict;
 
+/// "63.813 um rms (6.420 um without the outliers)"
+std::string rms_text(const Diagnosis& d, double rms_um, double kept_rms_um) {
+  std::string text = fmt::format("{:.3f} {} rms", rms_um, d.noise.unit);
+  if (!d.outliers.empty()) text += fmt::format(" ({:.3f} {} without the outliers)", kept_rms_um, d.noise.unit);
+  return text;
+}
+
 std::string summary(const Diagnosis& d) {
-  std::string text =
-      fmt::format("{} readings. The residual is {:.3f} {} rms{}; the noise of one reading is {}. ", d.observations,
-                  d.rms_um, d.noise.unit, d.outliers.empty() ? "" : ", outliers included", noise_text(d.noise));
+  std::string text = fmt::format("{} readings. The residual is {}; the noise of one reading is {}. ", d.observations,
+                                 rms_text(d, d.rms_um, d.kept_rms_um), noise_text(d.noise));
   if (d.verdict != Verdict::adequate && d.rms_after_um < d.rms_um)
-    text += fmt::format("With {} the residual is {:.3f} {} rms. ",
-                        d.add ? "the proved or likely effects" : "the named effects", d.rms_after_um, d.noise.unit);
+    text += fmt::format("With {} the residual is {}. ", d.add ? "the proved or likely effects" : "the named effects",
+                        rms_text(d, d.rms_after_um, d.kept_rms_after_um));
   const bool is_judged = d.outliers.empty() || d.verdict != Verdict::adequate;
   text += "Lack-of-fit test: " + lack_of_fit_text(d.lack_of_fit, is_judged ? d.rms_um : 0.0, d.noise.noise_um);
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)
-    text += fmt::format("; with the named effects: {}", lack_of_fit_cell(d.lack_of_fit_after).text);
+    text += fmt::format("; with the named effects, fitted to these readings: {}",
+                        lack_of_fit_cell(d.lack_of_fit_after).text);
   return paragraph(text + ".");
 }
 
@@ -207,8 +215,11 @@ Json parameters_set_json(const Candidate& candidate) {
   return sets;
 }
 
-/// In JSON only, except for the row of evidence and, of what is named, the paragraphs below it.
-Cell candidate_cell(const Candidate& c) {
+/// In JSON only, except for the row of evidence and, of what is named, the paragraphs below it. The row leaves out the
+/// outliers.
+Cell candidate_cell(const Candidate& c, const Diagnosis& d) {
+  const bool is_one_of_several = c.in_answer() && std::ranges::count_if(d.candidates, &Candidate::in_answer) > 1;
+  const double shown_rms_um = d.outliers.empty() ? c.rms_after_um : c.kept_rms_after_um;
   Json values = Json::object(), sigmas = Json::object();
   for (const model::ParameterEstimate& one : c.parameters) {
     values[model::shown_name(one)] = number_or_null(one.value);
@@ -221,14 +232,17 @@ Cell candidate_cell(const Candidate& c) {
   for (const model::RivalOfPart& rival : c.in_part) rivals_of_parts.push_back(to_text(rival.other));
   AnswerFields fields = described(
       inlined({effect_json(c.effect), ""}), "place"_shown(place_in_table(c.effect)),
-      "parameters"_is(values, details(!c.parameters.empty(), parameters_text(c.parameters))), "sigma"_is(sigmas),
+      "parameters"_is(values, details(!c.parameters.empty(),
+                                      parameters_text(c.parameters) +
+                                          (is_one_of_several ? " (fitted together with the other effects)" : ""))),
+      "sigma"_is(sigmas),
       "undetermined"_is(std::ranges::any_of(c.parameters, &model::ParameterEstimate::undetermined), ""),
       "named"_is(c.named), "standing"_is(name_of(c.standing)),
       "but"_is(text_or_null(c.but), details(!c.but.empty(), "but: " + c.but)),
       "decide"_is(text_or_null(c.decide), details(!c.decide.empty(), "to decide: " + c.decide)),
-      "rms_after_um"_is(c.rms_after_um, 3), "explained"_is(c.explained, percent(c.shown_explained())),
-      "explainable_share"_is(c.explainable_share), "p_value"_is(c.p_value, ""), "false_naming"_is(c.false_naming),
-      "probability"_is(c.probability),
+      "rms_after_um"_is(c.rms_after_um, fmt::format("{:.3f}", shown_rms_um)),
+      "explained"_is(c.explained, percent(c.shown_explained())), "explainable_share"_is(c.explainable_share),
+      "p_value"_is(c.p_value, ""), "false_naming"_is(c.false_naming), "probability"_is(c.probability),
       "set"_is(set_json(c.set), details(c.set.size() > 1, "one of these (99 %): " + set_text(c.set))),
       "parameters_set"_is(parameters_set_json(c), details(!c.parameters_set.empty(), values_text(c))),
       "e_value"_is(c.e_value), "found"_is(c.found),
@@ -275,7 +289,8 @@ std::string add_text(const Diagnosis& d) {
   if (!d.add) return {};
   const bool proved =
       std::any_of(d.candidates.begin(), d.candidates.end(), [](const Candidate& candidate) { return candidate.named; });
-  return "\n" + paragraph(fmt::format("To try it: add {}{} with `ecs model add`. On held-out readings the residual is "
+  return "\n" + paragraph(fmt::format("To try it: add {}{} with `ecs model add MODEL EFFECT --data DATA`. On held-out "
+                                      "readings the residual is "
                                       "then expected to {} from {:.3g} to {:.3g} {} rms.",
                                       proved ? "the proved effects, then " : "", fmt::join(d.add->effects, ", then "),
                                       d.add->held_out_rms_um < d.add->held_out_rms_before_um ? "fall" : "change",
@@ -293,12 +308,14 @@ Cell candidates_cell(const Diagnosis& d) {
   Json list = Json::array();
   std::string named, likely, rivals;
   for (const Candidate& candidate : d.candidates) {
-    const Cell one = candidate_cell(candidate);
+    const Cell one = candidate_cell(candidate, d);
     list.push_back(one.json);
     (candidate.named ? named : candidate.in_answer() ? likely : rivals) += one.text;
   }
   const auto titled_table = [&](std::string_view title, const std::string& rows) {
-    return rows.empty() ? std::string() : fmt::format("\n{}\n{}{}", title, head(d), rows);
+    return rows.empty()
+               ? std::string()
+               : fmt::format("\n{}{}\n{}{}", title, d.outliers.empty() ? "" : " (without the outliers)", head(d), rows);
   };
   if (d.verdict == Verdict::adequate || d.verdict == Verdict::cannot_tell) return {std::move(list), closest_text(d)};
   return {std::move(list),
@@ -321,8 +338,11 @@ double largest_in(const std::vector<ShapePoint>& points) {
 }
 
 Cell where_cell(const Diagnosis& d) {
-  Cell where{Json::array(),
-             d.where.empty() ? "" : "\nvariables that the residual depends on (share of its variance)\n"};
+  const bool with_answer = std::ranges::any_of(d.candidates, &Candidate::in_answer);
+  Cell where{Json::array(), d.where.empty()
+                                ? ""
+                                : fmt::format("\nvariables that the residual depends on{} variance)\n",
+                                              with_answer ? ", no effect added (share of" : " (share of its")};
   for (const model::Dependence& one : d.where)
     where.add(record_cell("  {variable} {strength:>8}  probability in noise alone: {p_value}\n",
                           "variable"_is(one.variable, padded(one.variable, 26)),
@@ -330,12 +350,18 @@ Cell where_cell(const Diagnosis& d) {
                           "p_value"_is(one.p_value, fmt::format("{:.1g}", one.p_value)), "at"_is(numbers_json(one.at)),
                           "mean_um"_is(numbers_json(one.mean_um)),
                           "looks_like"_is(one.looks_like.empty() ? Json() : Json(one.looks_like))));
-  for (const model::Dependence& one : d.where)
-    if (!one.looks_like.empty()) where.text += paragraph(fmt::format("{}: {}", one.variable, one.looks_like), 2, 4);
+  bool any = false;
+  for (const model::Dependence& one : d.where) {
+    if (one.looks_like.empty()) continue;
+    if (with_answer && !any) where.text += "  with the named effects, the residual over\n";
+    any = true;
+    where.text += paragraph(fmt::format("{}: {}", one.variable, one.looks_like), with_answer ? 4 : 2, 6);
+  }
   std::size_t shapes = 0;
   for (const model::Dependence& one : d.where) {
     const std::vector<ShapePoint> points = shape_of(one);
     if (one.strength < kWorthAShape || largest_in(points) < 0.3 * d.noise.noise_um || ++shapes > kMostShapes) continue;
+    if (shapes == 1 && with_answer && any) where.text += "  before any effect is added\n";
     where.text += "\n" + shape_text(one.variable, points, d.noise.unit);
   }
   return where;
@@ -348,8 +374,8 @@ std::string_view words_for_property(std::string_view property) {
       {"position", "over the position"},
       {"turn", "over a turn"},
       {"frame", "whether it stays with the machine or moves with the workpiece"},
-      {"growth", "growth with time, load, feed or temperature"},
-      {"session", "changes with each run or set-up"},
+      {"growth", "change with another variable (time, load, feed, temperature, other axes)"},
+      {"session", "change with each run or set-up"},
       {"clock", "delay"},
       {"excitation", "excitation by these readings"},
       {"instrument", "instrument"}};
@@ -358,9 +384,18 @@ std::string_view words_for_property(std::string_view property) {
   return property;
 }
 
+/// "none" beside another change means that this one is not needed once the other is included.
+std::string answer_text(const model::LeftProperty& one, const Diagnosis& d) {
+  if (one.is != "none") return one.is;
+  for (const model::LeftProperty& other : d.left)
+    if ((other.property == "growth" || other.property == "session") && !other.is.empty() && other.is != "none")
+      return fmt::format("none is needed once the change with {} is included", other.is);
+  return one.is;
+}
+
 /// What is told, evidence that several share once; then what is not, and what would tell.
 Cell left_cell(const Diagnosis& d) {
-  Cell left{Json::array(), d.left.empty() ? "" : "\nproperties of the residual\n"};
+  Cell left{Json::array(), d.left.empty() ? "" : "\nproperties of the residual (shares of its variance above noise)\n"};
   std::vector<std::string> withheld;
   std::set<std::string> said, measure;
   for (const model::LeftProperty& one : d.left) {
@@ -369,7 +404,7 @@ Cell left_cell(const Diagnosis& d) {
     if (one.is.empty())
       withheld.emplace_back(words_for_property(one.property));
     else
-      left.text += paragraph(fmt::format("{}: {}{}", words_for_property(one.property), one.is,
+      left.text += paragraph(fmt::format("{}: {}{}", words_for_property(one.property), answer_text(one, d),
                                          said.insert(one.because).second ? "; evidence: " + one.because : ""),
                              2, 4);
     if (!one.measure.empty()) measure.insert(one.measure);
@@ -409,9 +444,13 @@ Json different_run_json(const Diagnosis& d) {
 
 std::string outliers_text(const Diagnosis& d) {
   if (d.outliers.empty()) return {};
-  return "\n" + paragraph(fmt::format("outliers: rows {} ({} of {} readings), of little weight, included in every rms",
-                                      rows_text(d.outliers), d.outliers.size(), d.observations),
-                          0, 2);
+  return "\n" +
+         paragraph(
+             fmt::format(
+                 "outliers: rows {} ({} of {} readings), of little weight in every fit; the tables of effects leave "
+                 "them out",
+                 rows_text(d.outliers), d.outliers.size(), d.observations),
+             0, 2);
 }
 
 }  // namespace
@@ -420,7 +459,8 @@ std::string formula_text(const Diagnosis& diagnosis) {
   if (!diagnosis.formula) return {};
   const model::ProposedFormula& formula = *diagnosis.formula;
   return fmt::format(
-      "As a formula of {} term{}: {}. `ecs model add MODEL formula` adds it. On held-out readings the residual is then "
+      "As a formula of {} term{}: {}. `ecs model add MODEL formula --data DATA` adds it. On held-out readings the "
+      "residual is then "
       "expected "
       "to fall from {:.3g} to {:.3g} {} rms.",
       formula.effect.user.size(), formula.effect.user.size() == 1 ? "" : "s", formulas_text(formula.effect),

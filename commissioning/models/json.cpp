@@ -91,7 +91,7 @@ Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test) {
   return record_cell("{word} ({p})", "F"_is(test->F), "p"_is(test->p, p),
                      "word"_shown(test->fails()         ? "the model does not fit"
                                   : test->is_in_doubt() ? "it is doubtful whether the model fits"
-                                                        : "the model fits"));
+                                                        : "the model is not rejected at 1 %"));
 }
 
 AnswerFields fields_of(const ParameterEstimate& p) {

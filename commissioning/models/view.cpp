@@ -92,11 +92,12 @@ std::vector<ShapePoint> thinned(const std::vector<ShapePoint>& points, std::size
   return few;
 }
 
-/// 41 columns with zero in the middle.
+/// 41 columns with zero in the middle; nothing beside numbers that are all printed as 0.00.
 std::string bar(double um, double largest) {
   constexpr int kHalf = 20;
+  constexpr double kLeastPrinted = 0.005;
   std::string cells(2 * kHalf + 1, ' ');
-  const int length = largest > 0.0 ? static_cast<int>(std::lround(kHalf * um / largest)) : 0;
+  const int length = largest >= kLeastPrinted ? static_cast<int>(std::lround(kHalf * um / largest)) : 0;
   const auto first = static_cast<std::size_t>(std::min(kHalf, kHalf + length)),
              count = static_cast<std::size_t>(std::abs(length)) + 1;
   cells.replace(first, count, count, '#');
@@ -170,12 +171,12 @@ std::string noise_text(const model::PureError& noise) {
   if (noise.is_of_step)
     return fmt::format("{:.3f} {}, the smallest that the step of these readings allows", noise.noise_um, noise.unit);
   if (noise.from_repeats) return fmt::format("{:.3f} {} from repeats", noise.noise_um, noise.unit);
-  return fmt::format("at most {:.3f} {}, from neighbouring readings (there are no repeats)", noise.noise_um,
-                     noise.unit);
+  return fmt::format("at most {:.3f} {}, from neighbouring readings (no target was repeated under the same conditions)",
+                     noise.noise_um, noise.unit);
 }
 
 std::string_view direction_text(int approach) {
-  if (approach == 0) return "no approach";
+  if (approach == 0) return "unknown";
   return approach > 0 ? "forward" : "reverse";
 }
 

@@ -114,7 +114,7 @@ inline constexpr std::size_t kMostShapes = 2;
 /// The same place out of such an object; only "effect" must be there. Nothing where that is no effect of the library.
 [[nodiscard]] std::optional<model::EffectInstance> effect_in(const Json& object);
 
-/// {"F", "p"}, or null without repeats; "the model fits (p = 0.4)", "too few repeats to judge".
+/// {"F", "p"}, or null without repeats; "the model is not rejected at 1 % (p = 0.4)", "too few repeats to judge".
 [[nodiscard]] Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test);
 /// name, unit, value, sigma, held, undetermined; the text of a value has as many digits as its sigma has meaning for.
 [[nodiscard]] AnswerFields fields_of(const model::ParameterEstimate& parameter);

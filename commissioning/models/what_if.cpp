@@ -138,8 +138,10 @@ void add_parts(const Observations& after, const std::vector<std::size_t>& rows, 
       fmt::format("a constant {:+.2g} {} of {}: the zero of the laser or the datum has changed", constant.size, unit,
                   of));
   add("slope", slope,
-      fmt::format("a slope of {:+.2g} {}/{} of {}: scale or temperature", slope.size, unit, after.rotary ? "deg" : "m",
-                  of));
+      fmt::format("a slope of {:+.2g} {}/{} of {}: {}", slope.size, unit, after.rotary ? "deg" : "m", of,
+                  !after.rotary && !is_rotation(sense) && direction_of(sense) != axis
+                      ? "alignment of the straight edge or optics, or squareness"
+                      : "scale or temperature"));
   add("reversal", reversal,
       fmt::format("a difference of {:+.2g} {} between forward and reverse of {}: lost motion", reversal.size, unit,
                   of));

@@ -323,7 +323,10 @@ Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& argum
   std::error_code error;
   if (std::filesystem::exists(arguments.model, error)) {
     if (auto other = other_than_model(arguments.model)) return tl::unexpected(std::move(*other));
-    return problem(ProblemKind::usage, arguments.model + " already exists: open it, or give another name");
+    return problem(ProblemKind::usage,
+                   fmt::format("{0} already exists. Give another name, or continue with `ecs model diagnose {0} "
+                               "DATA`",
+                               arguments.model));
   }
   ECS_DO(model::write_model(arguments.model, model::Model{}));
   auto work = model_work(messages, arguments);

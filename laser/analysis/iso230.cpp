@@ -88,7 +88,11 @@ void note_runs(const Iso230& axis, std::vector<std::string>& notes) {
   const bool reverse = side("reverse", &Iso230Target::n_reverse);
   if (forward != reverse)
     notes.push_back(fmt::format("{} approach only: no bidirectional values", forward ? "forward" : "reverse"));
-  if (!forward && !reverse) notes.emplace_back("the approach is unknown: no unidirectional or bidirectional values");
+  if (!forward && !reverse)
+    notes.emplace_back(
+        "the approach is unknown: no unidirectional or bidirectional values. Give it in a column approach (1 forward, "
+        "-1 "
+        "reverse)");
 }
 
 void note_left_out(const Iso230& axis, std::vector<std::string>& notes) {
@@ -193,7 +197,7 @@ void set_systematic(Iso230& axis) {
   }
   axis.E_forward = forward.range();
   axis.E_reverse = reverse.range();
-  if (count_mean > 1) axis.M = means.range();
+  if (count_mean > 1 && (axis.E_forward || axis.E_reverse)) axis.M = means.range();  // of known approaches
   if (axis.E_forward && axis.E_reverse) axis.E = both.range();
   if (count_B > 0) axis.B_mean = sum_B / count_B;
 }

@@ -89,7 +89,8 @@ std::string fault_of(const BeamAir& air, double wavelength_nm) {
                                      {kHumidity, air.humidity_pct},
                                      {kCarbonDioxide, air.co2_ppm}})
     if (!(value >= range.least && value <= range.most))
-      return fmt::format("{}: expected {} to {} {}, found {}", range.what, range.least, range.most, range.unit, value);
+      return fmt::format("{}: expected {} to {} {}, found {}{}", range.what, range.least, range.most, range.unit, value,
+                         range.unit == kPressure.unit ? " (1 kPa = 10 hPa)" : "");
   return {};
 }
 

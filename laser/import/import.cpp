@@ -205,7 +205,7 @@ FileReader reading_once(FileReader read) {
 Result<Axis> axis_wanted(const ImportOptions& options, const std::string& file_name) {
   if (options.axis) return *options.axis;
   return tl::unexpected(usage(
-      file_name, "the file does not state which axis moved: give the axis: X, Y or Z, of a rotary axis A, B or C"));
+      file_name, "the file does not state which axis moved. Give the axis (X, Y or Z; for a rotary axis A, B or C)"));
 }
 
 Result<Sense> positioning_sense(const ImportOptions& options, Axis axis, const std::string& file_name) {
@@ -337,6 +337,32 @@ bool is_csv_heading(std::string_view line) {
   return known >= 2;
 }
 
+/// Row at the end of a file that stops within it.
+struct IncompleteRow {
+  std::size_t from = 0;  ///< place in the text
+  int line = 0;
+  std::size_t found = 0, expected = 0;  ///< fields
+};
+
+/// Nothing where the last row has its fields, or nothing follows the heading.
+std::optional<IncompleteRow> incomplete_last_row(std::string_view text) {
+  const auto lines = numbered_lines_of(text);
+  const auto is_row = [](const NumberedLine& line) {
+    return !trimmed(line.text).empty() && !trimmed(line.text).starts_with('#');
+  };
+  const auto heading = std::ranges::find_if(lines, is_row);
+  if (heading == lines.end()) return std::nullopt;
+  const auto last = std::find_if(lines.rbegin(), lines.rend(), is_row);
+  if (last->number == heading->number) return std::nullopt;
+  const char separator = heading->text.find(',') != std::string_view::npos   ? ','
+                         : heading->text.find(';') != std::string_view::npos ? ';'
+                                                                             : '\t';
+  const std::size_t expected = csv_fields(heading->text, separator).fields.size();
+  const std::size_t found = csv_fields(last->text, separator).fields.size();
+  if (found >= expected) return std::nullopt;
+  return IncompleteRow{static_cast<std::size_t>(last->text.data() - text.data()), last->number, found, expected};
+}
+
 Recognition recognises_csv(const FileStart& file) {
   if (is_csv_heading(file.first_line)) return Recognition::certain;
   const bool is_named_csv = lower(std::filesystem::path(file.file_name).extension().string()) == ".csv";
@@ -350,17 +376,25 @@ extern const FileFormat kMeasurementCsv{
     .title = "measurement CSV",
     .sample = "x_axis.csv",
     .recognises = recognises_csv,
-    .read =
-        [](std::string_view text, const std::string& file_name, const ImportOptions& options) {
-          auto set = options.approach_unknown ? set_with_approach_open(text, file_name)
-                                              : parse_measurement_set(text, file_name);
-          const auto is_other = [&](const Reading& one) { return one.axis != *options.axis; };
-          if (set && options.axis && std::ranges::any_of(set->readings, is_other))
-            set->notes.push_back(
-                fmt::format("the axis {} that was given is ignored: the rows of this file state theirs",
-                            letter_of(*options.axis, options.rotary)));
-          return set;
-        },
+    .read = [](std::string_view text, const std::string& file_name,
+               const ImportOptions& options) -> Result<MeasurementSet> {
+      const auto cut = incomplete_last_row(text);
+      const std::string_view whole = cut ? text.substr(0, cut->from) : text;
+      auto set =
+          options.approach_unknown ? set_with_approach_open(whole, file_name) : parse_measurement_set(whole, file_name);
+      if (set && cut && !options.accept_truncated)
+        return problem_at(file_name, cut->line, 1,
+                          fmt::format("the last line is incomplete ({} of {} fields): the file seems to be "
+                                      "truncated. Copy it again, or use --accept-truncated to read the {} complete "
+                                      "readings",
+                                      cut->found, cut->expected, set->readings.size()));
+      if (set && cut) set->notes.push_back(fmt::format("truncated: line {} is incomplete and was left out", cut->line));
+      const auto is_other = [&](const Reading& one) { return one.axis != *options.axis; };
+      if (set && options.axis && std::ranges::any_of(set->readings, is_other))
+        set->notes.push_back(fmt::format("the axis {} that was given is ignored: the rows of this file state theirs",
+                                         letter_of(*options.axis, options.rotary)));
+      return set;
+    },
     .written_extensions = {".csv"},
     .write = [](const MeasurementSet& set, const std::string&) -> Result<std::string> { return to_csv(set); },
     .units = ErrorUnits::fixed,

@@ -215,7 +215,7 @@ Result<Axis> axis_of_file(const RunFile& file, const std::string& file_name, con
   if (options.axis) return *options.axis;
   if (own != '\0') return static_cast<Axis>(own - 'X');
   return tl::unexpected(usage(file_name, fmt::format("the file does not state which linear axis moved (USER-TEXT Axis: "
-                                                     "{}): give the axis: X, Y or Z, of a rotary axis A, B or C",
+                                                     "{}). Give the axis (X, Y or Z; for a rotary axis A, B or C)",
                                                      in_quotes(text))));
 }
 

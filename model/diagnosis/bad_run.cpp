@@ -229,8 +229,9 @@ std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::Ve
     most = better;
     Eigen::MatrixXd columns(count, 3);
     columns << trend, weight.cwiseProduct(indicator.rightCols(count - at).rowwise().sum());
+    const Eigen::VectorXd sizes = least_squares(columns, target);
     best = StepOfRuns{runs[static_cast<std::size_t>(at) - 1].number, runs[static_cast<std::size_t>(at)].number,
-                      least_squares(columns, target)(2)};
+                      sizes(2), sizes(1) * (runs.back().time - runs.front().time)};
   }
   return best;
 }

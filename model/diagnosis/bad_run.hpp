@@ -38,6 +38,7 @@ struct NoisyRun {
 struct StepOfRuns {
   int before = 0, after = 0;  ///< the runs beside it, in the order of their times
   double height_um = 0.0;     ///< beside a trend over the runs, um or um/m
+  double trend_um = 0.0;      ///< change by the trend from the first run to the last, um or um/m
 };
 /// The step between two runs, beside a trend in time, if it explains a hundred times better than the offset of any one
 /// run does; nothing with fewer than four runs, where a trend and a step fit anything.

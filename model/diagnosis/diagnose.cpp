@@ -74,6 +74,14 @@ double off_the_others(const Observations& data, const VectorXd& residual, int ru
   return sum[1] / count[1] - sum[0] / count[0];
 }
 
+/// ", beside a rising trend of 13 um over all runs": without it the means of the runs differ by another amount.
+std::string trend_text(const StepOfRuns& step, std::string_view unit) {
+  constexpr double kWorthSaying = 0.1;
+  if (std::abs(step.trend_um) < kWorthSaying * std::abs(step.height_um)) return "";
+  return fmt::format(", beside a {} trend of {:.2g} {} over all runs", step.trend_um > 0.0 ? "rising" : "falling",
+                     std::abs(step.trend_um), unit);
+}
+
 /// The run that is bad, if one is: the headline begins with it.
 /// @param residual  of the model as given, um, a row a reading of `data`
 std::optional<DifferentRun> different_run(const Found& found, const Diagnosis& diagnosis, const Observations& data,
@@ -86,10 +94,10 @@ std::optional<DifferentRun> different_run(const Found& found, const Diagnosis& d
     return DifferentRun{
         step.after, true, true,
         fmt::format(
-            "All readings {} by {:.2g} {} between runs {} and {}: the zero was changed, or something slipped. Check "
+            "All readings {} by {:.2g} {} between runs {} and {}{}: the zero was changed, or something slipped. Check "
             "the events between these runs first.",
             step.height_um > 0.0 ? "rise" : "fall", std::abs(step.height_um), diagnosis.noise.unit, step.before,
-            step.after)};
+            step.after, trend_text(step, diagnosis.noise.unit))};
   };
   if (found.noisy && !found.noisy->shifted) return of_run(found.noisy->run, words_for(*found.noisy), false);
   if (found.noisy)
@@ -459,6 +467,8 @@ Result<Diagnosis> reported(const ReportInput& in) {
   const auto& [after, left, noise, left_out] = with;
   const Whitener whitener(data, noise, left_out);
   diagnosis.rms_after_um = rms_of(left);
+  diagnosis.kept_rms_um = rms_without(before, left_out);
+  diagnosis.kept_rms_after_um = rms_without(left, left_out);
   const auto motions = motions_of_groups(data, left);
   if (motions && verdict == Verdict::adequate) diagnosis.verdict = Verdict::unexplained_structure;
   diagnosis.noise = noise.pure;

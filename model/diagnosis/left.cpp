@@ -337,8 +337,10 @@ Term product_of(const Term& a, const Term& b) {
           a.values.cwiseProduct(b.values)};
 }
 
-/// "((load_kg - 200) / 100)"
+/// "((load_kg - 200) / 100)", "(y_mm / 140)"
 std::string scaled_text(const std::string& column, double middle, double half) {
+  constexpr double kNothing = 1e-9;
+  if (std::abs(middle) < kNothing * half) return fmt::format("({} / {:.6g})", column, half);
   return fmt::format("(({} {} {:.6g}) / {:.6g})", column, middle < 0.0 ? '+' : '-', std::abs(middle), half);
 }
 

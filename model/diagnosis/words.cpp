@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
+#include <utility>
 
 #include <fmt/args.h>
 #include <fmt/format.h>
@@ -189,14 +191,37 @@ std::string id_text(const Candidate& candidate, const Diagnosis& diagnosis) {
   return id;
 }
 
-/// Ids in brackets: its own, and what these data cannot tell from it unless that is named itself.
-std::string ids_text(const Candidate& candidate, const Diagnosis& diagnosis) {
-  const std::string ids = id_text(candidate, diagnosis);
-  std::vector<std::string> rivals;
-  for (const EffectInstance& rival : candidate.rivals)
-    if (named_at(place_text(rival), diagnosis) == 0) rivals.push_back(place_text(rival));
-  if (rivals.empty()) return ids;
-  return fmt::format("{}; or {}, which these data cannot distinguish from it", ids, fmt::join(rivals, " or "));
+/// "41 %", "5.8 %"; of what is outside the credible set "less than 1 %".
+std::string probability_text(double probability) {
+  constexpr double kOutside = 0.01, kWhole = 0.1;
+  if (probability < kOutside) return "less than 1 %";
+  return probability < kWhole ? fmt::format("{:.1f} %", kPercent * probability)
+                              : fmt::format("{:.0f} %", kPercent * probability);
+}
+
+/// The finding with its id in brackets. Beside it, likeliest first, what these data cannot tell from it and what is
+/// more probable than it, unless that is named itself.
+std::string with_alternatives(const std::string& finding, const Candidate& candidate, const Diagnosis& diagnosis) {
+  std::map<std::string, double> probabilities;
+  for (const SetMember& member : candidate.set) probabilities[member.place] += member.probability;
+  const std::string own = place_text(candidate.effect);
+  const double own_probability = probabilities.try_emplace(own, candidate.probability).first->second;
+  std::set<std::string> others;
+  for (const EffectInstance& rival : candidate.rivals) others.insert(place_text(rival));
+  for (const auto& [place, probability] : probabilities)
+    if (probability > own_probability) others.insert(place);
+  std::erase_if(others, [&](const std::string& place) { return place == own || named_at(place, diagnosis) > 0; });
+  if (others.empty()) return fmt::format("{} ({})", finding, id_text(candidate, diagnosis));
+  std::vector<std::pair<double, std::string>> causes{
+      {own_probability,
+       fmt::format("{} ({}, {})", finding, id_text(candidate, diagnosis), probability_text(own_probability))}};
+  for (const std::string& place : others)
+    causes.emplace_back(probabilities[place], fmt::format("{} ({})", place, probability_text(probabilities[place])));
+  std::ranges::stable_sort(causes, std::greater{}, &std::pair<double, std::string>::first);
+  std::vector<std::string> texts;
+  for (auto& [probability, text] : causes) texts.push_back(std::move(text));
+  return fmt::format("one of {} causes that these data cannot distinguish: {}", texts.size(),
+                     fmt::join(texts, ", or "));
 }
 
 std::string findings_text(const Diagnosis& diagnosis, const Observations& data, bool likely) {
@@ -209,7 +234,7 @@ std::string findings_text(const Diagnosis& diagnosis, const Observations& data, 
       text += values->second.size() == 2
                   ? ", or another period that fits as well"
                   : fmt::format(", or one of {} other periods that fit as well", values->second.size() - 1);
-    findings.push_back(fmt::format("{} ({})", text, ids_text(candidate, diagnosis)));
+    findings.push_back(with_alternatives(text, candidate, diagnosis));
   }
   return fmt::format("{}", fmt::join(findings, "; and "));
 }
@@ -322,6 +347,18 @@ std::string evidence_together(const Candidate& candidate, const Diagnosis& diagn
   return text + (!none_alone ? "; alone it does not" : named == 2 ? "; neither alone does" : "; none alone does");
 }
 
+std::map<Axis, std::set<double>> targets_of(const Observations& data) {
+  std::map<Axis, std::set<double>> targets_mm;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!data.on_path(k)) targets_mm[data.axis[k]].insert(data.position_mm[k][index_of(data.axis[k])]);
+  return targets_mm;
+}
+
+/// Of an axis: whether its drift is the same elsewhere is not known.
+bool is_at_one_target(const Observations& data) {
+  return std::ranges::any_of(targets_of(data), [](const auto& of) { return of.second.size() == 1; });
+}
+
 /// A wave whose second harmonic is the larger one is named by that: half the period, its amplitude.
 struct NamedWave {
   EffectInstance effect;
@@ -401,6 +438,10 @@ std::string finding_text(const EffectInstance& found_effect, const std::vector<P
   std::string text = fmt::vformat(definition.headline, words);
   if (const auto lag = std::ranges::find(parameters, kLag, &ParameterEstimate::name); lag != parameters.end())
     text += fmt::format(", following it with a time constant of {}", duration_text(lag->value));
+  constexpr std::string_view kEverywhere = "equally at all positions";
+  if (const std::size_t at = text.find(kEverywhere); at != std::string::npos && effect.axis)
+    if (const auto targets = targets_of(data); targets.contains(*effect.axis) && targets.at(*effect.axis).size() == 1)
+      text.replace(at, kEverywhere.size(), "at the only target");
   if (const std::size_t sign = text.find("+-an "); sign != std::string::npos) text.erase(sign, 2);
   text += smaller_wave_text({found_effect, found_parameters}, data);
   if (effect.approach != ApproachMode::both) text += fmt::format(", only when moving {}", name_of(effect.approach));
@@ -423,10 +464,7 @@ std::string readings_word(Sense sense, std::optional<Axis> axis, bool rotary) {
 
 std::string reservation_for(const Observations& data) {
   std::string text;
-  std::map<Axis, std::set<double>> targets_mm;
-  for (std::size_t k = 0; k < data.size(); ++k)
-    if (!data.on_path(k)) targets_mm[data.axis[k]].insert(data.position_mm[k][index_of(data.axis[k])]);
-  for (const auto& [axis, targets] : targets_mm)
+  for (const auto& [axis, targets] : targets_of(data))
     if (targets.size() == 1)
       text += fmt::format("{}All readings along {} are at one target: errors over the position cannot be detected.",
                           text.empty() ? "" : " ", data.letter(axis));
@@ -456,14 +494,14 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
       break;
     case Verdict::missing_effect:
     case Verdict::partly_explained:
-      if (names_a_wave(d)) add(d.reservation);
       add(fmt::format("Found: {}.", findings_text(d, data, false)));
       if (d.verdict == Verdict::partly_explained) add("That is proved, but the residual contains more.");
       add(likely_text(d, data));
+      if (names_a_wave(d) || is_at_one_target(data)) add(d.reservation);
       break;
     case Verdict::likely_effect:
-      if (names_a_wave(d)) add(d.reservation);
       add(likely_text(d, data));
+      if (names_a_wave(d) || is_at_one_target(data)) add(d.reservation);
       break;
     case Verdict::cannot_tell:
       add(d.reservation);
@@ -554,11 +592,11 @@ std::optional<std::string> sensor_noise_note(const Diagnosis& diagnosis, const O
     if (is_followed) sensors.push_back(fmt::format("{} ({:.2g} degC)", sensor, course.noise_degC));
   }
   if (sensors.empty()) return std::nullopt;
-  return fmt::format("noise or coarse steps of {}: effects follow the course of the temperature without them{}",
-                     fmt::join(sensors, ", "),
-                     hides ? "; the unknown part of that course may hide which temperature the readings follow, so "
-                             "measure with sensors that scatter less"
-                           : "");
+  const bool several = sensors.size() > 1;
+  return fmt::format(
+      "{} {} noisy or coarse and {} smoothed{}", fmt::join(sensors, " and "), several ? "are" : "is",
+      several ? "were" : "was",
+      hides ? ". The cause may therefore be another temperature. Repeat with sensors of lower noise" : "");
 }
 
 std::vector<EvenTargets> even_targets(const Observations& data) {

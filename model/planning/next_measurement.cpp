@@ -507,10 +507,12 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
                              const MeasuringTimes& times) {
   if (const auto settled = nothing_in_doubt(diagnosis)) {
     NextMeasurement next;
+    bool is_said = diagnosis.headline.ends_with(diagnosis.reservation);
     for (Candidate& candidate : diagnosis.candidates) {
       if (!candidate.in_answer()) continue;
       candidate.next_measurement = *settled + step_after_proof(candidate.effect, data.machine) +
-                                   (diagnosis.reservation.empty() ? "" : " " + diagnosis.reservation);
+                                   (is_said || diagnosis.reservation.empty() ? "" : " " + diagnosis.reservation);
+      is_said = true;
       if (next.notes.empty()) next.notes.push_back(candidate.next_measurement);
     }
     return next;

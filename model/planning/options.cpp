@@ -16,8 +16,7 @@
 namespace ecs::model {
 namespace {
 
-/// Targets of a fine and of a coarse line: choices; 41 show eight to ten waves, 7 a line and a bow.
-constexpr std::size_t kManyTargets = 41;
+/// Targets of a coarse line, a choice: 7 show a line and a bow.
 constexpr std::size_t kFewTargets = 7;
 /// How much a machine is warmed, and the least worth waiting for [degC]: 4 degC are 47 um/m on a steel scale
 /// (11.7 um/m/degC), far above the noise of a laser; a workshop reaches them in an hour or two.

@@ -144,6 +144,16 @@ std::string sentence_of_ball(const MeasurementProposal& p) {
       p.runs == 1 ? "run" : "runs", ball.why);
 }
 
+/// More than any proposal chooses: all those of the readings, as a plate has them.
+bool are_of_file(const std::vector<double>& targets_mm) { return targets_mm.size() > kManyTargets; }
+
+std::string targets_text(const std::vector<double>& targets_mm) {
+  if (targets_mm.size() == 1) return fmt::format("1 target at {:g} mm", targets_mm.front());
+  const std::string range = fmt::format("from {:g} to {:g} mm", targets_mm.front(), targets_mm.back());
+  return are_of_file(targets_mm) ? fmt::format("at the {} targets of the present file, {}", targets_mm.size(), range)
+                                 : fmt::format("{} targets {}", targets_mm.size(), range);
+}
+
 }  // namespace
 
 std::string sentence_of(const MeasurementProposal& p) {
@@ -151,13 +161,13 @@ std::string sentence_of(const MeasurementProposal& p) {
   if (p.circle) return sentence_of_circle(p);
   std::string what = readings_word(p.sense, p.axis);
   if (what.starts_with("Angles")) what.front() = 'a';
-  std::string text = fmt::format("Measure {} {}: {} targets from {:g} to {:g} mm, {}, {} {}, feed {:g} mm/min", what,
-                                 p.condition, p.targets_mm.size(), p.targets_mm.front(), p.targets_mm.back(),
-                                 ways_of(p), p.runs, p.runs == 1 ? "run" : "runs", p.feed_mm_min);
+  std::string text =
+      fmt::format("Measure {} {}: {}, {}, {} {}, feed {:g} mm/min", what, p.condition, targets_text(p.targets_mm),
+                  ways_of(p), p.runs, p.runs == 1 ? "run" : "runs", p.feed_mm_min);
   if (p.second_feed_mm_min) text += fmt::format(" and {:g} mm/min", *p.second_feed_mm_min);
   text += p.dwell_s > 0.0 ? fmt::format(", {:g} s dwell", p.dwell_s) : ", readings on the fly";
   constexpr double kWorthSaying_mm = 0.1;
-  if (const double off_mm = off_equal_steps_mm(p.targets_mm); off_mm > kWorthSaying_mm)
+  if (const double off_mm = off_equal_steps_mm(p.targets_mm); off_mm > kWorthSaying_mm && !are_of_file(p.targets_mm))
     text += fmt::format(
         ". The targets are up to {:.1f} mm off equal steps, so that a short period is not mistaken for a long one",
         off_mm);

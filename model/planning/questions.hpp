@@ -20,6 +20,9 @@ namespace ecs::model {
 /// 1931).
 inline constexpr double kSeparates = 3.0;
 
+/// Targets of a fine line, a choice: 41 show eight to ten waves. Only a repetition of the readings has more.
+inline constexpr std::size_t kManyTargets = 41;
+
 /// What is asked of a run.
 enum class Question {
   separate,  ///< rivals from each other

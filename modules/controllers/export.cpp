@@ -172,8 +172,9 @@ Cell table_cell(const controllers::ExportedTable& t) {
 Cell tables_cell(const std::vector<controllers::ExportedTable>& tables) {
   Cell list = list_cell(
       tables, table_cell,
-      fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8} {:>8}\n", "", "table", "points", "in map", "largest", "off unit"));
-  list.text += "off unit: largest difference from the compensation by the ECS unit\n";
+      fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8} {:>8}\n", "", "table", "points", "in map", "largest", "differs"));
+  list.text +=
+      "largest: largest value of the table; differs: largest difference from the compensation by the ECS unit\n";
   return list;
 }
 

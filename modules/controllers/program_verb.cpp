@@ -50,7 +50,8 @@ struct ProgramRequest {
         {"--reach", &R::reach_mm, "distance in mm from a measured point up to which its deviation counts",
          Range{0.001, 1e6}},
         {"--work-offset", &R::work_offset,
-         "zero point of the program in machine coordinates, mm: x=..,y=..,z=..; of others than G54: G55:x=.."},
+         "zero point of the program in machine coordinates, mm: x=..,y=..,z=.. for G54; G55:x=.. and so on for other "
+         "work offsets"},
         {"--tool-length", &R::tool_length, "tool lengths of G43 in mm by the number H: 1=120.5,2=88"},
         {"--start", &R::start, "axis positions before the first block, machine coordinates: x=..,y=..,z=.."},
         {"--zero-at", &R::zero_at,

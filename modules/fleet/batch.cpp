@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "base/outcome.hpp"
 #include "base/process.hpp"
 #include "base/text.hpp"
@@ -95,6 +96,7 @@ Problem in_line_order(Problem all) {
 
 Result<std::vector<PlannedUnit>> parse_batch_plan(std::string_view text, const std::string& name,
                                                   const fs::path& folder) {
+  if (auto other = wrong_kind(FileKind::other, text, name)) return tl::unexpected(std::move(*other));
   TomlReader reader(name);
   ECS_TRY(table, reader.parsed(text));
   reader.only(table, {"unit"}, "plan");

@@ -175,11 +175,12 @@ struct FleetMergeRequest {
   std::string previous, output;
   static Fields<FleetMergeRequest> fields() {
     using R = FleetMergeRequest;
-    return {
-        {"RESULTS", &R::results, "results of `ecs fleet diagnose`, from one host or many", Need::required},
-        {"--fdr", &R::rate, "accepted share of unchanged machines among the named ones, on average", Range{1e-6, 1.0}},
-        {"--previous", &R::previous, "earlier results, or the answer of `fleet merge --json`, for comparison"},
-        {"-o,--output", &R::output, "file for the results of all hosts", Is::output}};
+    return {{"RESULTS", &R::results, "results of `ecs fleet diagnose`, from one host or many", Need::required},
+            {"--fdr", &R::rate,
+             "accepted share of wrong alarms: of the machines named as changed, this share is unchanged on average",
+             Range{1e-6, 1.0}},
+            {"--previous", &R::previous, "earlier results, or the answer of `fleet merge --json`, for comparison"},
+            {"-o,--output", &R::output, "file for the results of all hosts", Is::output}};
   }
 };
 

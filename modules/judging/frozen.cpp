@@ -197,6 +197,12 @@ Result<FrozenModel> parse_frozen_model(std::string_view text, const std::string&
     return problem_at(file, 0, 0,
                       fmt::format("expected a freeze of format {}, got {}", FrozenModel{}.freeze, frozen.freeze));
   } catch (const nlohmann::json::exception&) {
+    if (kind_of_content(text) == FileKind::model)
+      return problem_at(
+          file, 0, 0,
+          fmt::format("this is an error model, not a frozen one. Freeze it first: `ecs model freeze {} --data DATA "
+                      "--limits limits.toml -o frozen.json`",
+                      file));
     if (auto other = wrong_kind(FileKind::other, text, file)) return tl::unexpected(std::move(*other));
     return problem_at(file, 0, 0,
                       "expected a file written by `ecs model freeze -o`, found a truncated file or a file of another "

@@ -413,10 +413,11 @@ std::string idle_text(const std::vector<std::string>& names) {
              : fmt::format("  not determined: {}. They act only through a tool offset, and none was used\n", text);
 }
 
+/// One component after the other, each with its own set-up.
 Cell single_cell(const model::SingleSetUps& single, double U_um, double minutes) {
   return record_cell(
-      "{wanted} um{not_reached} by {set_ups} single set-ups, each with {runs} {runs_word} of {targets} targets, take "
-      "{minutes} minutes; this plan needs {percent} % of that time\n",
+      "{wanted} um{not_reached} by single set-ups, one for each component: {set_ups} with {runs} {runs_word} of "
+      "{targets} targets each take {minutes} minutes; this plan needs {percent} % of that time\n",
       "wanted"_shown(U_um, 3), "set_ups"_is(single.set_ups), "runs"_is(single.runs), "targets"_is(single.targets),
       "minutes"_is(single.minutes, 1), "volume_U_um"_is(single.volume_U_um, 3), "reached"_is(single.reached),
       "ratio"_is(minutes / single.minutes), "percent"_shown(100.0 * minutes / single.minutes, 0),
@@ -433,15 +434,16 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
   const std::string none = found.whole() ? "map not written: give --params and -o map.csv\n"
                                          : "map not written: some components are not determined\n";
   return record_cell(
-      "{file}: {readings} {what}, {unknowns} unknowns, {degrees_of_freedom} degrees of freedom\n"
+      "{file}: {readings} {of_kind}, {unknowns} unknowns, {degrees_of_freedom} degrees of freedom\n"
       "{components}{squareness}{without_effect}{not_determined}"
       "  standard deviation of a single reading {residual_um} um{repeated}\n"
       "  it consists of: the reading itself {white_um} um; each stop {stop_um} um and {stop_um_per_m} um per metre of "
       "length; each pass {pass_um} um and {pass_um_per_m} um per metre of length\n"
-      "  error vector over the volume: U = {volume_U_um} um (root mean square, 95 %)\n"
+      "  the map is known to U = {volume_U_um} um (expanded uncertainty, k = 2) of the error vector, root mean square "
+      "over the volume; `ecs volume` states the residual error after compensation\n"
       "{set_ups}{outliers}{notes}{map}{params_out}",
       "file"_is(work.test.source), "machine"_is(work.machine_name), "readings"_is(found.readings),
-      "what"_shown(model::has_points(work.test) ? "deviations" : "lengths"), "unknowns"_is(found.unknowns),
+      "of_kind"_shown(model::has_points(work.test) ? "deviations" : "lengths"), "unknowns"_is(found.unknowns),
       "degrees_of_freedom"_is(found.degrees_of_freedom), "knots_mm"_is(Json(found.knots_mm)),
       "determined"_is(found.whole()),
       "components"_is(list_cell(acting, curve_cell,
@@ -458,6 +460,14 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
       "map"_is(written_cell("map", map, none)), "params_out"_is(written_cell("parameters", params_out)));
 }
 
+std::string unreached_advice(const model::LengthPlan& plan) {
+  if (plan.reached) return "";
+  return plan.single.reached && plan.single.minutes < plan.minutes
+             ? "This instrument cannot reach the wanted uncertainty, and single set-ups are faster for the same: use "
+               "another instrument, or those\n"
+             : "This instrument cannot reach the wanted uncertainty: use another instrument, or accept a larger one\n";
+}
+
 /// The answer of `ecs lengths plan`. @param file  that was written; empty: none
 Cell lengths_plan_cell(const model::LengthPlan& plan, double wanted_U_um, const std::string& file) {
   const auto set_up = [&](const model::LengthSetUp& one) {
@@ -465,16 +475,18 @@ Cell lengths_plan_cell(const model::LengthPlan& plan, double wanted_U_um, const 
         "  {name}: {instrument} {place}\n", "name"_is(one.name), "instrument"_is(model::word_of(one.instrument)),
         "place"_is(Json(one.place), fmt::format("{:.6g}, {:.6g}, {:.6g}", one.place[0], one.place[1], one.place[2])));
   };
+  Cell stations = list_cell(plan.test.set_ups, set_up);
+  if (!plan.reached) stations.text.clear();  // no plan to follow
   return record_cell(
       "{reached_text}: U = {volume_U_um} um over the volume and the tools (wanted {wanted_U_um}), {first_tool_U_um} um "
       "with the first tool\n"
       "{minutes} minutes, of which {set_up_minutes} for {set_ups} set-ups; {paths} paths, {readings} poses\n"
-      "{stations}{notes}for comparison: {single}  with the first tool alone: {single_first_tool}{plan}",
+      "{advice}{stations}{notes}for comparison: {single}  with the first tool alone: {single_first_tool}{plan}",
       "reached_text"_shown(plan.reached ? "reached" : "NOT REACHED with three runs of every path"),
-      "reached"_is(plan.reached), "wanted_U_um"_is(wanted_U_um, 3), "volume_U_um"_is(plan.volume_U_um, 3),
-      "first_tool_U_um"_is(plan.first_tool_U_um, 3), "minutes"_is(plan.minutes, 1),
-      "set_up_minutes"_is(plan.set_up_minutes, 1), "set_ups"_is(plan.set_ups), "paths"_is(plan.paths),
-      "readings"_is(plan.test.readings.size()), "stations"_is(list_cell(plan.test.set_ups, set_up)),
+      "advice"_shown(unreached_advice(plan)), "reached"_is(plan.reached), "wanted_U_um"_is(wanted_U_um, 3),
+      "volume_U_um"_is(plan.volume_U_um, 3), "first_tool_U_um"_is(plan.first_tool_U_um, 3),
+      "minutes"_is(plan.minutes, 1), "set_up_minutes"_is(plan.set_up_minutes, 1), "set_ups"_is(plan.set_ups),
+      "paths"_is(plan.paths), "readings"_is(plan.test.readings.size()), "stations"_is(stations),
       "not_determined"_is(Json(plan.undetermined)), "notes"_is(lines_cell(plan.notes, "note: ")),
       "single"_is(single_cell(plan.single, plan.volume_U_um, plan.minutes)),
       "single_first_tool"_is(single_cell(plan.single_first_tool, plan.first_tool_U_um, plan.minutes)),

@@ -124,11 +124,25 @@ struct ListLogRequest {
   }
 };
 
+/// "exx.csv, input of the next entry" → "exx.csv, input of entry 18 (map build: map.csv)"
+void name_users_of_inputs(std::vector<LogbookEntry>& entries) {
+  const LogbookEntry* user = nullptr;
+  for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
+    if (!entry->summary.ends_with(kInputOfNext)) {
+      user = &*entry;
+    } else if (user != nullptr) {
+      entry->summary.resize(entry->summary.size() - kInputOfNext.size());
+      entry->summary += fmt::format(", input of entry {} ({})", user->number, user->summary);
+    }
+  }
+}
+
 Result<Outcome> list_log(VerbContext& context, const ListLogRequest& request) {
   if (const auto wrong = wrong_date(request.since)) return problem(ProblemKind::usage, "--since: " + *wrong);
   ECS_TRY(book, chosen_logbook(context, request.book));
   ECS_TRY(entries, book.entries(true));
   ECS_TRY(owner, book.owner());
+  name_users_of_inputs(entries);
   std::erase_if(entries, [&](const LogbookEntry& entry) {
     return (!request.kind.empty() && entry.kind != request.kind) || entry.time < request.since;
   });
@@ -259,6 +273,11 @@ Result<Instrument> read_instrument(const std::string& file) {
 Result<Outcome> instrument(VerbContext&, const InstrumentRequest& request) {
   const std::string in_use = instrument_file();
   if (request.file.empty() && request.use) return problem(ProblemKind::usage, "--use: give the file");
+  std::error_code missing;
+  if (request.file.empty() && !std::filesystem::exists(in_use, missing))
+    return problem(ProblemKind::usage,
+                   "no instrument is set. Set one with its certificate or an instrument file: `ecs log instrument FILE "
+                   "--use`");
   ECS_TRY(found, read_instrument(request.file.empty() ? in_use : request.file));
   if (request.interval > 0) found.calibration_interval_days = request.interval;
   if (request.use) {

@@ -55,6 +55,10 @@ inline constexpr const char* kLogKinds[] = {
     "rollback",     "model",      "diagnosis", "test",       "investigation step", "investigation",
     "memory write", "export",     "report",    "certificate"};
 
+/// How the summary of a measurement ends that a verb read for the first time: the entry of that verb follows it and
+/// those of its other files.
+inline constexpr std::string_view kInputOfNext = ", input of the next entry";
+
 /// SHA-256 over every other member, each as its length, a colon and its bytes: 64 hexadecimal digits.
 [[nodiscard]] std::string hash_of(const LogbookEntry& entry);
 

@@ -264,7 +264,11 @@ void predictions_to_do(const ReportContent& content, std::vector<std::string>& n
         *one.rms_after > kSurprise * *one.rms
             ? ". A condition changed between the two measurements (temperature, set-up, machine): find it, or measure "
               "again."
-            : fmt::format(": {:.2f} times as much.", *one.rms_after / *one.rms)));
+            : fmt::format(": {:.2f} times as much, more than noise gives, and {}. Measure it again. If that confirms "
+                          "it, build the map from more runs or with smoothing.",
+                          *one.rms_after / *one.rms,
+                          verdict_of(content.rows[i]) == RowVerdict::above ? "it is above its limit"
+                                                                           : "no limit is known for it")));
   }
 }
 

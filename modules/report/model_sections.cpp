@@ -75,10 +75,18 @@ Markup directions_table(const ReportedModel& model) {
 }
 
 Markup model_prediction(const ReportedModel& model) {
+  const bool any_straightness = std::ranges::any_of(model.directions, [](const AfterDirection& one) {
+    return one.path.empty() && !is_rotation(one.sense) && direction_of(one.sense) != one.axis;
+  });
   return element("h3", "By the error model") +
          paragraph_of(fmt::format("{} ({}). {}", counted(model.readings, "reading", "readings"), model.data,
                                   unit_text(without_commands(what_if_summary(model.what_if, model.model))))) +
-         directions_table(model);
+         directions_table(model) +
+         (any_straightness
+              ? paragraph_of("Straightness is stated here with the slope of each alignment of the straight "
+                             "edge or optics. The summary removes that slope: the two tables differ by it.",
+                             "class=\"small\"")
+              : Markup());
 }
 
 // --- effects

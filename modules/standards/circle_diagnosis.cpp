@@ -437,10 +437,13 @@ std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise&
       notes.push_back(fmt::format(
           "{}: the fitted decay is at the end of its range, {:.3g} mm; their size applies to that decay only",
           fault.title, fault.nonlinear_mm));
+  const bool without_cyclic = std::ranges::any_of(pitches_mm, &std::vector<double>::empty);
   if (diagnosis.lack_of_fit_ln_p < std::log(kLackOfFit))
-    notes.push_back(fmt::format(
-        "the residual, {:.2f} um rms, is more than the noise of {:.2f} um: no fault of the library explains it",
-        diagnosis.left_um, diagnosis.noise_um));
+    notes.push_back(fmt::format("the residual, {:.2f} um rms, is more than the noise of {:.2f} um: {}",
+                                diagnosis.left_um, diagnosis.noise_um,
+                                without_cyclic ? "none of the faults that were tried explains it. Cyclic errors were "
+                                                 "not tried on every axis, see above"
+                                               : "no fault of the library explains it"));
   return notes;
 }
 

@@ -73,18 +73,19 @@ Result<Outcome> thermal(VerbContext& context, const ThermalRequest& request) {
   std::vector<std::size_t> runs(test.runs.size());
   for (std::size_t r = 0; r < runs.size(); ++r) runs[r] = r;
   return outcome_of(
-      record_cell("{file}: {count} runs, {raw_rms_um} um rms from the first reading of each run\n"
+      record_cell("{file}: {count} runs; deviation from the first reading of each run {raw_rms_um} um rms\n"
                   "  rms [um]                                                 all runs run left\n"
                   "                                                            fitted      out\n"
                   "{plain}{lagged}{plain_shape}{lagged_shape}"
-                  "  law with a delay for each sensor, zero of each run:\n{law}"
+                  "  law with a delay for each sensor and an own zero of each run:\n{law}"
                   "  each run predicted by the others, rms [um]\n"
-                  "    run readings  sensors   delays  zero of each run: sensors, delays\n{runs}{words}\n",
+                  "                    from first reading    own zero each run\n"
+                  "    run readings  present  delayed  present  delayed  temperatures\n{runs}{words}\n",
                   "file"_is(request.file), "count"_shown(test.runs.size()), "raw_rms_um"_is(test.raw_rms_um, 2),
                   "plain"_is(law_cell("all sensors, from the first reading", test.plain)),
                   "lagged"_is(law_cell("sensors and delays chosen, from the first reading", test.lagged)),
-                  "plain_shape"_is(law_cell("all sensors, zero of each run", test.plain_shape)),
-                  "lagged_shape"_is(law_cell("sensors and delays chosen, zero of each run", test.lagged_shape)),
+                  "plain_shape"_is(law_cell("all sensors, own zero of each run", test.plain_shape)),
+                  "lagged_shape"_is(law_cell("sensors and delays chosen, own zero of each run", test.lagged_shape)),
                   "law"_shown(list_cell(test.lagged_shape.terms, term_cell).text),
                   "runs"_is(list_cell(runs, [&](std::size_t r) { return run_cell(test, r); })),
                   "words"_shown(answer_words(test)), "answer"_is(answer_words(test))));

@@ -83,13 +83,16 @@ std::string further_words(const laser::SpindleTest& test) {
     const std::string_view unit = unit_of(motion);
     text += fmt::format("  {:<27} {}\n", motion.title, once_words(motion));
     text += fmt::format(
-        "    asynchronous {:.3f} {} with the drift; random noise of the same rms, {:.3f} {}, would show as\n"
-        "    {:.3f} asynchronous in {} turns and {:.3f} synchronous\n",
-        motion.asynchronous_drift, unit, motion.asynchronous_rms, unit, motion.if_noise.asynchronous, test.turns,
-        motion.if_noise.synchronous);
+        "    asynchronous {0:.3f} {1} with the drift. For comparison, random noise of the same rms, {2:.3f} {1}, "
+        "alone\n"
+        "    gives {3:.3f} {1} asynchronous and {4:.3f} {1} synchronous in {5} turns\n",
+        motion.asynchronous_drift, unit, motion.asynchronous_rms, motion.if_noise.asynchronous,
+        motion.if_noise.synchronous, test.turns);
     if (motion.of_sensor)
-      text += fmt::format("    noise of the sensor alone, {:.3f} {}: {:.3f} asynchronous and {:.3f} synchronous\n",
-                          motion.of_sensor->rms, unit, motion.of_sensor->asynchronous, motion.of_sensor->synchronous);
+      text += fmt::format(
+          "    noise of the sensor alone, {0:.3f} {1} rms, gives {2:.3f} {1} asynchronous and {3:.3f} {1} "
+          "synchronous\n",
+          motion.of_sensor->rms, unit, motion.of_sensor->asynchronous, motion.of_sensor->synchronous);
   }
   text += fmt::format("waves per turn, amplitude     ");
   for (const laser::SpindleWave& wave : test.motions.front().waves) text += fmt::format(" {:>8}", wave.per_turn);
@@ -102,7 +105,7 @@ std::string further_words(const laser::SpindleTest& test) {
 Cell separation_cell(const laser::SpindleSeparation& separation) {
   return record_cell(
       "  {motion:<10} synchronous {synchronous_um} um (MRS {synchronous_mrs_um}), form of the ball {form_um} um (MRS "
-      "{form_mrs_um}), each +- {sigma_um} at one angle\n",
+      "{form_mrs_um}), each +- {sigma_um} um at one angle\n",
       "motion"_is(separation.id), "synchronous_um"_is(separation.synchronous_um, 3),
       "synchronous_mrs_um"_is(separation.synchronous_zone_um, 3), "form_um"_is(separation.form_um, 3),
       "form_mrs_um"_is(separation.form_zone_um, 3), "sigma_um"_is(separation.sigma_um, 3));

@@ -67,10 +67,12 @@ Result<Outcome> drift(VerbContext& context, const DriftRequest& request) {
   if (set.readings.empty()) return problem_at(request.file, 0, 0, "expected readings, found none");
   ECS_TRY(test, laser::drift_test_of(set, request.window_h));
   if (!request.plot.empty()) ECS_DO(write_plot(request.plot, drift_figure(test)));
-  const std::string heading = fmt::format("  {:<4} {:>9} {:>9} {:>9} {:>9}\n", "", "whole",
-                                          fmt::format("in {:g} h", request.window_h), "from", "last");
+  const std::string window = fmt::format("{:g} h", request.window_h);
+  const std::string heading = fmt::format("  {:<4} {:>9} {:>9} {:>9} {:>9}\n", "", "whole", "largest", "from", "last") +
+                              fmt::format("  {:<4} {:>9} {:>9} {:>9} {:>9}\n", "", "test", "in " + window, "", window);
   return outcome_of(record_cell(
-      "{file}: {shown} h; ranges of the whole test, largest of a window, of the last window\n"
+      "{file}: {shown} h; range of the whole test, largest range in a window, where that begins, range of the last "
+      "window\n"
       "{senses}{plot}",
       "file"_is(request.file), "window_h"_is(request.window_h), "shown"_shown(test.senses.front().hours, 2),
       "senses"_is(list_cell(test.senses, drift_sense_cell, heading)), "plot"_is(written_cell("plot", request.plot))));

@@ -180,7 +180,7 @@ TEST_CASE("the model screen finds the missing effect, adds it on one key, and th
   finish(screen);
   CHECK(contains(picture(screen), "> cyclic:X:EX"));
   check_reads(after(screen, "\n"), {"pitch of screw, rack, gear or grating", "compare the period with pitches"});
-  check_reads(after(screen, "\n"), {"held out", "the model fits"});
+  check_reads(after(screen, "\n"), {"held out", "not rejected"});
   (void)press(screen, Key::Name::escape);
   CHECK(contains(picture(screen), "> cyclic:X:EX"));
   finish(screen, "a");

@@ -276,6 +276,8 @@ struct NormaliseRequest {
   }
 };
 
+constexpr const char* kNotSaved = "not saved: give -o OUT.csv to save it\n";
+
 Result<void> written(const std::string& output, const laser::MeasurementSet& set) {
   if (output.empty()) return {};
   return laser::write_measurement_set(output, set);
@@ -284,9 +286,11 @@ Result<void> written(const std::string& output, const laser::MeasurementSet& set
 Result<Outcome> taken_back(const NormaliseRequest& request, const laser::MeasurementSet& set) {
   ECS_TRY(back, laser::denormalised(set));
   ECS_DO(written(request.output, back));
-  return outcome_of(record_cell("{readings} readings restored to their values before normalisation to 20 degC\n",
-                                "file"_is(request.file), "readings"_is(back.readings.size()),
-                                "output"_is(text_cell(request.output))));
+  return outcome_of(record_cell(
+      "{readings} readings restored to their values before normalisation to 20 degC\n{output}", "file"_is(request.file),
+      "readings"_is(back.readings.size()),
+      "output"_is(request.output.empty() ? null_cell(kNotSaved)
+                                         : Cell{request.output, fmt::format("written to {}\n", request.output)})));
 }
 
 Result<Outcome> normalise(VerbContext& context, const NormaliseRequest& request) {
@@ -318,7 +322,7 @@ Result<Outcome> normalise(VerbContext& context, const NormaliseRequest& request)
       "readings"_is(done->set.readings.size()), "largest_um"_is(done->largest_um, 3),
       "per_coefficient_um"_is(done->per_coefficient_um), "notes"_is(lines_cell(done->notes, "  ")),
       "output"_is(request.output.empty()
-                      ? null_cell("not saved: give -o OUT.csv to save it\n")
+                      ? null_cell(kNotSaved)
                       : Cell{request.output,
                              fmt::format("written to {}; --back undoes the normalisation\n", request.output)})));
 }
@@ -337,6 +341,16 @@ struct AirRequest {
   }
 };
 
+/// No workshop has it: the highest town is at 500 hPa.
+std::string unusual_pressure_text(double hPa) {
+  constexpr double kLeast_hPa = 500.0, kMost_hPa = 1100.0;
+  if (hPa >= kLeast_hPa && hPa <= kMost_hPa) return "";
+  return fmt::format(
+      "warning: {:g} hPa is outside {:g} to {:g} hPa, the usual air pressure: is it in another unit "
+      "(1 kPa = 10 hPa)?\n",
+      hPa, kLeast_hPa, kMost_hPa);
+}
+
 Result<Outcome> air(VerbContext&, const AirRequest& request) {
   const laser::BeamAir beam{request.temperature_degC, request.pressure_hPa, request.humidity_pct, request.co2_ppm};
   const auto ciddor = laser::refractive_index(beam, request.wavelength_nm);
@@ -345,13 +359,17 @@ Result<Outcome> air(VerbContext&, const AirRequest& request) {
   const auto standard = laser::refractive_index({}, request.wavelength_nm);
   if (!edlen || !standard) return tl::unexpected(edlen ? standard.error() : edlen.error());
   const double against_standard_um_per_m = (*ciddor / *standard - 1.0) * 1e6;
-  return outcome_of(record_cell(
-      "refractive index    {ciddor} (Ciddor)   {modified_edlen} (modified Edlen)\n"
-      "wavelength in air   {wavelength_in_air_nm} nm\n"
-      "an instrument set to 20 degC, 1013.25 hPa, 50 % reads {against_standard_um_per_m} um per metre too much\n",
-      "ciddor"_is(*ciddor, 9), "modified_edlen"_is(*edlen, 9),
-      "wavelength_in_air_nm"_is(request.wavelength_nm / *ciddor, 6),
-      "against_standard_um_per_m"_is(against_standard_um_per_m, fmt::format("{:+.3f}", against_standard_um_per_m))));
+  return outcome_of(
+      record_cell("refractive index    {ciddor} (Ciddor)   {modified_edlen} (modified Edlen)\n"
+                  "wavelength in air   {wavelength_in_air_nm} nm\n"
+                  "an instrument set to 20 degC, 1013.25 hPa, 50 % reads {against_standard_um_per_m} um per metre too "
+                  "{much}\n{unusual}",
+                  "ciddor"_is(*ciddor, 9), "modified_edlen"_is(*edlen, 9),
+                  "wavelength_in_air_nm"_is(request.wavelength_nm / *ciddor, 6),
+                  "against_standard_um_per_m"_is(against_standard_um_per_m,
+                                                 fmt::format("{:.3f}", std::abs(against_standard_um_per_m))),
+                  "much"_shown(against_standard_um_per_m < 0.0 ? "little" : "much"),
+                  "unusual"_shown(unusual_pressure_text(request.pressure_hPa))));
 }
 
 }  // namespace

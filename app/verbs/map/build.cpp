@@ -205,11 +205,20 @@ Cell squareness_of(const Built& b, const BuildRequest& request) {
   return squareness_cell(values, "measured", request.params_out);
 }
 
+std::string squareness_rule_text(const Built& b) {
+  if (std::ranges::none_of(b.made.map.outcomes, [](const auto& one) { return is_squareness(one.component); }))
+    return {};
+  return fmt::format("squareness: band in um; largest and slope in um/m. The parameter is {}\n",
+                     b.parameters.parameters.convention == Convention::as_printed
+                         ? "+slope, in the signs of the equations printed in the thesis"
+                         : "-slope for C0Y and A0Z and +slope for B0Z");
+}
+
 Cell built_cell(const Built& b, const BuildRequest& request) {
   return record_cell(
       "{components}{declared}band: range of the readings as measured; largest: largest compensation\nslope: slope "
       "removed, per m; smooth: rms removed by smoothing; n: points per "
-      "table\n{unused}{notes}{squareness}{findings}{verdict}{map}{params_out}{image}",
+      "table\n{of_squareness}{unused}{notes}{squareness}{findings}{verdict}{map}{params_out}{image}",
       "map"_is(written_cell("map", request.output, "nothing written: give -o map.csv to keep it\n")),
       "params_out"_is(written_cell("parameters", request.params_out)), "image"_is(image_cell(request.image, b.image)),
       "recipe"_is(text_cell(by_recipe(request) ? request.files.front() : "")), "complete"_is(b.made.complete()),
@@ -217,8 +226,9 @@ Cell built_cell(const Built& b, const BuildRequest& request) {
           b.made.map.outcomes, [&](const auto& one) { return outcome_cell(b, one); },
           fmt::format("{:<4} {:<37} {:<4} {:>6} {:>7} {:>6} {:>6} {:>3}\n", "", "component", "unit", "band", "largest",
                       "slope", "smooth", "n"))),
-      "declared"_shown(declared_text(b)), "squareness"_is(squareness_of(b, request)),
-      "missing"_is(lines_cell(objections_in(b.made.findings), "")), "findings"_is(findings_cell(b.made.findings)),
+      "of_squareness"_shown(squareness_rule_text(b)), "declared"_shown(declared_text(b)),
+      "squareness"_is(squareness_of(b, request)), "missing"_is(lines_cell(objections_in(b.made.findings), "")),
+      "findings"_is(findings_cell(b.made.findings)),
       "verdict"_shown(verdict_text(b.made.map.map, b.made.findings,
                                    !made_for_two_machines(b.made.map.map.header, b.parameters.identity).empty())),
       "unused"_is(lines_cell(b.by.unused, "not used: ")), "notes"_is(lines_cell(b.made.map.notes, "note: ")),

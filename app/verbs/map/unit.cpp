@@ -146,12 +146,13 @@ Result<Outcome> compare(VerbContext&, const CompareRequest& request) {
     ECS_DO(
         laser::write_measurement_set(request.output, measurement_of(change, second, {request.first, request.second})));
   return outcome_of(record_cell(
-      "errors by {second} less errors by {first}; left: rms without mean, slope and reversal\n{curves}{notes}{output}",
+      "difference: errors of {second} minus errors of {first}; residual: rms without mean, slope and reversal\n"
+      "{curves}{notes}{output}",
       "first"_is(request.first), "second"_is(request.second), "curves"_is(change_cell(change)),
       "notes"_is(lines_cell(change.notes, "note: ")),
       "output"_is(written_cell("difference", request.output,
-                               "-o difference.csv writes it as a measurement: `ecs model new`, then `ecs model "
-                               "diagnose` search its cause\n"))));
+                               "To find the cause, save the difference with -o difference.csv, then run `ecs model "
+                               "new` and `ecs model diagnose`.\n"))));
 }
 
 constexpr std::string_view kBeforeFirstCompensation =
@@ -162,13 +163,13 @@ struct SendRequest {
   bool other_machine = false, accept_incomplete = false, accept_resampling = false;
   static Fields<SendRequest> fields() {
     using R = SendRequest;
-    return {
-        {"FILE", &R::file, "map CSV", Need::required},
-        {"--params", &R::params, "parameters of the unit, sent together with the map", Need::required},
-        {"--other-machine", &R::other_machine, "send even if map, parameters and unit differ in machine, or name none"},
-        {"--accept-incomplete", &R::accept_incomplete, "send even if the parameter file lacks its closing line"},
-        {"--accept-resampling", &R::accept_resampling,
-         "send even if resampling changes a table by more than its resolution"}};
+    return {{"FILE", &R::file, "map CSV", Need::required},
+            {"--params", &R::params, "parameters of the unit, sent together with the map", Need::required},
+            {"--other-machine", &R::other_machine,
+             "send even if map, parameters and unit belong to different machines, or do not name a machine"},
+            {"--accept-incomplete", &R::accept_incomplete, "send even if the parameter file lacks its closing line"},
+            {"--accept-resampling", &R::accept_resampling,
+             "send even if resampling changes a table by more than its resolution"}};
   }
 };
 

@@ -81,7 +81,10 @@ Result<Outcome> effects(VerbContext&, const EffectsRequest& request) {
   for (const EffectDefinition& effect : model::effect_library())
     all.add({object_of(fields_of(effect)), fmt::format("{:<19} {:<42} {}\n", effect.id, effect.formula,
                                                        commissioning::carrier_text(effect.carrier))});
-  return outcome_of(record_cell("{effects}`ecs model effects NAME` explains one\n", "effects"_is(std::move(all))));
+  return outcome_of(
+      record_cell("{effects}`ecs model effects NAME` explains one. Thermal rows are the part of a map that follows\n"
+                  "temperatures and load; `ecs utility inputs` shows them\n",
+                  "effects"_is(std::move(all))));
 }
 
 struct NewRequest {

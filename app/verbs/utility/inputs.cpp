@@ -35,15 +35,16 @@ Cell inputs_cell(const protocol::LiveInputs& live, const protocol::InputStatus& 
   };
   for (std::size_t i = 0; i < live.inputs.size(); ++i) add(i, live.inputs[i]);
   add(kDeviationInput, deviation);
-  if (list.json.empty()) list.text = "no input is wired, set or followed by the map\n";
+  if (list.json.empty()) list.text = "no input has a sensor, a value set manually, or a thermal row in the map\n";
   return list;
 }
 
 Cell rows_cell(const protocol::LiveInputs& live) {
-  if (live.rows == 0) return {0, "no thermal rows act now\n"};
-  return {live.rows, fmt::format("{} thermal row{} act{}: X {:+.2f}, Y {:+.2f}, Z {:+.2f} um\n", live.rows,
-                                 live.rows == 1 ? "" : "s", live.rows == 1 ? "s" : "", live.thermal_um[0],
-                                 live.thermal_um[1], live.thermal_um[2])};
+  if (live.rows == 0) return {0, "no thermal compensation is active\n"};
+  return {
+      live.rows,
+      fmt::format("thermal compensation by {} row{} of the map is active: X {:+.2f}, Y {:+.2f}, Z {:+.2f} um\n",
+                  live.rows, live.rows == 1 ? "" : "s", live.thermal_um[0], live.thermal_um[1], live.thermal_um[2])};
 }
 
 Result<Outcome> show_inputs(VerbContext& context, const cli::Nothing&) {

@@ -100,7 +100,7 @@ TEST_CASE("the measurement of a difference has each point with its approach, in 
   CHECK(set.readings[3].approach == Approach::reverse);
   CHECK(set.readings[3].error == Approx(99.0));
   CHECK(laser::metadata_value(set, "machine") == "mill");
-  CHECK(laser::metadata_value(set, "difference") == "errors by b.csv less errors by a.csv");
+  CHECK(laser::metadata_value(set, "difference") == "errors of b.csv minus errors of a.csv");
 }
 
 }  // namespace

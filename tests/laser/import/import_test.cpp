@@ -132,7 +132,7 @@ TEST_CASE("a dynamic capture with fewer samples than announced is refused unless
 }
 
 TEST_CASE("a compensation table becomes errors of the opposite sign, in um") {
-  CHECK(contains(refusal("table.REN"), "give the axis"));
+  CHECK(contains(refusal("table.REN"), "Give the axis"));
   const Imported file = imported("table.REN", options_with(Axis::Y));
   CHECK(file.format->id == "renishaw_table");
   REQUIRE(file.set.readings.size() == 3);

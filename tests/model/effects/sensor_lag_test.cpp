@@ -281,7 +281,7 @@ TEST_CASE("a drift is named with its lag, or without one, although its sensor sc
         CHECK(must(lag_of(*drift)) == Approx(lag_s).epsilon(0.1));
       CHECK(drift->parameters.back().value == Approx(kUmPerDegC).epsilon(0.02));
       CHECK(std::ranges::any_of(found.notes, [](const std::string& note) {
-        return note.starts_with("noise or coarse steps of t_spindle_degC (");
+        return note.starts_with("t_spindle_degC (") && contains(note, "noisy or coarse");
       }));
     }
 }

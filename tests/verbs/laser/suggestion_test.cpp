@@ -21,7 +21,7 @@ std::vector<std::string> suggested_options(const std::string& message) {
 
 /// What a refusal asks for: axis and sense, or which table it is.
 std::vector<std::string> options_asked_for(const std::string& message) {
-  if (contains(message, "(--axis X, --sense EX)")) return {"--axis", "X"};
+  if (contains(message, "--axis X --sense EX")) return {"--axis", "X"};
   if (contains(message, "give one of ")) {
     const std::size_t name = message.find("give one of ") + 12;
     return {"--axis", "X", "--channel", message.substr(name, message.find(' ', name) - name)};
