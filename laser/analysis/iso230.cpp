@@ -197,7 +197,7 @@ void set_systematic(Iso230& axis) {
   }
   axis.E_forward = forward.range();
   axis.E_reverse = reverse.range();
-  if (count_mean > 1 && (axis.E_forward || axis.E_reverse)) axis.M = means.range();  // of known approaches
+  if (count_mean > 1) axis.M = means.range();
   if (axis.E_forward && axis.E_reverse) axis.E = both.range();
   if (count_B > 0) axis.B_mean = sum_B / count_B;
 }
