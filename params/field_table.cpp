@@ -139,8 +139,8 @@ void add_configuration(std::vector<Field>& table) {
       {"configuration.chain", Group::configuration,
        "How the machine is built: letters before T are the axes that carry the workpiece, letters after T those that "
        "carry the tool, each group from the bed outward. TXYZ: moving-column mill. XYTZ: compound table. TZX: lathe. "
-       "A letter may stand for an axis that the machine does not have if it is left out of configuration.axes, as X "
-       "in XTYZ of a lathe whose cross slide is called Y.",
+       "The chain may name an axis that the machine does not have: leave it out of configuration.axes. A lathe whose "
+       "cross slide is called Y has the chain XTYZ and the axes YZ.",
        "axis configuration"},
       FieldType::text);
   chain.accepts = "one T and different letters of XYZ, such as \"TXYZ\"";

@@ -144,7 +144,7 @@ std::string value_of(const EffectInstance& effect, const ParameterEstimate& para
     return size_text(parameter.value, unit) + (effect.traits().is_curve ? " rms" : "");
   }
   const std::string pitch = pitch_match(effect, parameter.sigma, data);
-  const std::string text = fmt::format("{:#.4g} {}", parameter.value, unit);
+  std::string text = fmt::format("{:#.4g} {}", parameter.value, unit);
   if (pitch.empty()) return text;
   return pitch.starts_with(kNoPitch) ? fmt::format("{} ({})", text, pitch) : fmt::format("{}, {}", text, pitch);
 }

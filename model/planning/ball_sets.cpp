@@ -60,8 +60,10 @@ bool turns_fully(const params::MachineRotaryAxis& axis) {
 std::vector<double> multiples_of(double step_deg, double most_deg, const params::MachineRotaryAxis& axis) {
   std::vector<double> angles;
   const double from = turns_fully(axis) ? 0.0 : -most_deg, to = turns_fully(axis) ? kTurn_deg - step_deg : most_deg;
-  for (double angle_deg = from; angle_deg <= to; angle_deg += step_deg)
+  for (int k = 0; from + k * step_deg <= to; ++k) {
+    const double angle_deg = from + k * step_deg;
     if (angle_deg >= axis.travel_deg[0] && angle_deg <= axis.travel_deg[1]) angles.push_back(angle_deg);
+  }
   return angles;
 }
 

@@ -166,7 +166,9 @@ Motion motion_of(const SlideErrors& errors, std::optional<Injection> injection, 
   if (injection) {
     RigTables tables;
     tables.increment_mm = Rig::kPulse_um / errors.linear_um_per_mm;  // the travel over which the error grows by a pulse
-    for (double p = 0.0; p <= kMovingTravel_mm + tables.increment_mm; p += tables.increment_mm) {
+    const auto last = static_cast<int>(kMovingTravel_mm / tables.increment_mm + 1.0);
+    for (int k = 0; k <= last; ++k) {
+      const double p = k * tables.increment_mm;
       tables.forward_um.push_back(-errors.linear_um_per_mm * p);
       tables.reverse_um.push_back(-errors.linear_um_per_mm * p);
     }

@@ -26,7 +26,8 @@ const LaserStepRow kLaserStepRows[kLaserSteps] = {
      laser_lines_page},
     {"Exclude", "exclude or include runs and readings",
      "Step 3: exclude a run or a single reading. Press Space to exclude it or to include it again. Files are never "
-     "changed, and every later step is computed again. Excluded readings stay visible as x, but are not used. Readings far outside "
+     "changed, and every later step is computed again. Excluded readings stay visible as x, but are not used. Readings "
+     "far outside "
      "are drawn at the edge of the chart with their value. ? marks readings that differ from their repeats by more "
      "than five times the usual scatter: a suggestion only. Press w to note the reason. Marks before a line: - "
      "readings are excluded, ? readings differ from their repeats, ! no curve results.",

@@ -147,7 +147,7 @@ TEST_CASE(
 
 TEST_CASE("the band is that of means and three standard deviations, whatever the approach") {
   laser::MeasurementSet set;
-  const auto add = [&](double position_mm, Approach approach, std::vector<double> errors) {
+  const auto add = [&](double position_mm, Approach approach, const std::vector<double>& errors) {
     for (const double e : errors) {
       laser::Reading r;
       r.position_mm[0] = position_mm;
