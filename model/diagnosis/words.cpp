@@ -209,7 +209,7 @@ std::string with_alternatives(const std::string& finding, const Candidate& candi
   std::set<std::string> others;
   for (const EffectInstance& rival : candidate.rivals) others.insert(place_text(rival));
   for (const auto& [place, probability] : probabilities)
-    if (probability > own_probability) others.insert(place);
+    if (probability > own_probability + kEqualShare) others.insert(place);
   std::erase_if(others, [&](const std::string& place) { return place == own || named_at(place, diagnosis) > 0; });
   if (others.empty()) return fmt::format("{} ({})", finding, id_text(candidate, diagnosis));
   std::vector<std::pair<double, std::string>> causes{
@@ -217,7 +217,7 @@ std::string with_alternatives(const std::string& finding, const Candidate& candi
        fmt::format("{} ({}, {})", finding, id_text(candidate, diagnosis), probability_text(own_probability))}};
   for (const std::string& place : others)
     causes.emplace_back(probabilities[place], fmt::format("{} ({})", place, probability_text(probabilities[place])));
-  std::ranges::stable_sort(causes, std::greater{}, &std::pair<double, std::string>::first);
+  sort_greatest_first(causes, [](const auto& cause) { return cause.first; });
   std::vector<std::string> texts;
   for (auto& [probability, text] : causes) texts.push_back(std::move(text));
   return fmt::format("one of {} causes that these data cannot distinguish: {}", texts.size(),

@@ -3,7 +3,6 @@
 #include <numbers>
 #include <set>
 
-#include "model/planning/questions.hpp"
 #include "tests/model/support/turning_machine.hpp"
 
 using namespace ecs;
@@ -81,12 +80,14 @@ FoundUnderHead found_with(laser::MeasurementSet set, const Errors& errors) {
 }  // namespace
 
 TEST_CASE("four causes under a head are named in one answer, and no wave of the tilting axis stands for bending") {
-  const FoundUnderHead found = found_with(sweeps_under_head({150.0}), [](const Observations& data, std::size_t k) {
-    const double b = b_of(data, k), c = data.position_mm[k][2] * std::numbers::pi / 180.0;
-    return in_head(data, k, Sense::EX) * (2.0 * std::sin(b) + 18.0 * (1.0 - std::cos(b))) +
-           data.share_of(k, Axis::Y, Sense::EB) * 0.5 * data.position_mm[k][1] +
-           data.share_of(k, Axis::Z, Sense::EZ) * 5.0 * std::sin(c + 0.4) + data.through_chain[k].of_linear[1] * 34.0;
-  });
+  const FoundUnderHead found =
+      found_with(sweeps_under_head({150.0, 250.0}), [](const Observations& data, std::size_t k) {
+        const double b = b_of(data, k), c = data.position_mm[k][2] * std::numbers::pi / 180.0;
+        return in_head(data, k, Sense::EX) * (2.0 * std::sin(b) + 18.0 * (1.0 - std::cos(b))) +
+               data.share_of(k, Axis::Y, Sense::EB) * 0.5 * data.position_mm[k][1] +
+               data.share_of(k, Axis::Z, Sense::EZ) * 5.0 * std::sin(c + 0.4) +
+               data.through_chain[k].of_linear[1] * 34.0;
+      });
   INFO(found.diagnosis.headline);
   CHECK(found.diagnosis.verdict == Verdict::missing_effect);
   CHECK(found.named == std::set<std::string>{"cyclic:C:EZ", "head_bending", "linear_axes", "tilt_scale:B:EB"});
@@ -107,8 +108,8 @@ TEST_CASE("a shift of the tilting axis is tried as a wave of two turns or more o
   }
 }
 
-TEST_CASE("of bending along several directions, the part that may be another effect is told, and a set to part them") {
-  FoundUnderHead found = found_with(sweeps_under_head({150.0}), [](const Observations& data, std::size_t k) {
+TEST_CASE("of bending along several directions, the part that may be another effect is told") {
+  const FoundUnderHead found = found_with(sweeps_under_head({150.0}), [](const Observations& data, std::size_t k) {
     const double s = std::sin(b_of(data, k)), c = 1.0 - std::cos(b_of(data, k));
     return in_machine(data, k, Axis::Y) * (15.0 * s + 18.0 * c) + in_head(data, k, Sense::EX) * (10.0 * s - 4.0 * c);
   });
@@ -123,9 +124,6 @@ TEST_CASE("of bending along several directions, the part that may be another eff
   }
   CHECK(told.contains("head_bending"));
   CHECK(told.contains("tool_bending"));
-  const NextMeasurement next = planned_next(found.model, found.data, found.diagnosis);
-  REQUIRE_FALSE(next.proposals.empty());
-  check_holds(next.proposals.front().sentence, {"tool that is 100 mm longer"});
 }
 
 TEST_CASE("with two lengths of tool, bending of the machine, of the head and of the tool are named each") {

@@ -140,7 +140,7 @@ TEST_CASE("new parameters from a machine file fit it") {
   const auto machine = must(params::read_machine("samples/mill/machine.toml"));
   CHECK(screen.controller().set().parameters == params::default_parameters_for(machine.machine));
   CHECK(screen.controller().set().identity.machine == "moving column mill");
-  CHECK(reads(picture(screen), "in no file yet"));
+  CHECK(reads(picture(screen), "not saved in a file"));
 }
 
 TEST_CASE("screen and file are compared; a value is taken from the file by f, undoable") {
