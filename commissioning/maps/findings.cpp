@@ -108,18 +108,13 @@ Result<laser::DeclaredZero> declared_zero_in(const std::string& word) {
   return laser::DeclaredZero{*component, reason};
 }
 
-namespace {
-
-/// findings_for(), and a remark where sending would resample tables.
-std::vector<laser::MapFinding> findings_of(const laser::ErrorMap& map, const UnitParameters& parameters,
-                                           const laser::Travels& travels) {
+std::vector<laser::MapFinding> findings_before_sending(const laser::ErrorMap& map, const UnitParameters& parameters,
+                                                       const laser::Travels& travels) {
   auto findings = laser::findings_for(map, parameters, travels);
   if (const std::string change = laser::change_by_resampling(map); !change.empty() && !has_objections(findings))
     findings.push_back({false, change + ": " + kEvenly});
   return findings;
 }
-
-}  // namespace
 
 Result<MadeMap> made_map(const laser::MapRecipe& recipe, const params::ParametersFile& parameters,
                          const laser::Travels& travels, const laser::FileReader& read) {
@@ -127,7 +122,7 @@ Result<MadeMap> made_map(const laser::MapRecipe& recipe, const params::Parameter
   laser::MapHeader& header = built.map.header;
   if (header.machine.empty()) header.machine = parameters.identity.machine;
   if (header.serial_number.empty()) header.serial_number = parameters.identity.serial_number;
-  auto findings = findings_of(built.map, built.parameters, travels);
+  auto findings = findings_before_sending(built.map, built.parameters, travels);
   return MadeMap{std::move(built), std::move(findings)};
 }
 
@@ -141,7 +136,7 @@ Result<MadeMap> opened_map(const std::string& file, const std::vector<laser::Dec
                            const params::ParametersFile& parameters, const laser::Travels& travels) {
   ECS_TRY(map, laser::read_map_csv(file));
   map.header.declared_zero.insert(map.header.declared_zero.end(), zero.begin(), zero.end());
-  auto findings = findings_of(map, parameters.parameters, travels);
+  auto findings = findings_before_sending(map, parameters.parameters, travels);
   return MadeMap{{std::move(map), parameters.parameters, {}, {}}, std::move(findings)};
 }
 

@@ -36,6 +36,11 @@ inline constexpr const char* kEvenly =
 /// Messages of the findings that are no objections.
 [[nodiscard]] std::vector<std::string> remarks_in(const std::vector<laser::MapFinding>& findings);
 
+/// laser::findings_for(), and a remark where sending would resample tables.
+[[nodiscard]] std::vector<laser::MapFinding> findings_before_sending(const laser::ErrorMap& map,
+                                                                     const UnitParameters& parameters,
+                                                                     const laser::Travels& travels);
+
 /// "1 remark", "2 remarks".
 [[nodiscard]] std::string remarks_counted(std::size_t remarks);
 

@@ -78,7 +78,7 @@ Result<Judged> judged(const ShowRequest& request, const FoundMap& found) {
     return Judged();
   }
   ECS_TRY(travels, travels_given(request.machine, request.params, by));
-  return Judged(laser::findings_for(found.map, by.parameters, travels));
+  return Judged(findings_before_sending(found.map, by.parameters, travels));
 }
 
 Cell judged_cell(const Judged& findings) {
