@@ -164,12 +164,12 @@ void UnitConnection::look() {
 }
 
 void UnitConnection::look_at_inputs() {
-  const auto begun = Clock::now();
+  const auto started = Clock::now();
   const auto inputs = unit_link_->client().live_inputs();
   const auto lines = unit_link_->client().control_lines();
   const auto now = Clock::now();
   next_inputs_ =
-      now + std::clamp<Clock::duration>(kRestPerInputs * (now - begun), kLeastBetweenInputs, kMostBetweenInputs);
+      now + std::clamp<Clock::duration>(kRestPerInputs * (now - started), kLeastBetweenInputs, kMostBetweenInputs);
   const std::lock_guard lock(mutex_);
   state_.inputs_at = now;
   state_.inputs = inputs ? std::optional(*inputs) : std::nullopt;

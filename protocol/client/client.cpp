@@ -368,11 +368,11 @@ Result<void> UnitClient::remove_tool(std::uint16_t number) {
   return run_acting({.code = CommandCode::remove_tool, .tool = number}, kShortLimit, kReadTools);
 }
 Result<void> UnitClient::replace_tools(std::span<const Tool> tools) {
-  auto begun = run({.code = CommandCode::begin_tools}, kShortLimit);
-  if (!begun && begun.error().kind == ProblemKind::refused &&
-      begun.error().message.ends_with(text_of(UnitError::unknown_command)))
-    begun.error().message += ". Set its tools one after the other: `ecs utility tool N --offset X,Y,Z`";
-  ECS_DO(begun);
+  auto answer = run({.code = CommandCode::begin_tools}, kShortLimit);
+  if (!answer && answer.error().kind == ProblemKind::refused &&
+      answer.error().message.ends_with(text_of(UnitError::unknown_command)))
+    answer.error().message += ". Set its tools one after the other: `ecs utility tool N --offset X,Y,Z`";
+  ECS_DO(answer);
   ToolTable table;
   for (const Tool& tool : tools) {
     const Vector3 offset_mm = in_tool_steps(tool.offset_mm);
