@@ -187,6 +187,7 @@ void take_user(TomlReader& reader, const toml::table& table, EffectInstance& eff
   } else if (!table.contains("formula")) {
     reader.complain(table, "user effect: expected formula = { EX = \"…\", … }");
   }
+  effect.sense = std::nullopt;  // every formula has its own
   std::ranges::sort(effect.formulas, [](const UserFormula& a, const UserFormula& b) { return a.sense < b.sense; });
   if (const toml::table* parameters = table.get_as<toml::table>("parameters")) {
     for (const auto& [key, node] : *parameters)
@@ -254,6 +255,7 @@ void complete(TomlReader& reader, const toml::table& table, EffectInstance& effe
   if (definition.place == Place::set_up) {
     want(table.contains("code"), "code = EA, EB or EC");
     effect.axis = std::nullopt;
+    effect.rotary = false;
     return;
   }
   if (definition.place == Place::location)

@@ -22,7 +22,7 @@ std::string list_of(const std::vector<double>& values) {
 std::string table_of(std::string_view key, const EffectInstance& effect, const std::map<std::string, double>& values) {
   std::vector<std::string> words;
   for (const auto& [name, value] : values)
-    if (!is_left_out(effect, name, value))
+    if (!is_left_out(effect, name, value) || effect.fitted.contains(name))
       words.push_back(fmt::format("{} = {}", effect.is_user() ? name : shown_name(name, effect), shortest(value)));
   return words.empty() ? std::string() : fmt::format("{} = {{ {} }}\n", key, fmt::join(words, ", "));
 }
@@ -86,7 +86,7 @@ std::string origin_text(const Origin& origin) {
   if (origin.time_s) text += fmt::format("time_s = {}\n", shortest(*origin.time_s));
   if (!origin.date.empty()) text += fmt::format("date = {}\n", params::toml_string(origin.date));
   std::vector<std::string> sensors;
-  for (const auto& [name, degC] : origin.sensors_degC) sensors.push_back(fmt::format("{} = {}", name, shortest(degC)));
+  for (const auto& [name, degC] : origin.sensors_degC) sensors.push_back(fmt::format("{} = {}", params::toml_string(name), shortest(degC)));
   if (!sensors.empty()) text += fmt::format("temperatures = {{ {} }}\n", fmt::join(sensors, ", "));
   if (origin.air)
     text +=
