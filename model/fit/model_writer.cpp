@@ -1,4 +1,7 @@
 // Model files written: the same keys that model_file.cpp reads.
+#include <algorithm>
+#include <cctype>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -81,12 +84,20 @@ std::string effect_text(const EffectInstance& effect, std::string_view table) {
   return text;
 }
 
+/// In quotes where TOML wants them: "t_bed.front_degC".
+std::string key_text(const std::string& name) {
+  const bool bare = std::ranges::all_of(
+      name, [](unsigned char c) { return c < 0x80 && (std::isalnum(c) != 0 || c == '_' || c == '-'); });
+  return bare ? name : params::toml_string(name);
+}
+
 std::string origin_text(const Origin& origin) {
   std::string text = "\n[origin]\n";
   if (origin.time_s) text += fmt::format("time_s = {}\n", shortest(*origin.time_s));
   if (!origin.date.empty()) text += fmt::format("date = {}\n", params::toml_string(origin.date));
   std::vector<std::string> sensors;
-  for (const auto& [name, degC] : origin.sensors_degC) sensors.push_back(fmt::format("{} = {}", params::toml_string(name), shortest(degC)));
+  for (const auto& [name, degC] : origin.sensors_degC)
+    sensors.push_back(fmt::format("{} = {}", key_text(name), shortest(degC)));
   if (!sensors.empty()) text += fmt::format("temperatures = {{ {} }}\n", fmt::join(sensors, ", "));
   if (origin.air)
     text +=

@@ -1,5 +1,7 @@
 #include "model/fit/model_file.hpp"
 
+#include <fmt/format.h>
+
 #include "tests/support/test.hpp"
 
 using namespace ecs;
@@ -53,6 +55,41 @@ TEST_CASE("writing a model and reading it again gives the same effects") {
   CHECK(again.effects == model.effects);
   CHECK(again.known == model.known);
   CHECK(again.history == model.history);
+}
+
+TEST_CASE("whatever a file gives an effect of the library, it is written so that it is read again as the same") {
+  int read_count = 0;
+  const auto check_again = [&](const std::string& text) {
+    const auto model = parse_model(text, "m.toml", "");
+    if (!model) return;
+    ++read_count;
+    CAPTURE(text);
+    CHECK(must(parse_model(to_toml(*model), "again.toml", "")).effects == model->effects);
+  };
+  const auto key = [](const char* name, const char* value) {
+    return *value == 0 ? std::string() : fmt::format("{} = \"{}\"\n", name, value);
+  };
+  for (const EffectDefinition& effect : effect_library())
+    for (const char* axis : {"", "X", "C"})
+      for (const char* sense : {"", "EX", "EC"})
+        for (const char* code : {"", "C0Y", "ECX", "XOC", "EC"}) {
+          const std::string head = fmt::format("[[effect]]\nid = \"{}\"\n", effect.id) + key("axis", axis) +
+                                   key("sense", sense) + key("code", code) +
+                                   "sensor = \"t_a_degC\"\nsensor2 = \"t_b_degC\"\n";
+          check_again(head);
+          check_again(head + "name = \"u\"\nformula = { EY = \"a * p_mm\" }\n");
+          for (const char* table : {"parameters", "fitted"})
+            for (const ParameterDefinition& one : effect.parameters)
+              check_again(head + fmt::format("{} = {{ {} = {} }}\n", table, one.name, one.neutral));
+        }
+  CHECK(read_count > 1000);
+}
+
+TEST_CASE("the temperatures of an origin keep the names of their sensors, whatever characters these have") {
+  auto model = must(parse_model(kText, "m.toml", ""));
+  model.origin.emplace().sensors_degC = {{"t_bed.front_degC", 20.5}, {"t_oil in_degC", 31.0}};
+  const auto again = must(parse_model(to_toml(model), "again.toml", ""));
+  CHECK(again.origin->sensors_degC == model.origin->sensors_degC);
 }
 
 TEST_CASE("the name that a user gave to a model is kept") {
