@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <cstdint>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <random>
@@ -59,28 +60,52 @@ Paths paths_of(const MeasurementSet& set) {
   return paths;
 }
 
-/// Everything a reading is, in an order of its own: two readings that compare equal are interchangeable. Readings at
-/// one place of a pass stay as they follow each other in the file: in order of size, neighbours would differ too
-/// little.
-auto key_of(const MeasurementSet& set, const Paths& paths, std::size_t k, bool by_time) {
+/// The line that a reading is of: its path, axis, sense and where the other axes stood.
+auto line_of(const MeasurementSet& set, const Paths& paths, std::size_t k) {
   const Reading& r = set.readings[k];
-  const double along = paths.of[k] > 0 ? paths.along[k] : laser::target_of(r);
-  const double travelled = along * (r.approach == Approach::reverse ? -1.0 : 1.0);
   Vector3 parked = r.rotary ? r.angle_deg : r.position_mm;
   parked[index_of(r.axis)] = 0.0;
   if (paths.of[k] > 0) parked = {};
+  return std::make_tuple(paths.of[k], r.axis, r.sense, parked);
+}
+
+enum class Clock { none, common, of_each_run };
+
+/// One instrument does not begin two runs of a line at the same time: the clock then begins anew with each run.
+Clock clock_of(const MeasurementSet& set, const Paths& paths) {
+  if (!std::ranges::all_of(set.readings, [](const Reading& r) { return r.time_s.has_value(); })) return Clock::none;
+  std::map<decltype(std::make_pair(line_of(set, paths, 0), 0)), double> first_s;
+  for (std::size_t k = 0; k < set.readings.size(); ++k) {
+    const Reading& r = set.readings[k];
+    double& first = first_s.try_emplace({line_of(set, paths, k), r.run}, *r.time_s).first->second;
+    first = std::min(first, *r.time_s);
+  }
+  std::set<decltype(std::make_pair(line_of(set, paths, 0), 0.0))> begun;
+  const bool anew = std::ranges::any_of(first_s, [&](const auto& one) {
+    return !begun.insert({one.first.first, one.second}).second;
+  });
+  return anew ? Clock::of_each_run : Clock::common;
+}
+
+/// Everything a reading is, in an order of its own: two readings that compare equal are interchangeable. Readings at
+/// one place of a pass stay as they follow each other in the file: in order of size, neighbours would differ too
+/// little.
+auto key_of(const MeasurementSet& set, const Paths& paths, std::size_t k, Clock clock) {
+  const Reading& r = set.readings[k];
+  const double along = paths.of[k] > 0 ? paths.along[k] : laser::target_of(r);
+  const double travelled = along * (r.approach == Approach::reverse ? -1.0 : 1.0);
   const Vector3 place = r.rotary ? r.position_mm : Vector3{};
-  return std::make_tuple(by_time ? *r.time_s : 0.0, paths.of[k], r.axis, r.sense, parked, r.run,
-                         -static_cast<int>(r.approach), travelled, place, r.feed_mm_min, r.load_kg, r.row, r.error);
+  return std::make_tuple(clock == Clock::of_each_run ? r.run : 0, clock == Clock::none ? 0.0 : *r.time_s,
+                         line_of(set, paths, k), r.run, -static_cast<int>(r.approach), travelled, place, r.feed_mm_min,
+                         r.load_kg, r.row, r.error);
 }
 
 std::vector<std::size_t> canonical_order(const MeasurementSet& set, const Paths& paths) {
-  const bool by_time = std::ranges::all_of(set.readings, [](const Reading& r) { return r.time_s.has_value(); });
+  const Clock clock = clock_of(set, paths);
   std::vector<std::size_t> order(set.readings.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
-    return key_of(set, paths, a, by_time) < key_of(set, paths, b, by_time);
-  });
+  std::ranges::sort(
+      order, [&](std::size_t a, std::size_t b) { return key_of(set, paths, a, clock) < key_of(set, paths, b, clock); });
   return order;
 }
 

@@ -340,6 +340,7 @@ std::optional<EffectInstance> effect_in(TomlReader& reader, const toml::table& t
     if (effect.traits().has_lag && lag != values->end() && !(lag->second >= 0.0))
       reader.complain(*table.get(key), fmt::format("{}: expected 0 or more, got {}", kLag, lag->second));
   }
+  std::erase_if(effect.fitted, [&](const auto& one) { return is_left_out(effect, one.first, one.second); });
   hold_optional(effect);
   if (const toml::table* curve = reader.child(table, "curve")) {
     const std::string places = shown_name("p_mm", effect);

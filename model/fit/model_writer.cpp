@@ -25,7 +25,7 @@ std::string list_of(const std::vector<double>& values) {
 std::string table_of(std::string_view key, const EffectInstance& effect, const std::map<std::string, double>& values) {
   std::vector<std::string> words;
   for (const auto& [name, value] : values)
-    if (!is_left_out(effect, name, value) || effect.fitted.contains(name))
+    if (!is_left_out(effect, name, value))
       words.push_back(fmt::format("{} = {}", effect.is_user() ? name : shown_name(name, effect), shortest(value)));
   return words.empty() ? std::string() : fmt::format("{} = {{ {} }}\n", key, fmt::join(words, ", "));
 }

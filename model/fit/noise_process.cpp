@@ -17,6 +17,15 @@ constexpr double kFreedomOfReplicates = 0.7;
 /// Any number: the same data always give the same replicates.
 constexpr std::uint64_t kSeed = 7;
 
+/// What correlated noise keeps from one reading of an instrument to its next: nothing where the clock begins anew,
+/// where a time is unknown, and between passes where there is no time.
+double memory_of(const Observations& data, const NoiseModel& noise, const std::vector<std::size_t>& pass,
+                 double correlation_time, std::size_t before, std::size_t k) {
+  if (!noise.has_time) return pass[k] == pass[before] ? std::exp(-1.0 / correlation_time) : 0.0;
+  const double since_s = data.time_s[k] - data.time_s[before];
+  return since_s >= 0.0 ? std::exp(-since_s / correlation_time) : 0.0;
+}
+
 }  // namespace
 
 SimulatedNoise::SimulatedNoise(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out)
@@ -43,16 +52,12 @@ Eigen::MatrixXd SimulatedNoise::next(std::size_t count) {
     const NoiseShape& shape = noise_.shapes[number];
     std::vector<Memory>& memory_at = memories[number];
     const double widen = std::sqrt(spread_.freedom() / spread_(random_));
-    const auto memory_since = [&](std::size_t before, std::size_t k) {
-      if (!noise_.has_time) return pass_[k] == pass_[before] ? std::exp(-1.0 / shape.time) : 0.0;
-      if (std::isnan(data_.time_s[k]) || std::isnan(data_.time_s[before])) return 0.0;
-      return std::exp(-std::max(0.0, data_.time_s[k] - data_.time_s[before]) / shape.time);
-    };
     if (memory_at.empty() && shape.share > 0.0) {
       memory_at.resize(data_.size());
       for (const NoiseGroup& group : noise_.groups)
         for (std::size_t i = 0; i < group.rows.size(); ++i) {
-          const double kept = memory_since(group.rows[i == 0 ? 0 : i - 1], group.rows[i]);
+          const double kept =
+              memory_of(data_, noise_, pass_, shape.time, group.rows[i == 0 ? 0 : i - 1], group.rows[i]);
           memory_at[group.rows[i]] = {kept, std::sqrt(std::max(0.0, 1.0 - kept * kept))};
         }
     }
@@ -77,18 +82,11 @@ Whitener::Whitener(const Observations& data, const NoiseModel& noise, const std:
     const double white = group.white * group.white;
     double variance = stationary;  // of the correlated part, predicted
     bool first = true;
-    double before_s = 0.0;
     std::size_t before = 0;
     double carry = 1.0;  // memory over rows left out
     for (const std::size_t k : group.rows) {
       Step step{k, 0.0, 0.0, 0.0};
-      double memory = 0.0;
-      if (!first && stationary > 0.0) {
-        if (noise.has_time && !std::isnan(data.time_s[k]) && !std::isnan(before_s))
-          memory = std::exp(-std::max(0.0, data.time_s[k] - before_s) / group.time);
-        else if (!noise.has_time && pass[k] == pass[before])
-          memory = std::exp(-1.0 / group.time);
-      }
+      const double memory = !first && stationary > 0.0 ? memory_of(data, noise, pass, group.time, before, k) : 0.0;
       carry *= memory;
       variance = memory * memory * (variance - stationary) + stationary;
       if (!left_out[k]) {
@@ -99,7 +97,6 @@ Whitener::Whitener(const Observations& data, const NoiseModel& noise, const std:
         variance *= 1.0 - step.gain;
         carry = 1.0;
       }
-      if (noise.has_time) before_s = data.time_s[k];
       before = k;
       first = false;
       steps_.push_back(step);

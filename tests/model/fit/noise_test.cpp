@@ -1,5 +1,7 @@
 #include "model/fit/noise.hpp"
 
+#include <algorithm>
+#include <map>
 #include <set>
 
 #include <rapidcheck.h>
@@ -275,6 +277,27 @@ TEST_CASE("whitened noise has size one and no memory") {
   CHECK(std::abs(lag) < 0.02);
   const double raw = (sets.topRows(n - 1).array() * sets.bottomRows(n - 1).array()).mean();
   CHECK(raw > 0.3);
+}
+
+TEST_CASE("where the clock begins anew with each run, the noise of one run knows nothing of that of another") {
+  laser::MeasurementSet anew = measured({.runs = 3}, kWhite_um, nothing);
+  std::map<int, double> first_s;
+  for (const Reading& r : anew.readings) first_s.try_emplace(r.run, *r.time_s);
+  for (Reading& r : anew.readings) *r.time_s -= first_s[r.run];
+  laser::MeasurementSet one = anew;
+  std::erase_if(one.readings, [](const Reading& r) { return r.run > 1; });
+  const auto ln_determinant = [](const laser::MeasurementSet& set) {
+    const Measured m = readings_of(set);
+    NoiseModel noise = plain_noise(m.data, kWhite_um);
+    noise.groups.front().correlated = 0.8;
+    noise.groups.front().time = 600.0;
+    return Whitener(m.data, noise, m.left_out).ln_determinant();
+  };
+  CHECK(ln_determinant(anew) == Approx(3.0 * ln_determinant(one)).epsilon(1e-12));
+  const Measured m = readings_of(anew);
+  CHECK(std::ranges::is_sorted(m.data.run));
+  const Measured common = readings_of(measured({.runs = 3}, kWhite_um, nothing));
+  CHECK(std::ranges::is_sorted(common.data.time_s));
 }
 
 namespace {
