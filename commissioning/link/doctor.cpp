@@ -355,11 +355,14 @@ void examine_tcp(const LinkAddress& address, Examination& work) {
     static_cast<void>(greet(client, work));
     return;
   }
-  add(work, "link", FindingState::problem, client.error().message,
-      "check host and port; `ping` the host; a firewall may be in between");
   const auto link = Link::open(address, {&work.cancelled, std::nullopt});
-  if (!link) return;
-  add(work, "connection", FindingState::ok, "the connection is accepted, but the unit does not answer");
+  if (!link) {
+    add(work, "link", FindingState::problem, client.error().message,
+        "check host and port; `ping` the host; a firewall may be in between");
+    return;
+  }
+  add(work, "connection", FindingState::ok, "host and port are right: the connection is accepted");
+  add(work, "link", FindingState::problem, client.error().message, "check that the unit is on, and its unit number");
   static_cast<void>(other_unit_number(address, work));
 }
 

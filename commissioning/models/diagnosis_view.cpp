@@ -112,10 +112,10 @@ std::string outliers_text(const Comparison& c) {
 Cell comparison_cell(const Comparison& c, std::size_t readings) {
   const Cell lack_of_fit = lack_of_fit_cell(c.lack_of_fit);
   const std::string judged = lack_of_fit_text(c.lack_of_fit, c.outliers.empty() ? c.rms_um : 0.0, c.noise.noise_um);
-  const std::string summary = paragraph(fmt::format(
-      "{} readings: rms {:.3f} {}, peak {:.3f} {}; noise of one reading {}; lack-of-fit test, with the values "
-      "as given: {}",
-      readings, c.rms_um, c.noise.unit, c.peak_um, c.noise.unit, noise_text(c.noise), judged));
+  const std::string summary = paragraph(
+      fmt::format("{} readings: rms {:.3f} {}, peak {:.3f} {}; noise of one reading {}; lack-of-fit test with these "
+                  "values: {}",
+                  readings, c.rms_um, c.noise.unit, c.peak_um, c.noise.unit, noise_text(c.noise), judged));
   return record_cell(
       "{summary}\n{directions}{variables}{worst}{outliers}", "observations"_is(readings), "summary"_shown(summary),
       "rms_um"_is(c.rms_um), "peak_um"_is(c.peak_um), "noise_um"_is(c.noise.noise_um),
@@ -337,19 +337,20 @@ double largest_in(const std::vector<ShapePoint>& points) {
   return largest;
 }
 
+constexpr double kLeastProbability = 1e-300;  ///< smaller ones are stated as this
+
 Cell where_cell(const Diagnosis& d) {
   const bool with_answer = std::ranges::any_of(d.candidates, &Candidate::in_answer);
-  Cell where{Json::array(), d.where.empty()
-                                ? ""
-                                : fmt::format("\nvariables that the residual depends on{} variance)\n",
-                                              with_answer ? ", no effect added (share of" : " (share of its")};
+  Cell where{Json::array(), d.where.empty() ? ""
+                            : with_answer   ? "\nvariables on which the present residual depends (share of variance)\n"
+                                            : "\nvariables on which the residual depends (share of its variance)\n"};
   for (const model::Dependence& one : d.where)
-    where.add(record_cell("  {variable} {strength:>8}  probability in noise alone: {p_value}\n",
-                          "variable"_is(one.variable, padded(one.variable, 26)),
-                          "strength"_is(one.strength, percent(one.strength)),
-                          "p_value"_is(one.p_value, fmt::format("{:.1g}", one.p_value)), "at"_is(numbers_json(one.at)),
-                          "mean_um"_is(numbers_json(one.mean_um)),
-                          "looks_like"_is(one.looks_like.empty() ? Json() : Json(one.looks_like))));
+    where.add(record_cell(
+        "  {variable} {strength:>8}  probability in noise alone: {p_value}\n",
+        "variable"_is(one.variable, padded(one.variable, 26)), "strength"_is(one.strength, percent(one.strength)),
+        "p_value"_is(one.p_value, one.p_value <= kLeastProbability ? "< 1e-300" : fmt::format("{:.1g}", one.p_value)),
+        "at"_is(numbers_json(one.at)), "mean_um"_is(numbers_json(one.mean_um)),
+        "looks_like"_is(one.looks_like.empty() ? Json() : Json(one.looks_like))));
   bool any = false;
   for (const model::Dependence& one : d.where) {
     if (one.looks_like.empty()) continue;

@@ -143,9 +143,26 @@ void keep_alternatives(model::EffectInstance& effect, const std::vector<model::E
   effect.tied_with = fmt::format("{}", fmt::join(places_of(alternatives), ", "));
 }
 
+namespace {
+
+/// What tells an effect from others of the same name: the value that was sought for it, "@0.25", else its place.
+std::string value_text(const model::EffectInstance& effect, std::size_t place) {
+  const std::string searched(effect.definition().searched_parameter());
+  for (const auto* values : {&effect.parameters, &effect.fitted})
+    if (const auto found = values->find(searched); found != values->end()) return fmt::format("@{:.4g}", found->second);
+  return fmt::format("@{}", place + 1);
+}
+
+}  // namespace
+
 Result<std::size_t> effect_in(const model::Model& model, const std::string& name) {
   std::vector<std::string> names;
   for (const model::EffectInstance& effect : model.effects) names.push_back(place_text(effect));
+  const std::vector<std::string> alone = names;
+  for (const std::string& one : alone)
+    if (std::count(alone.begin(), alone.end(), one) > 1)
+      for (std::size_t i = 0; i < names.size(); ++i)
+        if (names[i] == one) names[i] += value_text(model.effects[i], i);
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
   return problem(ProblemKind::usage,

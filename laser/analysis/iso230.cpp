@@ -120,7 +120,7 @@ std::vector<std::string> iso230_notes(const MeasurementSet& set, const Group& gr
   note_left_out(axis, notes);
   if (axis.sense != static_cast<Sense>(index_of(axis.axis) + (axis.rotary ? kAxes : 0)))
     notes.emplace_back(
-        "not a positioning error: the formulas of ISO 230-2 are used although the standard does not require them");
+        "not a positioning error: ISO 230-2 covers positioning only, and its formulas are applied by analogy");
   const auto undirected = std::ranges::count_if(
       group.readings, [&](std::size_t i) { return set.readings[i].approach == Approach::unknown; });
   if (undirected > 0 && has_known_approach(set, group))

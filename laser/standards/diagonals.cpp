@@ -180,7 +180,7 @@ class DiagonalReader {
   void check_edges(const DiagonalReadings& diagonal) {
     for (const Axis axis : kAllAxes)
       if (diagonal.direction[index_of(axis)] != 0 && test_.span_mm[index_of(axis)] <= 0.0)
-        findings_.add(0, 0, "diagonal {}: expected `# {}_mm: ` with the edge of the volume along {}, found none",
+        findings_.add(0, 0, "diagonal {}: expected `# {}_mm: ` with the length of the volume along {} [mm], found none",
                       diagonal.name, small_letter_of(axis), letter_of(axis));
     const double length_mm = length_of(diagonal.direction, test_.span_mm);
     for (const Reading& reading : diagonal.readings.readings)

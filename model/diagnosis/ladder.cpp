@@ -89,13 +89,6 @@ std::optional<EffectInstance> best_place(const State& state, const Regressors& r
   return effect_of(search.families()[found.front().family].effect, found.front());
 }
 
-/// Nonlinear parameters and columns that are not used are held from here on.
-void hold_nonlinear(EffectInstance& effect, const EffectFit& fit) {
-  const std::string name(effect.definition().searched_parameter());
-  for (const ParameterEstimate& parameter : fit.parameters)
-    if (parameter.name == name) effect.parameters[name] = parameter.value;
-}
-
 }  // namespace
 
 AddRequest request_of(const EffectInstance& effect) {
@@ -177,7 +170,6 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
   const Fit fit = reported(after.assembly, regressors, after.core);
   added.model = with_values(added.model, fit);
   added.model.compensated_readings = static_cast<int>(std::ranges::count(data.compensated, true));
-  hold_nonlinear(added.model.effects.back(), fit.effects.back());
   if (fit.effects.back().readings == 0 || fit.effects.back().rms_um == 0.0) {
     const bool is_there =
         std::ranges::any_of(model.effects, [&](const EffectInstance& one) { return same_candidate(one, *effect); });

@@ -608,7 +608,7 @@ std::vector<EvenTargets> even_targets(const Observations& data) {
   for (const auto& [line, targets] : targets_mm) {
     const auto step_mm = even_step_mm(targets);
     if (!step_mm) continue;
-    std::string& names = senses[{line.first, std::round(*step_mm * 1e3) / 1e3}];
+    std::string& names = senses[{line.first, std::round(*step_mm * 1e6) / 1e6}];
     names += (names.empty() ? "" : ", ") + std::string(name_of(line.second));
   }
   std::vector<EvenTargets> all;

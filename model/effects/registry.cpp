@@ -175,7 +175,7 @@ std::string spoken_name(std::string_view shown, std::string_view unit) {
     words.append(words.empty() ? "" : " ").append(word);
     at = end + 1;
   }
-  // Symbols of the formulas that nobody reads as a word.
+  // Symbols of the library that nobody reads as a word; of a user's own formula they are what its user wrote.
   constexpr std::array<std::pair<std::string_view, std::string_view>, 15> kWords{{
       {"u0", "decay length"},
       {"c", "size"},
@@ -195,7 +195,7 @@ std::string spoken_name(std::string_view shown, std::string_view unit) {
   }};
   const auto known =
       std::ranges::find(kWords, std::string_view(words), &std::pair<std::string_view, std::string_view>::first);
-  return unit.empty() || known == kWords.end() ? words : std::string(known->second);
+  return unit.empty() || words == shown || known == kWords.end() ? words : std::string(known->second);
 }
 
 std::string library_name(std::string_view shown, const EffectInstance& effect) {

@@ -295,8 +295,9 @@ Result<ControllerExport> heidenhain_export(const ExportSource& source, const Hei
   leave_behind(made, source, with_squareness(source.parameters, carried), "axis columns have no lever arm",
                "the machine does not have this axis");
   made.notes = {
-      "values are errors in mm and degrees (the positive sign: moved too far); the sign and the unit of C4 to C6 are "
-      "not printed in the available pages: try one table first (modules/controllers/README.md)",
+      "values are errors in mm, positive: moved too far. The available pages of the manual state neither sign nor unit "
+      "of "
+      "C4 to C6; degrees are assumed: try one table first (modules/controllers/README.md)",
       "squareness is a slope of the straightness columns",
       "the columns of the tables must be those of the axis list of the control"};
   if (source.parameters.tool_offset_mm != Vector3{})

@@ -518,18 +518,18 @@ std::string repeats_text(const model::LengthComparison& found) {
 Cell compared_cell(const std::string& map, const model::LengthTest& test, const model::LengthComparison& found,
                    const std::vector<std::string>& objections, double at_least_percent, bool holds) {
   const auto set_up = [](const model::ComparedSetUp& one) {
-    return record_cell("  set-up {set_up}, tool {tool}: {readings} lengths, {error_um} um, {left_um} um left\n",
-                       "set_up"_is(one.name), "tool"_is(one.tool), "readings"_is(one.readings),
-                       "error_um"_is(one.error_um, 2), "left_um"_is(one.left_um, 2),
-                       "station_correction_mm"_is(Json(one.station_correction_mm)));
+    return record_cell(
+        "  set-up {set_up}, tool {tool}: {readings} lengths, measured {error_um} um, residual {left_um} um\n",
+        "set_up"_is(one.name), "tool"_is(one.tool), "readings"_is(one.readings), "error_um"_is(one.error_um, 2),
+        "left_um"_is(one.left_um, 2), "station_correction_mm"_is(Json(one.station_correction_mm)));
   };
   const auto length = [](const model::ComparedLength& one) {
-    return record_cell("  line {line}: {error_um} um, {left_um} um left\n", "line"_is(one.line),
+    return record_cell("  line {line}: measured {error_um} um, residual {left_um} um\n", "line"_is(one.line),
                        "error_um"_is(one.error_um, 2), "left_um"_is(one.left_um, 2));
   };
   return record_cell(
-      "{map} explains {agreement_percent} % of {file}: {error_um} um before, {left_um} um left (standard deviations of "
-      "{readings} lengths, {unknowns} zeros and stations fitted)\n"
+      "{map} reduces the standard deviation of {file} by {agreement_percent} %, from {error_um} to {left_um} um "
+      "({readings} lengths; {unknowns} zero offsets and stations fitted)\n"
       "{repeat_text}{set_ups}the lengths that fit worst:\n{worst}{objections}{verdict}",
       "map"_is(map), "file"_is(test.source), "readings"_is(found.readings), "unknowns"_is(found.unknowns),
       "agreement_percent"_is(100.0 * found.agreement(), 1), "error_um"_is(found.error_um, 2),

@@ -130,7 +130,7 @@ Markup component(const ReportContent& content, const TableRow& row, const std::s
     body += unmeasured(content, row);
     body += figure_of_row(row, position_unit_of(content)) + iso_table(row);
     if (const auto steps = processing_of(content, row); !steps.empty())
-      body += paragraph_of(fmt::format("In the map: {}.", fmt::join(steps, "; ")), "class=\"how\"");
+      body += paragraph_of(fmt::format("For the map: {}.", fmt::join(steps, "; ")), "class=\"how\"");
   } else {
     body += unmeasured(content, row);
   }

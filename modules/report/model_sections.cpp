@@ -35,7 +35,7 @@ std::string noise_ratio_text(const std::vector<TableRow>& rows) {
   const auto n = static_cast<double>(fewest);
   return fmt::format(
       "The map was made from such readings and contains their noise: with {} runs, noise alone gives {:.1f} in the "
-      "last column if no smoothing was applied.",
+      "column achieved ÷ predicted if no smoothing was applied.",
       fewest, std::sqrt((n + 1.0) / (n - 1.0)));
 }
 

@@ -261,8 +261,8 @@ std::string arguments_in_words(const Command& command) {
       return fmt::format("{} {:.4g} um, {}", letter_of(command.axis), command.output_um,
                          command.relay_on ? "relay closed" : "relay open");
     case CommandCode::begin_staging:
-      if (command.staging_from == StagingFrom::kept) return "contents of the inactive bank kept";
-      return command.staging_from == StagingFrom::active ? "copy of the active map" : "";
+      if (command.staging_from == StagingFrom::kept) return "on the inactive bank";
+      return command.staging_from == StagingFrom::active ? "from the active map" : "";
     case CommandCode::commit_staged:
       return fmt::format("{} B, SHA {:08X}", command.length, command.digest >> 32);
     case CommandCode::test_datum:

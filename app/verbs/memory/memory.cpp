@@ -159,10 +159,12 @@ Result<Outcome> load(VerbContext& context, const LoadRequest& request) {
       return tl::unexpected(std::move(*refused));
   ECS_TRY(report, send_image(unit.client(), image, request.other_machine ? Addressee::this_unit : Addressee::as_stated,
                              progress_bar(context, "image")));
-  return finished_outcome_of(
-      record_cell("parameters and map of {file} sent and verified: {bytes} bytes, commit {commit_sequence}",
-                  "file"_is(request.file), "bytes"_is(report.bytes), "commit_sequence"_is(report.commit_sequence),
-                  "verified"_is(true)));
+  return finished_outcome_of(record_cell(
+      report.already_held
+          ? "the unit already has the parameters and the map of {file}, commit {commit_sequence}: not sent again"
+          : "parameters and map of {file} sent and verified: {bytes} bytes, commit {commit_sequence}",
+      "file"_is(request.file), "bytes"_is(report.bytes), "commit_sequence"_is(report.commit_sequence),
+      "verified"_is(true)));
 }
 
 constexpr std::string_view kUnitWord = "unit";
@@ -214,7 +216,7 @@ std::vector<std::string> damage_in(const MemoryDump& dump) {
 }
 
 Cell damage_cell(std::string_view side, const std::string& file, const MemoryDump& dump) {
-  return lines_cell(damage_in(dump), fmt::format("DAMAGED file {} ({}): ", side, file));
+  return lines_cell(damage_in(dump), fmt::format("DAMAGED {} ({}): ", side, file));
 }
 
 Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {

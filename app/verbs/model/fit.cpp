@@ -80,18 +80,19 @@ Cell correlations_cell(const Fit& fit) {
   return list;
 }
 
-Cell noise_cell(const Fit& fit, bool rotary) {
+Cell noise_cell(const Fit& fit, bool rotary, bool has_time) {
   Cell list{Json::array(),
             fit.noise_by_sense.empty() ? "" : "noise [um, um/m] (white: independent between readings)\n"};
   for (const model::NoiseReport& one : fit.noise_by_sense)
     list.add(record_cell(one.correlated_um > 0.0
                              ? "  {sense} along {axis}: white {white_um}, correlated {correlated_um} "
-                               "over {correlation_time_s} (s, or readings without time)\n"
+                               "over {correlation_time_s} {of}\n"
                              : "  {sense} along {axis}: white {white_um}\n",
                          "sense"_is(one.path.empty() ? std::string(name_of(one.sense)) : one.path),
                          "axis"_is(axis_json(one.axis, rotary)), "white_um"_is(one.white_um, 3),
                          "correlated_um"_is(one.correlated_um, 3),
-                         "correlation_time_s"_is(one.correlation_time_s, few_digits(one.correlation_time_s, 2))));
+                         "correlation_time_s"_is(one.correlation_time_s, few_digits(one.correlation_time_s, 2)),
+                         "of"_shown(has_time ? "s" : "readings")));
   return list;
 }
 
@@ -121,7 +122,7 @@ std::string outliers_text(const Fit& fit) {
                    0, 2);
 }
 
-Cell fit_cell(const Fit& fit, std::size_t readings, bool rotary, const std::string& output) {
+Cell fit_cell(const Fit& fit, const model::Observations& data, bool rotary, const std::string& output) {
   const Cell lack_of_fit = lack_of_fit_cell(fit.lack_of_fit);
   std::string undetermined;
   for (const std::string& one : fit.undetermined) undetermined += paragraph("undetermined: " + one, 0, 2);
@@ -129,7 +130,7 @@ Cell fit_cell(const Fit& fit, std::size_t readings, bool rotary, const std::stri
   return record_cell(
       "{observations} readings, {fitted_parameters} fitted parameters: rms {rms_um} {unit}, peak {peak_um} {unit}\n"
       "{condition}{effects}{not_distinguished}{undetermined}{correlations}{noise}{outliers}{notes}",
-      "observations"_is(readings), "unit"_shown(fit.noise.unit), "rms_um"_is(fit.rms_um, 3),
+      "observations"_is(data.size()), "unit"_shown(fit.noise.unit), "rms_um"_is(fit.rms_um, 3),
       "peak_um"_is(fit.peak_um, 3), "noise_um"_is(fit.noise.noise_um), "noise_from_repeats"_is(fit.noise.from_repeats),
       "lack_of_fit"_is(lack_of_fit), "fitted_parameters"_is(fit.fitted_parameters),
       "condition"_is(fit.condition,
@@ -137,7 +138,7 @@ Cell fit_cell(const Fit& fit, std::size_t readings, bool rotary, const std::stri
                                            noise_text(fit.noise), lack_of_fit.text, few_digits(fit.condition)))),
       "effects"_is(effects_cell(fit)), "correlations"_is(correlations_cell(fit)),
       "not_distinguished"_is(zero, not_distinguished_text(zero)), "undetermined"_is(fit.undetermined, undetermined),
-      "outliers"_is(fit.outliers, outliers_text(fit)), "noise"_is(noise_cell(fit, rotary)),
+      "outliers"_is(fit.outliers, outliers_text(fit)), "noise"_is(noise_cell(fit, rotary, !data.time_s.empty())),
       "notes"_is(fit.notes, notes_text(fit.notes)), "model"_is(text_cell(output)));
 }
 
@@ -163,7 +164,7 @@ Result<Outcome> fit(VerbContext& context, const FitRequest& request) {
   ECS_TRY(ties, in_file(model::decided_ties(work.model, work.data), request.common.model));
   result.notes.insert(result.notes.end(), ties.notes.begin(), ties.notes.end());
   ECS_DO(write(ties.model, work, result, request));
-  Cell answer = fit_cell(result, work.data.size(), work.data.rotary, request.output);
+  Cell answer = fit_cell(result, work.data, work.data.rotary, request.output);
   if (!request.output.empty()) answer.text += fmt::format("model written to {}\n", request.output);
   if (!request.rotary.empty()) {
     ECS_TRY(found, fitted_rotary(ties.model, result, work.machine, work.data));

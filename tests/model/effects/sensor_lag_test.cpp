@@ -188,7 +188,7 @@ TEST_CASE("an added drift keeps the lag that was found, and a model file gives i
   AddRequest request;
   request.id = thermal_drift;
   const Added added = must(add_effect(before, data, request, "spindle.csv"));
-  CHECK(added.model.effects.back().parameters.at(std::string(kLag)) == Approx(900.0).epsilon(0.1));
+  CHECK(added.model.effects.back().fitted.at(std::string(kLag)) == Approx(900.0).epsilon(0.1));
   CHECK(must(parse_model(to_toml(added.model), "model.toml", {})).effects == added.model.effects);
 }
 

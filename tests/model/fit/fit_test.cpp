@@ -193,7 +193,7 @@ TEST_CASE("adding an effect lets the error fall, is remembered, and can be undon
   const auto added = must(add_effect(model, data, *parse_add_request("cyclic:X"), "x.csv"));
   CHECK(added.rms_before_um > 1.8);
   CHECK(added.rms_after_um == Approx(0.2).epsilon(0.15));
-  CHECK(added.model.effects.back().parameters.at("period_mm") == Approx(160.0).epsilon(0.002));
+  CHECK(added.model.effects.back().fitted.at("period_mm") == Approx(160.0).epsilon(0.002));
   CHECK(*only(added.model.history).held_out_rms_um < 0.3);
   const auto back = must(undo(added.model));
   CHECK(back.effects.size() == 2);
