@@ -117,6 +117,18 @@ int largest_run(const MeasurementSet& set, const laser::Group& group) {
   return largest;
 }
 
+constexpr std::string_view kInstrument = "instrument";
+
+/// "; they are of another instrument": one line of two instruments is rarely meant.
+std::string other_instrument(const MeasurementSet& all, const MeasurementSet& more) {
+  const auto first = laser::metadata_value(all, kInstrument), second = laser::metadata_value(more, kInstrument);
+  if (!first || !second || *first == *second) return {};
+  return fmt::format(
+      ", although their instrument is \"{}\" and that of {} is \"{}\"; give the files one by one to judge "
+      "them separately",
+      *second, all.source, *first);
+}
+
 /// Numbers the runs of `more` on from those of the same line in `all`.
 void renumber(MeasurementSet& more, const MeasurementSet& all, std::vector<std::string>& notes) {
   const auto known = laser::groups_of(all);
@@ -125,8 +137,9 @@ void renumber(MeasurementSet& more, const MeasurementSet& all, std::vector<std::
     if (same == known.end()) continue;
     const int offset = largest_run(all, *same);
     for (const std::size_t i : group.readings) more.readings[i].run += offset;
-    notes.push_back(fmt::format("{}: its runs of {} are renumbered from {}", more.source,
-                                laser::curve_name(group.sense, group.axis, group.rotary), offset + 1));
+    notes.push_back(fmt::format("{}: its runs of {} are renumbered from {}{}", more.source,
+                                laser::curve_name(group.sense, group.axis, group.rotary), offset + 1,
+                                other_instrument(all, more)));
   }
 }
 
@@ -147,7 +160,7 @@ Result<void> join_metadata(MeasurementSet& all, const MeasurementSet& more) {
     const auto known = laser::metadata_value(all, entry.key);
     if (!known)
       all.metadata.push_back(entry);
-    else if (*known != entry.value)
+    else if (*known != entry.value && entry.key != kInstrument)
       all.notes.push_back(
           fmt::format("{}: {} is \"{}\", the first file has \"{}\": all readings are used, the header "
                       "keeps the value of the first file",

@@ -228,6 +228,7 @@ Cell fault_cell(const UnitStatus& status) {
   const FaultText text = ecs::text_of(status.fault);
   const std::string address = hex_address(status.fault_address);
   const std::string axis = status.fault_axis ? std::string(1, letter_of(*status.fault_axis)) : std::string();
+  const std::string where = status.fault == Fault::block_check ? "; in the memory bank that begins at " : "; address ";
   std::string input;
   const auto is_of = [&](std::size_t which) { return status.fault_address == which + 1; };
   if (status.fault == Fault::live_input || status.fault == Fault::unknown_input)
@@ -238,7 +239,7 @@ Cell fault_cell(const UnitStatus& status) {
   return record_cell("fault {number} ({name}): {meaning}{address}{axis}{input}. What to do: {action}",
                      "name"_is(text.name), "number"_is(static_cast<int>(status.fault)), "meaning"_is(text.meaning),
                      "action"_is(text.action),
-                     "address"_is(has_address(status.fault) ? Cell{address, "; address " + address} : null_cell()),
+                     "address"_is(has_address(status.fault) ? Cell{address, where + address} : null_cell()),
                      "axis"_is(status.fault_axis ? Cell{axis, "; axis " + axis} : null_cell()), "input"_shown(input));
 }
 

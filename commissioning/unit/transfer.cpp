@@ -158,8 +158,8 @@ KeptMap map_to_keep(const std::optional<Image>& active, const UnitParameters& pa
   }
   if (content->map.tables.empty() && content->map.header.declared_zero.empty()) return kept;
   kept.had_one = true;
-  kept.objections = objections_to_map(content->map, parameters);
-  for (std::string& differs : other_machine(content->map.header, owner)) kept.objections.push_back(std::move(differs));
+  kept.objections = other_machine(content->map.header, owner);
+  for (std::string& one : objections_to_map(content->map, parameters)) kept.objections.push_back(std::move(one));
   if (kept.objections.empty()) kept.image = active;
   return kept;
 }
