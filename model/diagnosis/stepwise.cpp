@@ -337,11 +337,6 @@ Choice with_columns(const Search& search, const Space& space, Choice whole, cons
   return whole;
 }
 
-/// Whether an effect acts along several directions, of which its cause may have one and another effect the others.
-bool has_directions(const EffectInstance& effect) {
-  return effect.definition().place == Place::artefact && effect.definition().column_sets.size() > 1;
-}
-
 /// Sets of its columns that are a part of those it uses.
 std::vector<std::vector<Index>> parts_of_columns(const Search& search, const Choice& whole) {
   std::vector<std::vector<Index>> parts;
@@ -353,30 +348,31 @@ std::vector<std::vector<Index>> parts_of_columns(const Search& search, const Cho
   return parts;
 }
 
-/// An effect along several directions may stand for itself along some of them and for another effect: forward steps
-/// take the whole first, and its place is taken then. The pair replaces it where that is better.
-Solution parted_by_direction(const Search& search, const Solution& best, const StepwiseOptions& options) {
-  Solution better = best;
-  for (std::size_t i = 0; i < best.chosen.size(); ++i) {
-    const Choice& whole = best.chosen[i];
-    if (best.chosen.size() >= options.most_effects || !has_directions(search.families()[whole.family].effect)) continue;
-    const Solution rest = search.solution(without_member(best.chosen, i), best.own);
-    for (const std::vector<Index>& columns : parts_of_columns(search, whole)) {
-      const Choice part = with_columns(search, rest.space, whole, columns);
-      const Solution with_part = search.solution(with(rest.chosen, part), rest.own);
-      for (std::size_t f = 0; f < search.candidates(); ++f) {
-        const auto is_it = [&](const Choice& choice) { return choice.family == f; };
-        if (!has_directions(search.families()[f].effect) || std::ranges::any_of(with_part.chosen, is_it)) continue;
-        const Choice other = search.choice_at(with_part.space, f, 0.0);
-        if (other.gain <= 0.0) continue;
-        Solution tried = search.solution(with(with_part.chosen, other), rest.own);
-        if (worth(search, tried, options) > worth(search, better, options) + kLeastProgress &&
-            plausible(search, tried.chosen))
-          better = std::move(tried);
-      }
-    }
+/// The effects along directions of a solution and its others.
+struct SplitSolution {
+  std::vector<Choice> others, along;
+};
+SplitSolution split_by_directions(const Search& search, const std::vector<Choice>& chosen) {
+  SplitSolution split;
+  for (const Choice& choice : chosen)
+    (has_directions(search.families()[choice.family].effect) ? split.along : split.others).push_back(choice);
+  return split;
+}
+
+/// The best set of effects along directions, and of their directions, in place of those that steps have found.
+Solution with_best_directions(const Search& search, Solution best, const StepwiseOptions& options) {
+  const auto [others, along] = split_by_directions(search, best.chosen);
+  if (along.empty()) return best;
+  const Solution rest = search.solution(others, best.own);
+  for (const DirectionSet& set : direction_sets(search, rest.space, options.most_effects - others.size())) {
+    std::vector<Choice> chosen = others;
+    chosen.insert(chosen.end(), set.chosen.begin(), set.chosen.end());
+    Solution tried = search.solution(chosen, best.own);
+    if (worth(search, tried, options) > worth(search, best, options) + kLeastProgress &&
+        plausible(search, tried.chosen))
+      best = std::move(tried);
   }
-  return better;
+  return best;
 }
 
 /// Sets of effects one larger than a state: the best solution of every set.
@@ -447,7 +443,7 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
     }
   }
   best = parted(search, merged(search, exchanged(search, std::move(best), options), options), options);
-  return parted_by_direction(search, best, options);
+  return with_best_directions(search, std::move(best), options);
 }
 
 namespace {
@@ -484,10 +480,45 @@ std::vector<Group::InPart> rivals_of_parts(const Search& search, const Solution&
   return found;
 }
 
+/// An effect that may take the place of a member along directions where the other members may take other directions.
+struct RivalOfSet {
+  std::size_t member = 0;  ///< its family
+  Choice rival;            ///< its gain and cost are those of the member with what the set gains and costs more
+};
+
+/// Beside the directions that the other members have taken, only one effect may explain the rest. With other directions
+/// of theirs another one may: sets of as many effects are compared as a whole, by the margins of single rivals.
+std::vector<RivalOfSet> rivals_along_directions(const Search& search, const Solution& solution) {
+  std::vector<RivalOfSet> found;
+  const auto [others, along] = split_by_directions(search, solution.chosen);
+  if (along.size() < 2) return found;
+  const Solution rest = search.solution(others, solution.own);
+  double cost = 0.0;
+  for (const Choice& choice : along) cost += choice.cost;
+  const double gain = rest.space.chi2() - solution.space.chi2();
+  const auto is_in = [](const std::vector<Choice>& list, const Choice& choice) {
+    return std::ranges::find(list, choice.family, &Choice::family) != list.end();
+  };
+  for (const DirectionSet& set : direction_sets(search, rest.space, along.size())) {
+    if (set.chosen.size() < along.size() || set.gain < gain - kIndistinguishable ||
+        set.score() < gain - cost - kRivalScoreMargin)
+      continue;
+    std::vector<Choice> left_out = along, new_ones = set.chosen;
+    std::erase_if(left_out, [&](const Choice& choice) { return is_in(set.chosen, choice); });
+    std::erase_if(new_ones, [&](const Choice& choice) { return is_in(along, choice); });
+    if (left_out.size() != 1) continue;
+    new_ones.front().gain = left_out.front().gain + set.gain - gain;
+    new_ones.front().cost = left_out.front().cost + set.cost - cost;
+    found.push_back({left_out.front().family, new_ones.front()});
+  }
+  return found;
+}
+
 }  // namespace
 
 std::vector<Group> groups_of(const Search& search, const Solution& solution, double entry_score) {
   std::vector<Group> groups;
+  const std::vector<RivalOfSet> of_sets = rivals_along_directions(search, solution);
   for (std::size_t i = 0; i < solution.chosen.size(); ++i) {
     const Solution rest = search.solution(without_member(solution.chosen, i), solution.own);
     Group group;
@@ -546,6 +577,12 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       if (simpler) std::swap(rival, group.member);
     }
     std::erase_if(group.rivals, [&](const Choice& rival) { return !is_alike(search, group.member, rival); });
+    for (const RivalOfSet& one : of_sets) {
+      const bool is_known = std::ranges::find(group.rivals, one.rival.family, &Choice::family) != group.rivals.end();
+      if (one.member != group.member.family || is_known) continue;
+      group.rivals.push_back(one.rival);
+      std::erase_if(group.weaker, [&](const Choice& choice) { return choice.family == one.rival.family; });
+    }
     group.in_part = rivals_of_parts(search, solution, group, rest.space);
     group.values = values_that_fit(search, rest.space, group.member);
     if (search.families()[group.member.family].effect.traits().periodic && !group.values.empty() &&

@@ -23,6 +23,19 @@ struct StepwiseOptions {
 /// The best set of effects; empty where none reaches the entry score. Does not depend on the order of the families.
 [[nodiscard]] Solution best_solution(const Search& search, const StepwiseOptions& options);
 
+/// Whether an effect acts along several directions, of which its cause may have one and another effect the others.
+[[nodiscard]] bool has_directions(const EffectInstance& effect);
+
+/// Effects along directions, each with those of its columns that are best beside the others.
+struct DirectionSet {
+  std::vector<Choice> chosen;
+  double gain = 0.0, cost = 0.0;
+  [[nodiscard]] double score() const { return gain - cost; }
+};
+/// For every set of at most so many of these effects its best columns, best score first.
+/// @param beside  what is absorbed already
+[[nodiscard]] std::vector<DirectionSet> direction_sets(const Search& search, const Space& beside, std::size_t most);
+
 /// A member of a solution and the rivals that these data cannot distinguish from it.
 struct Group {
   Choice member;

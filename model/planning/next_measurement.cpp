@@ -363,12 +363,9 @@ Result<void> ask_group(NextMeasurement& next, const Setting& in, const OpenGroup
   return ask_group_by(next, in, group, options);  // levels of a condition add up
 }
 
-/// Of a ball: the group of rivals; where none is left, the causes listed that are not part of the answer, for one set
-/// shows many causes at once.
-OpenGroup group_of_ball(const Diagnosis& diagnosis) {
+/// The causes listed that are not part of the answer: of a ball one set shows many causes at once.
+std::optional<OpenGroup> listed_group(const Diagnosis& diagnosis) {
   constexpr std::size_t kMostListed = 6;  // as many as a person weighs
-  OpenGroup group = open_group(diagnosis);
-  if (group.rivals.size() > 1 || diagnosis.verdict == Verdict::missing_effect) return group;
   OpenGroup listed;
   for (const Candidate& candidate : diagnosis.candidates) {
     if (candidate.in_answer()) {
@@ -378,7 +375,33 @@ OpenGroup group_of_ball(const Diagnosis& diagnosis) {
       listed.names.push_back(name_with_sensor(candidate.effect));
     }
   }
-  return listed.rivals.size() > 1 ? listed : group;
+  return listed.rivals.size() > 1 ? std::optional(listed) : std::nullopt;
+}
+
+/// The groups of the answer, the first first. Of a ball: where none is left, and more is missing, the causes listed.
+std::vector<OpenGroup> groups_to_ask(const Diagnosis& diagnosis, bool of_ball) {
+  std::vector<OpenGroup> groups = open_groups(diagnosis);
+  const bool is_open = !groups.empty() && groups.front().rivals.size() > 1;
+  if (of_ball && !is_open && diagnosis.verdict != Verdict::missing_effect)
+    if (auto listed = listed_group(diagnosis)) return {*listed};
+  return groups;
+}
+
+/// Of several open groups the first that a run separates: what no reading can separate must not hide what one can.
+Result<void> ask_groups(NextMeasurement& next, const Setting& in, const Diagnosis& diagnosis) {
+  std::optional<NextMeasurement> first;
+  for (const OpenGroup& group : groups_to_ask(diagnosis, is_of_ball(in.data))) {
+    NextMeasurement asked;
+    ECS_DO(ask_group(asked, in, group, is_unsized_angle(group, diagnosis)));
+    const bool separates = !asked.proposals.empty() && asked.proposals.front().separation_sigma >= kSeparates;
+    if (!first || separates) {
+      if (first) asked.notes.insert(asked.notes.begin(), first->notes.begin(), first->notes.end());
+      first = std::move(asked);
+    }
+    if (separates) break;
+  }
+  next = std::move(*first);
+  return {};
 }
 
 /// The line as it is measured now, once more and both ways: whether what is left comes back. What changes in time
@@ -496,8 +519,8 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
   if (diagnosis.verdict != Verdict::missing_effect) return std::nullopt;
   for (const Candidate& candidate : diagnosis.candidates)
     if (candidate.in_answer() &&
-        (!candidate.named || !candidate.rivals.empty() || !candidate.parameters_set.empty() ||
-         candidate.e_value.value_or(0.0) < kProved ||
+        (!candidate.named || !candidate.rivals.empty() || !candidate.in_part.empty() ||
+         !candidate.parameters_set.empty() || candidate.e_value.value_or(0.0) < kProved ||
          std::ranges::any_of(candidate.parameters, [](const ParameterEstimate& one) { return one.undetermined; })))
       return std::nullopt;
   return "No further measurement is needed to find the cause: it is proved" + odds_of_others(diagnosis) + ".";
@@ -519,10 +542,12 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
   }
   NextMeasurement next = next_measurement(model, data, diagnosis, times);
   if (next.proposals.empty() || diagnosis.candidates.empty() || !diagnosis.candidates.front().in_answer()) return next;
-  const OpenGroup group = open_group(diagnosis);
+  const std::vector<OpenGroup> groups = open_groups(diagnosis);
+  const auto group = std::ranges::find(groups, next.rivals, &OpenGroup::names);
+  if (group == groups.end()) return next;
   for (Candidate& candidate : diagnosis.candidates)  // what decides a doubt comes before what separates
     if ((candidate.decide.empty() || !candidate.rivals.empty()) &&
-        std::ranges::any_of(group.rivals,
+        std::ranges::any_of(group->rivals,
                             [&](const EffectInstance& rival) { return same_candidate(rival, candidate.effect); }))
       candidate.next_measurement = next.proposals.front().sentence;
   return next;
@@ -559,11 +584,9 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
   const bool few = diagnosis.verdict == Verdict::cannot_tell && diagnosis.candidates_tried == 0;  // not even searched
   if (diagnosis.verdict == Verdict::cannot_tell && !few)
     ask_again(next, setting, diagnosis);
-  else if (is_named && !diagnosis.candidates.empty()) {
-    const OpenGroup group = is_of_ball(data) ? group_of_ball(diagnosis) : open_group(diagnosis);
-    asked = ask_group(next, setting, group, is_unsized_angle(group, diagnosis));
-  } else if (diagnosis.verdict == Verdict::unexplained_structure && is_of_ball(data) && !diagnosis.candidates.empty())
-    asked = ask_group(next, setting, group_of_ball(diagnosis), false);
+  else if (!diagnosis.candidates.empty() &&
+           (is_named || (diagnosis.verdict == Verdict::unexplained_structure && is_of_ball(data))))
+    asked = ask_groups(next, setting, diagnosis);
   else if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty())
     asked = ask_structure(next, setting, diagnosis);
   else

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "base/linear/decompositions.hpp"
+#include "model/diagnosis/stepwise.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
@@ -188,12 +189,6 @@ bool lists(const Candidate& candidate, const EffectInstance& other) {
 /// Least separation [sigma] at which a cause counts as seen: as what separates rivals.
 constexpr double kSeen = kSeparates;
 
-/// The first effect of the answer of which a part may be another effect.
-auto first_with_open_part(const Diagnosis& diagnosis) {
-  return std::ranges::find_if(diagnosis.candidates,
-                              [](const Candidate& one) { return one.in_answer() && !one.in_part.empty(); });
-}
-
 /// Whether two parts of one effect have the same sizes held.
 bool same_columns(const EffectInstance& one, const EffectInstance& other) { return one.parameters == other.parameters; }
 
@@ -215,35 +210,55 @@ std::string name_with_sensor(const EffectInstance& effect) {
   return name;
 }
 
-OpenGroup open_group(const Diagnosis& diagnosis) {
-  OpenGroup group;
-  if (diagnosis.candidates.empty()) return group;
-  const Candidate* first = &diagnosis.candidates.front();
-  for (const Candidate& candidate : diagnosis.candidates)
-    if (candidate.in_answer() && !candidate.indistinguishable_from.empty()) {
-      first = &candidate;
-      break;
-    }
-  group.rivals.push_back(first->effect);
+namespace {
+
+/// Free along all its directions: beside a rival of another effect it may have taken others.
+EffectInstance along_all_directions(EffectInstance effect) {
+  if (has_directions(effect))
+    for (const ParameterDefinition& size : effect.definition().parameters)
+      effect.parameters.erase(std::string(size.name));
+  return effect;
+}
+
+/// A cause with its rivals, beside the others of the answer.
+OpenGroup group_around(const Candidate& first, const Diagnosis& diagnosis) {
+  OpenGroup group{{first.effect}, {}, {}};
   for (const Candidate& other : diagnosis.candidates) {
-    if (&other == first) continue;
-    const bool rival = lists(*first, other.effect) && !same_candidate(other.effect, first->effect);
+    if (&other == &first) continue;
+    const bool rival = lists(first, other.effect) && !same_candidate(other.effect, first.effect);
     if (rival && !other.in_answer())
       group.rivals.push_back(other.effect);
     else if (other.in_answer())
-      group.settled.push_back(other.effect);
+      group.settled.push_back(along_all_directions(other.effect));
   }
-  if (const auto part = group.rivals.size() > 1 ? diagnosis.candidates.end() : first_with_open_part(diagnosis);
-      part != diagnosis.candidates.end()) {
-    group.settled = {part->in_part.front().kept};
-    group.rivals = {part->in_part.front().part};
-    for (const RivalOfPart& one : part->in_part)
-      if (same_columns(one.part, group.rivals.front())) group.rivals.push_back(one.other);
-    for (const Candidate& other : diagnosis.candidates)
-      if (other.in_answer() && &other != &*part) group.settled.push_back(other.effect);
-  }
-  for (const EffectInstance& rival : group.rivals) group.names.push_back(name_with_sensor(rival));
   return group;
+}
+
+/// A part of a cause, with what may take its place.
+OpenGroup group_of_part(const Candidate& whole, const Diagnosis& diagnosis) {
+  const RivalOfPart& first = whole.in_part.front();
+  OpenGroup group{{first.part}, {}, {first.kept}};
+  for (const RivalOfPart& one : whole.in_part)
+    if (same_columns(one.part, first.part)) group.rivals.push_back(one.other);
+  for (const Candidate& other : diagnosis.candidates)
+    if (other.in_answer() && &other != &whole) group.settled.push_back(other.effect);
+  return group;
+}
+
+}  // namespace
+
+std::vector<OpenGroup> open_groups(const Diagnosis& diagnosis) {
+  std::vector<OpenGroup> groups;
+  for (const Candidate& one : diagnosis.candidates)
+    if (one.in_answer() && !one.indistinguishable_from.empty())
+      if (OpenGroup group = group_around(one, diagnosis); group.rivals.size() > 1) groups.push_back(std::move(group));
+  for (const Candidate& one : diagnosis.candidates)
+    if (one.in_answer() && !one.in_part.empty()) groups.push_back(group_of_part(one, diagnosis));
+  if (groups.empty() && !diagnosis.candidates.empty())
+    groups.push_back(group_around(diagnosis.candidates.front(), diagnosis));
+  for (OpenGroup& group : groups)
+    for (const EffectInstance& rival : group.rivals) group.names.push_back(name_with_sensor(rival));
+  return groups;
 }
 
 std::vector<std::string> extra_columns_of(const EffectInstance& effect, const Observations& data) {

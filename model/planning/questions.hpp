@@ -43,9 +43,9 @@ struct OpenGroup {
   std::vector<std::string> names;       ///< one per rival
   std::vector<EffectInstance> settled;  ///< named effects outside the group
 };
-/// The first group of several; else the first effect of which a part may be another one, along with those; else the
-/// first named cause.
-[[nodiscard]] OpenGroup open_group(const Diagnosis& diagnosis);
+/// Every group of several; then every effect of which a part may be another one, along with those; of a diagnosis
+/// without either its first cause alone. Not empty where there are candidates.
+[[nodiscard]] std::vector<OpenGroup> open_groups(const Diagnosis& diagnosis);
 
 /// "thermal_drift:X:EX (t_spindle_degC)"
 [[nodiscard]] std::string name_with_sensor(const EffectInstance& effect);

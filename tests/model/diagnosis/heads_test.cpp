@@ -3,6 +3,11 @@
 #include <numbers>
 #include <set>
 
+#include "base/linear/decompositions.hpp"
+#include "model/diagnosis/stepwise.hpp"
+#include "model/planning/next_measurement.hpp"
+#include "model/planning/questions.hpp"
+#include "tests/model/support/searching.hpp"
 #include "tests/model/support/turning_machine.hpp"
 
 using namespace ecs;
@@ -60,8 +65,14 @@ struct FoundUnderHead {
   std::set<std::string> named;
 };
 
-FoundUnderHead found_with(laser::MeasurementSet set, const Errors& errors) {
-  TurningMachine made = head();
+/// A table C under a head B.
+TurningMachine table_under_head() {
+  return {"XYCTZB",
+          {{'B', {{-100.0, 100.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 300.0}}},
+           {'C', {{0.0, 360.0}, {0.0, 0.0, 1.0}, {200.0, 150.0, 500.0}}}}};
+}
+
+FoundUnderHead found_with(laser::MeasurementSet set, const Errors& errors, TurningMachine made = head()) {
   for (auto& axis : made.machine.axes) axis->travel_mm = {-1500.0, 1500.0};
   std::mt19937_64 random(5);
   NormalDraws normal(0.0, 0.5);
@@ -108,8 +119,8 @@ TEST_CASE("a shift of the tilting axis is tried as a wave of two turns or more o
   }
 }
 
-TEST_CASE("of bending along several directions, the part that may be another effect is told") {
-  const FoundUnderHead found = found_with(sweeps_under_head({150.0}), [](const Observations& data, std::size_t k) {
+TEST_CASE("of bending along several directions, the part that may be another effect is told, and a set to part them") {
+  FoundUnderHead found = found_with(sweeps_under_head({150.0}), [](const Observations& data, std::size_t k) {
     const double s = std::sin(b_of(data, k)), c = 1.0 - std::cos(b_of(data, k));
     return in_machine(data, k, Axis::Y) * (15.0 * s + 18.0 * c) + in_head(data, k, Sense::EX) * (10.0 * s - 4.0 * c);
   });
@@ -124,6 +135,83 @@ TEST_CASE("of bending along several directions, the part that may be another eff
   }
   CHECK(told.contains("head_bending"));
   CHECK(told.contains("tool_bending"));
+  CHECK_FALSE(nothing_in_doubt(found.diagnosis));
+  const NextMeasurement next = planned_next(found.model, found.data, found.diagnosis);
+  REQUIRE_FALSE(next.proposals.empty());
+  CHECK(next.proposals.front().separation_sigma > kSeparates);
+  check_holds(next.proposals.front().sentence, {"tool that is 100 mm longer"});
+}
+
+TEST_CASE("bending of a head along one direction beside a squareness is not named as bending of head and machine") {
+  const FoundUnderHead found =
+      found_with(sweeps_under_head({150.0, 250.0}), [](const Observations& data, std::size_t k) {
+        const double s = std::sin(b_of(data, k)), c = 1.0 - std::cos(b_of(data, k));
+        return in_head(data, k, Sense::EX) * (11.0 * s + 16.0 * c) - data.through_chain[k].of_linear[4] * 32.0;
+      });
+  INFO(found.diagnosis.headline);
+  CHECK(found.named == std::set<std::string>{"head_bending", "linear_axes"});
+}
+
+TEST_CASE(
+    "a cause whose rival needs another direction of the other cause has it told, and a place of the ball parts them") {
+  // B0Z by the lever from tool to pivot is the bending along X with 1 - cos b: the rest is in proportion to the tool
+  constexpr double kB0Z_um_per_m = -137.0, kPivot_m = 0.3;
+  FoundUnderHead found = found_with(
+      sweeps_under_head({150.0, 250.0}),
+      [](const Observations& data, std::size_t k) {
+        const double s = std::sin(b_of(data, k)), c = 1.0 - std::cos(b_of(data, k));
+        return in_head(data, k, Sense::EX) * (-36.0 * s + kB0Z_um_per_m * kPivot_m * c) +
+               data.through_chain[k].of_linear[4] * kB0Z_um_per_m;
+      },
+      table_under_head());
+  INFO(found.diagnosis.headline);
+  std::set<std::string> told = found.named;
+  for (const Candidate& one : found.diagnosis.candidates)
+    if (one.in_answer()) told.insert(one.indistinguishable_from.begin(), one.indistinguishable_from.end());
+  CHECK(told == std::set<std::string>{"head_bending", "linear_axes", "tool_bending"});
+  const NextMeasurement next = planned_next(found.model, found.data, found.diagnosis);
+  CHECK(std::set<std::string>(next.rivals.begin(), next.rivals.end()) ==
+        std::set<std::string>{"linear_axes", "tool_bending"});
+  REQUIRE_FALSE(next.proposals.empty());
+  CHECK(next.proposals.front().separation_sigma > kSeparates);
+  check_holds(next.proposals.front().condition, {"second place", "along Z only"});
+}
+
+TEST_CASE("of all sets of effects along directions the best is found, as fits of each of them say") {
+  const FoundUnderHead made =
+      found_with(sweeps_under_head({150.0, 250.0}), [](const Observations& data, std::size_t k) {
+        const double s = std::sin(b_of(data, k)), c = 1.0 - std::cos(b_of(data, k));
+        return in_machine(data, k, Axis::X) * 12.0 * s + in_head(data, k, Sense::EX) * 16.0 * c -
+               data.through_chain[k].of_linear[4] * 32.0;
+      });
+  const Regressors regressors(made.data);
+  const NoiseModel noise = plain_noise(made.data, 0.5);
+  const Whitener whitener(made.data, noise, std::vector<bool>(made.data.size(), false));
+  Eigen::MatrixXd base(static_cast<Eigen::Index>(made.data.size()), 0);
+  for (const EffectInstance& one : made.model.effects) base = ecs::beside(base, regressors.columns(one, 0.0).of);
+  std::vector<EffectInstance> candidates(2);
+  candidates[0].id = effect_named("machine_bending");
+  candidates[1].id = effect_named("linear_axes");
+  for (EffectInstance& one : candidates) one.rotary = true;
+  const Eigen::VectorXd target = Eigen::Map<const Eigen::VectorXd>(made.data.reading.data(), base.rows());
+  const Search search(regressors, whitener, base, target, candidates);
+  const Space& alone = search.alone().space;
+  const std::vector<DirectionSet> sets = direction_sets(search, alone, 2);
+  REQUIRE(sets.size() == 4);  // none, either, both
+  for (const DirectionSet& set : sets)
+    CHECK(set.gain == Approx(alone.chi2() - search.solution(set.chosen).space.chi2()).epsilon(1e-6));
+  double best = 0.0;
+  for (const auto& of_first : candidates[0].definition().column_sets)
+    for (const auto& of_second : candidates[1].definition().column_sets) {
+      const auto free = static_cast<double>(of_first.size() + of_second.size());
+      const Choice first{0, 0.0, of_first, 0.0, 0.0, of_first.size()},
+          second{1, 0.0, of_second, 0.0, 0.0, of_second.size()};
+      const double gain = alone.chi2() - search.solution({first, second}).space.chi2();
+      best = std::max(best, gain - free * search.families()[0].ln_readings - search.families()[0].shape_cost -
+                                search.families()[1].shape_cost);
+    }
+  CHECK(sets.front().chosen.size() == 2);
+  CHECK(sets.front().score() == Approx(best).epsilon(1e-6));
 }
 
 TEST_CASE("with two lengths of tool, bending of the machine, of the head and of the tool are named each") {
