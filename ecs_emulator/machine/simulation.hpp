@@ -138,6 +138,8 @@ class Simulation {
   /// The speed that the CNC gives the spindle, from the next second on.
   void spindle(double rpm) { heat_.spindle(rpm); }
   [[nodiscard]] Random& random() { return random_; }
+  /// Of the rotary axes, as the latest readings of a ball left them: none moves otherwise.
+  [[nodiscard]] RotaryState& rotary() { return rotary_; }
   [[nodiscard]] const Drives& drives() const { return drives_; }
   [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
 
@@ -168,6 +170,7 @@ class Simulation {
   ChainGeometry geometry_;
   std::uint64_t seed_;
   Random random_;
+  RotaryState rotary_;
   PerAxis<std::optional<Stop>> stops_{};
   ComponentValues stop_scatter_{};
   std::uint16_t tool_ = 0;

@@ -201,6 +201,17 @@ Result<laser::MeasurementSet> ball_readings(Simulation& simulation, const BallPl
   return set;
 }
 
+RotaryState stand_after(const laser::MeasurementSet& set, RotaryState before) {
+  for (const laser::Reading& r : set.readings) {
+    for (std::size_t a = 0; a < kAxes; ++a)
+      if (r.angle_deg[a] != before.angle_deg[a])
+        before.approach[a] = r.angle_deg[a] > before.angle_deg[a] ? Approach::forward : Approach::reverse;
+    before.angle_deg = r.angle_deg;
+    before.approach[index_of(r.axis)] = r.approach;
+  }
+  return before;
+}
+
 Result<laser::MeasurementSet> turn_readings(Simulation& simulation, const TurnPlan& plan) {
   const params::Machine& machine = simulation.description().machine;
   ECS_DO(check(machine, plan.sweep));
@@ -232,7 +243,7 @@ Result<laser::MeasurementSet> turn_readings(Simulation& simulation, const TurnPl
 Result<Sweep> sweep_in(std::string_view text) {
   const auto wrong = [&](std::string_view part) {
     return problem(ProblemKind::usage,
-                   fmt::format("sweep: expected such as \"C=0:330:30\" or \"C=0:330:30/A=-60\", found \"{}\"", part));
+                   fmt::format("sweep: expected such as \"C=0:330:30\" or \"C=0,45,180/A=-60\", found \"{}\"", part));
   };
   Sweep sweep;
   bool first = true;
@@ -242,13 +253,17 @@ Result<Sweep> sweep_in(std::string_view text) {
         sides.size() == 2 && sides[0].size() == 1 ? std::string_view("ABC").find(sides[0]) : std::string_view::npos;
     if (axis == std::string_view::npos) return wrong(part);
     std::vector<double> numbers;
-    for (const std::string_view word : split(sides[1], ':')) {
+    const bool is_list = first && sides[1].find(',') != std::string_view::npos;
+    for (const std::string_view word : split(sides[1], is_list ? ',' : ':')) {
       const auto number = number_in(word);
       if (!number) return wrong(part);
       numbers.push_back(*number);
     }
-    if (numbers.size() != (first ? 3U : 1U)) return wrong(part);
-    if (first) {
+    if (!is_list && numbers.size() != (first ? 3U : 1U)) return wrong(part);
+    if (is_list) {
+      sweep.axis = axis;
+      sweep.targets_deg = numbers;
+    } else if (first) {
       const double span = numbers[1] - numbers[0], step = std::abs(numbers[2]);
       if (!(step > 0.0) || std::abs(span) / step > static_cast<double>(kMostTargets)) return wrong(part);
       const auto count = static_cast<std::size_t>(std::floor(std::abs(span) / step + 1e-9));

@@ -111,6 +111,9 @@ struct BallPlan {
 /// travels.
 [[nodiscard]] Result<laser::MeasurementSet> ball_readings(Simulation& simulation, const BallPlan& plan);
 
+/// The rotary axes after these readings: where they are, and from which side each came there.
+[[nodiscard]] RotaryState stand_after(const laser::MeasurementSet& set, RotaryState before);
+
 struct TurnPlan {
   Sweep sweep;
   Sense sense = Sense::EC;
@@ -122,7 +125,8 @@ struct TurnPlan {
 /// Readings of an error motion on its own, counted from the first target.
 [[nodiscard]] Result<laser::MeasurementSet> turn_readings(Simulation& simulation, const TurnPlan& plan);
 
-/// "C=0:330:30" the axis that moves, "/A=-60" where another stands. A `usage` problem says what is wrong.
+/// "C=0:330:30" or "C=0,45,180" the axis that moves, "/A=-60" where another stands. A `usage` problem says what is
+/// wrong.
 [[nodiscard]] Result<Sweep> sweep_in(std::string_view text);
 
 // The true errors of the machine: its components along its axes, what a volume is computed from, and the volumetric

@@ -231,10 +231,10 @@ void ask_for_readings(const Workshop& workshop, Arguments& arguments, int& runs,
   arguments.numbers_into({{"noise", &noise}, {"seconds", &seconds}});
   if (!(noise >= 0.0)) arguments.complain("noise: expected 0 or more");
   if (!(seconds >= 0.0)) arguments.complain("seconds: expected 0 or more");
-  if (workshop.unit != nullptr)
+  if (workshop.unit != nullptr && workshop.unit->mode() == UnitMode::compensating)
     arguments.complain(
-        "readings of rotary axes: expected a machine without a unit (the unit supports X, Y and Z only); use "
-        "`ecs-emulator ball` and `ecs-emulator turn`");
+        "readings of rotary axes: expected the unit in integration mode (it supports X, Y and Z only, and would "
+        "compensate as if all rotary axes were at 0)");
 }
 
 Sweep asked_sweep(Arguments& arguments, const std::string& text) {
@@ -264,7 +264,9 @@ Answer read_ball(const Workshop& workshop, Arguments& arguments) {
   for (const std::string& text : arguments.words("sweep")) plan.sweeps.push_back(asked_sweep(arguments, text));
   const std::string output = arguments.word("output");
   ECS_DO(arguments.checked());
+  plan.stand = workshop.simulation->rotary();
   ECS_TRY(set, ball_readings(*workshop.simulation, plan));
+  workshop.simulation->rotary() = stand_after(set, plan.stand);
   return handed_back(set.readings.size(), to_csv(set), output);
 }
 

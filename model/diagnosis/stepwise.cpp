@@ -561,8 +561,8 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       else if (other.score() >= entry_score && group.weaker.size() < kMostWeaker)
         group.weaker.push_back(other);
     }
-    // of equals the one with fewer parameters, then the one that comes first in the library; a rotation that stands for
-    // slopes of both senses stays, and so does its rest
+    // of equals the one with fewer parameters, then of equally likely ones the first in the library; a rotation that
+    // stands for slopes of both senses stays, and so does its rest
     for (Choice& rival : group.rivals) {
       const bool is_part = std::ranges::any_of(rest.chosen, [&](const Choice& other) {
         return may_stand_for_both(instance(group.member), instance(rival), instance(other)) ||
@@ -573,7 +573,8 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
           rival.parameters < group.member.parameters && rival.score() >= group.member.score() - kEven;
       if (std::abs(rival.gain - group.member.gain) > kSame && !same_evidence) continue;
       const bool simpler = rival.parameters < group.member.parameters ||
-                           (rival.parameters == group.member.parameters && rival.family < group.member.family);
+                           (rival.parameters == group.member.parameters && rival.family < group.member.family &&
+                            rival.score() >= group.member.score() - kSame);
       if (simpler) std::swap(rival, group.member);
     }
     std::erase_if(group.rivals, [&](const Choice& rival) { return !is_alike(search, group.member, rival); });

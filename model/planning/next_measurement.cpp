@@ -387,12 +387,22 @@ std::vector<OpenGroup> groups_to_ask(const Diagnosis& diagnosis, bool of_ball) {
   return groups;
 }
 
+/// The run that separates a group whatever directions the other causes have; where there is none, at theirs of now.
+Result<NextMeasurement> asked_of(const Setting& in, const OpenGroup& group, bool other_lines) {
+  const OpenGroup free = with_free_directions(group);
+  NextMeasurement asked;
+  ECS_DO(ask_group(asked, in, free, other_lines));
+  if (!asked.proposals.empty() || free.settled == group.settled) return asked;
+  asked = {};
+  ECS_DO(ask_group(asked, in, group, other_lines));
+  return asked;
+}
+
 /// Of several open groups the first that a run separates: what no reading can separate must not hide what one can.
 Result<void> ask_groups(NextMeasurement& next, const Setting& in, const Diagnosis& diagnosis) {
   std::optional<NextMeasurement> first;
   for (const OpenGroup& group : groups_to_ask(diagnosis, is_of_ball(in.data))) {
-    NextMeasurement asked;
-    ECS_DO(ask_group(asked, in, group, is_unsized_angle(group, diagnosis)));
+    ECS_TRY(asked, asked_of(in, group, is_unsized_angle(group, diagnosis)));
     const bool separates = !asked.proposals.empty() && asked.proposals.front().separation_sigma >= kSeparates;
     if (!first || separates) {
       if (first) asked.notes.insert(asked.notes.begin(), first->notes.begin(), first->notes.end());

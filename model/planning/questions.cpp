@@ -212,14 +212,6 @@ std::string name_with_sensor(const EffectInstance& effect) {
 
 namespace {
 
-/// Free along all its directions: beside a rival of another effect it may have taken others.
-EffectInstance along_all_directions(EffectInstance effect) {
-  if (has_directions(effect))
-    for (const ParameterDefinition& size : effect.definition().parameters)
-      effect.parameters.erase(std::string(size.name));
-  return effect;
-}
-
 /// A cause with its rivals, beside the others of the answer.
 OpenGroup group_around(const Candidate& first, const Diagnosis& diagnosis) {
   OpenGroup group{{first.effect}, {}, {}};
@@ -229,7 +221,7 @@ OpenGroup group_around(const Candidate& first, const Diagnosis& diagnosis) {
     if (rival && !other.in_answer())
       group.rivals.push_back(other.effect);
     else if (other.in_answer())
-      group.settled.push_back(along_all_directions(other.effect));
+      group.settled.push_back(other.effect);
   }
   return group;
 }
@@ -259,6 +251,16 @@ std::vector<OpenGroup> open_groups(const Diagnosis& diagnosis) {
   for (OpenGroup& group : groups)
     for (const EffectInstance& rival : group.rivals) group.names.push_back(name_with_sensor(rival));
   return groups;
+}
+
+OpenGroup with_free_directions(OpenGroup group) {
+  for (EffectInstance& effect : group.settled) {
+    const bool is_rival_too = std::ranges::find(group.rivals, effect.id, &EffectInstance::id) != group.rivals.end();
+    if (!has_directions(effect) || is_rival_too) continue;
+    for (const ParameterDefinition& size : effect.definition().parameters)
+      effect.parameters.erase(std::string(size.name));
+  }
+  return group;
 }
 
 std::vector<std::string> extra_columns_of(const EffectInstance& effect, const Observations& data) {

@@ -46,6 +46,8 @@ struct OpenGroup {
 /// Every group of several; then every effect of which a part may be another one, along with those; of a diagnosis
 /// without either its first cause alone. Not empty where there are candidates.
 [[nodiscard]] std::vector<OpenGroup> open_groups(const Diagnosis& diagnosis);
+/// Its settled effects free along all their directions: beside another rival they may have taken others.
+[[nodiscard]] OpenGroup with_free_directions(OpenGroup group);
 
 /// "thermal_drift:X:EX (t_spindle_degC)"
 [[nodiscard]] std::string name_with_sensor(const EffectInstance& effect);

@@ -1,6 +1,8 @@
 // `ecs model investigate`: measure, diagnose, measure what separates, until one cause is left; then compensate and
 // measure again.
 
+#include <fmt/format.h>
+
 #include "app/cli/verb.hpp"
 #include "base/answer_table.hpp"
 #include "base/process.hpp"
@@ -15,7 +17,7 @@ namespace {
 constexpr double kMostMinutes = 100'000.0;
 
 struct InvestigateRequest : commissioning::WorkshopChoice {
-  std::string output;
+  std::string output, ball_output;
   double minutes = 0.0;
   static Fields<InvestigateRequest> fields() {
     using R = InvestigateRequest;
@@ -30,7 +32,10 @@ struct InvestigateRequest : commissioning::WorkshopChoice {
              "folder in which a person places the readings; accepted files are listed in its ledger.json"},
             {"--minutes", &R::minutes, "time available for the runs, including set-up and waiting [min]",
              Need::required, Range{0.0, kMostMinutes}},
-            {"-o,--output", &R::output, "model file to write, with the causes found; may be MODEL itself", Is::output}};
+            {"-o,--output", &R::output, "model file to write, with the causes found; may be MODEL itself", Is::output},
+            {"--ball-model", &R::ball_output,
+             "model file to write of the readings of a ball, on a machine with rotary axes, with their causes",
+             Is::output}};
   }
 };
 
@@ -70,6 +75,7 @@ Result<Outcome> investigate(VerbContext& context, const InvestigateRequest& requ
     return problem(ProblemKind::usage, "expected either --workshop SOCKET or --watch FOLDER");
   for (const std::string& input : {request.machine, request.params})
     ECS_DO(check_output_not_input(request.output, {input}));
+  ECS_DO(check_output_not_input(request.ball_output, {request.model, request.machine, request.params}));
   const auto model = model::read_model(request.model);
   if (!model) return tl::unexpected(model.error());
   ECS_TRY(machine, machine_in(context.console, request.machine));
@@ -92,6 +98,12 @@ Result<Outcome> investigate(VerbContext& context, const InvestigateRequest& requ
   ecs::Cell answer = commissioning::investigation_cell(*investigation);
   if (!request.output.empty()) ECS_DO(model::write_model(request.output, investigation->model, request.model));
   answer.text += written_cell("model", request.output).text;
+  if (!request.ball_output.empty() && investigation->ball_model) {
+    ECS_DO(model::write_model(request.ball_output, *investigation->ball_model, request.model));
+    answer.text += written_cell("model of the ball", request.ball_output).text;
+  } else if (!request.ball_output.empty()) {
+    answer.text += fmt::format("{} was not written: no ball was measured\n", request.ball_output);
+  }
   return outcome_of(answer);
 }
 

@@ -37,6 +37,9 @@ using RunKey = std::tuple<std::string, Axis, Sense>;
 RunKey key_of(const MeasurementProposal& proposal) { return {proposal.condition, proposal.axis, proposal.sense}; }
 
 std::string short_text(const MeasurementProposal& proposal) {
+  if (proposal.ball)
+    return fmt::format("ball {}: {} readings a run, {} {} both ways", proposal.condition,
+                       proposal.ball->readings.size(), proposal.runs, proposal.runs == 1 ? "run" : "runs");
   return fmt::format("{} along {}, {}: {} targets, {} {}{}", name_of(proposal.sense), letter_of(proposal.axis),
                      proposal.condition, proposal.targets_mm.size(), proposal.runs, proposal.runs == 1 ? "run" : "runs",
                      proposal.bidirectional ? " both ways" : "");
@@ -65,7 +68,7 @@ class Investigator {
  public:
   Investigator(const Model& model, const params::Machine& machine, Workshop& workshop,
                const InvestigationOptions& options)
-      : machine_(machine), workshop_(workshop), options_(options), readings_(model) {
+      : machine_(machine), workshop_(workshop), options_(options), readings_(model), ball_(machine, options.times) {
     lines_ = lines_of_model(model, machine);
     waiting_ = lines_;
   }
@@ -76,11 +79,13 @@ class Investigator {
       if (!next) break;
       ECS_DO(step(*next));
     }
+    ECS_DO(add_causes_of_ball());
     if (!diagnosis_) {
-      result_.notes.push_back(fmt::format("no measurement: no run fits into {:g} minutes", options_.minutes));
+      if (!ball_.diagnosis())
+        result_.notes.push_back(fmt::format("no measurement: no run fits into {:g} minutes", options_.minutes));
       return std::move(result_);
     }
-    result_.verdict = verdict();
+    result_.verdict = together(verdict(), result_.verdict);
     result_.programme = iso_programme(measured_lines_, machine_, options_.times);
     ECS_DO(add_causes());
     ECS_DO(compensate());
@@ -120,8 +125,15 @@ class Investigator {
     }
     if (auto later = look_not_repeated()) return later;
     if (auto turned = artefact_not_turned_over()) return turned;
-    if (!diagnosis_ || settled()) return std::nullopt;
-    return separating_run(false);
+    std::optional<MeasurementProposal> ball = ball_.next(minutes_left());
+    if ((ball && !ball_.diagnosis()) || !diagnosis_ || settled()) return ball;
+    std::optional<MeasurementProposal> line = separating_run(false);
+    return ball && (!line || tells_more_a_minute(*ball, *line)) ? ball : line;
+  }
+
+  /// Of two runs with a separation the one with more of it a minute; what has none is a look that comes first.
+  static bool tells_more_a_minute(const MeasurementProposal& one, const MeasurementProposal& other) {
+    return other.separation_sigma > 0.0 && one.separation_sigma / one.minutes > other.separation_sigma / other.minutes;
   }
 
   /// Cold and warm where the unit knows temperatures, as long as each line can have as much, twice.
@@ -315,8 +327,38 @@ class Investigator {
            lines_.end();
   }
 
+  /// A set of a ball, after which the optics of a line have to be set up again.
+  Result<void> step_of_ball(const MeasurementProposal& proposal) {
+    auto run = workshop_.measure({static_cast<int>(result_.steps.size()) + 1, proposal, false});
+    last_.reset();
+    if (!run) {
+      const bool another_may = run.error().kind == ProblemKind::usage || run.error().kind == ProblemKind::refused;
+      if (cancelled() || !another_may) return tl::unexpected(run.error());
+      result_.notes.push_back(fmt::format("{} could not be measured: {}", short_text(proposal), to_text(run.error())));
+      ball_.end();
+      return {};
+    }
+    InvestigationStep step;
+    step.minutes = run->minutes;
+    step.measured = short_text(proposal);
+    step.readings = run->set.readings.size();
+    ECS_DO(ball_.add(run->set, diagnosing()));
+    step.verdict = ball_.diagnosis()->verdict;
+    step.set = members_left(*ball_.diagnosis());
+    step.rms_um = ball_.diagnosis()->rms_um;
+    keep(std::move(step));
+    return {};
+  }
+
+  void keep(InvestigationStep step) {
+    result_.minutes += step.minutes;
+    workshop_.keep(step);
+    result_.steps.push_back(std::move(step));
+  }
+
   Result<void> step(MeasurementProposal proposal) {
     if (cancelled()) return stopped();
+    if (proposal.ball) return step_of_ball(proposal);
     proposal.against_square = is_against_square(proposal);
     const bool first = proposal.condition.starts_with(kFirstLook);
     auto run = workshop_.measure({static_cast<int>(result_.steps.size()) + 1, proposal, false});
@@ -343,9 +385,7 @@ class Investigator {
     for (const auto& [effect, probability] : accepted_) step.set.push_back({to_text(effect), probability});
     std::ranges::move(members_left(*diagnosis_), std::back_inserter(step.set));
     step.rms_um = diagnosis_->rms_um;
-    result_.minutes += step.minutes;
-    workshop_.keep(step);
-    result_.steps.push_back(std::move(step));
+    keep(std::move(step));
     return {};
   }
 
@@ -416,6 +456,21 @@ class Investigator {
   [[nodiscard]] Verdict verdict() const {
     if (accepted_.empty() || diagnosis_->verdict == Verdict::missing_effect) return diagnosis_->verdict;
     return diagnosis_->verdict == Verdict::adequate ? Verdict::missing_effect : Verdict::partly_explained;
+  }
+
+  /// Of the lines and of the ball: what is missing on either is missing.
+  static Verdict together(Verdict lines, const std::optional<Verdict>& ball) {
+    if (!ball || *ball == lines || *ball == Verdict::adequate) return lines;
+    return lines == Verdict::adequate ? *ball : Verdict::partly_explained;
+  }
+
+  Result<void> add_causes_of_ball() {
+    if (!ball_.diagnosis()) return {};
+    result_.verdict = ball_.diagnosis()->verdict;
+    ECS_TRY(causes, ball_.causes());
+    result_.causes = std::move(causes.found);
+    result_.ball_model = std::move(causes.model);
+    return {};
   }
 
   Result<void> add_causes() {
@@ -530,6 +585,7 @@ class Investigator {
   Workshop& workshop_;
   const InvestigationOptions& options_;
   InvestigationReadings readings_;
+  BallInvestigation ball_;
   std::vector<InvestigatedLine> lines_, waiting_, measured_lines_;
   std::vector<Look> looks_;
   std::set<RunKey> made_;

@@ -178,9 +178,10 @@ struct Investigation {
   std::optional<double> rms_before_um;    ///< of the readings of the first look, each run about its mean
   /// Of the same targets measured again with the new map active; absent: no map could be made or sent.
   std::optional<double> rms_compensated_um;
-  double compensated_minutes = 0.0;  ///< of measuring again; not part of `minutes`
-  model::Model model;                ///< with the causes, fitted
-  std::vector<std::string> notes;    ///< what was left out, and why
+  double compensated_minutes = 0.0;        ///< of measuring again; not part of `minutes`
+  model::Model model;                      ///< with the causes on the lines, fitted
+  std::optional<model::Model> ball_model;  ///< of the readings of a ball, with their causes, fitted
+  std::vector<std::string> notes;          ///< what was left out, and why
 };
 
 /// " #   min  total  rms um causes", and the numbers of a step below it.
@@ -196,6 +197,45 @@ struct Investigation {
 /// errors before and after.
 [[nodiscard]] Cell investigation_cell(const Investigation& investigation);
 [[nodiscard]] std::string summary_text(const Investigation& investigation);  ///< the text of it
+
+/// Pairs of + and - angles of the tilting axis while a ball on the table is followed, off the middle of the travels as
+/// far as the most poses are in reach. Nothing: the machine has no rotary axes, or lacks one of X, Y, Z.
+[[nodiscard]] std::optional<model::MeasurementProposal> first_look_at_ball(const params::Machine& machine,
+                                                                           const model::MeasuringTimes& times);
+
+/// Sets of a ball, which are a measurement of their own: positions of the ball and the tool and all location errors are
+/// in its model, as in `ecs model new`.
+class BallInvestigation {
+ public:
+  BallInvestigation(const params::Machine& machine, const model::MeasuringTimes& times);
+
+  /// The first look, then the set that separates best per minute what the diagnosis leaves open. Nothing: nothing is
+  /// open, no set separates it, or none takes so few minutes.
+  [[nodiscard]] std::optional<model::MeasurementProposal> next(double minutes);
+  /// No sets can be measured here.
+  void end() { is_over_ = true; }
+  /// Behind the readings so far, and diagnosed with them.
+  Result<void> add(const laser::MeasurementSet& set, const model::DiagnoseOptions& options);
+  [[nodiscard]] const std::optional<model::Diagnosis>& diagnosis() const { return diagnosis_; }
+
+  struct Causes {
+    model::Model model;  ///< with the causes, fitted
+    std::vector<InvestigatedCause> found;
+  };
+  /// @pre diagnosis()
+  [[nodiscard]] Result<Causes> causes() const;
+
+ private:
+  [[nodiscard]] model::Observations observations() const;
+
+  const params::Machine& machine_;
+  model::MeasuringTimes times_;
+  std::optional<model::MeasurementProposal> first_;
+  bool is_over_ = false;
+  laser::MeasurementSet all_;
+  model::Model model_;
+  std::optional<model::Diagnosis> diagnosis_;
+};
 
 struct RequestedRun {
   int number = 1;  ///< of the run in the investigation, from 1

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
@@ -75,6 +76,24 @@ Json measuring_request(const MeasurementProposal& proposal, const params::Machin
     request["dead_path"] = 0.0;
   }
   return request;
+}
+
+/// "B=-90,-45,45,90/C=90"
+std::string sweep_text(const model::BallSet::Sweep& sweep) {
+  const auto rotary_letter = [](std::size_t axis) { return "ABC"[axis]; };
+  std::string text = fmt::format("{}={:g}", rotary_letter(index_of(sweep.axis)), fmt::join(sweep.targets_deg, ","));
+  for (std::size_t a = 0; a < kAxes; ++a)
+    if (a != index_of(sweep.axis) && sweep.parked_deg[a] != 0.0)
+      text += fmt::format("/{}={:g}", rotary_letter(a), sweep.parked_deg[a]);
+  return text;
+}
+
+Json ball_request(const MeasurementProposal& proposal) {
+  const model::BallSet& ball = *proposal.ball;
+  std::vector<std::string> sweeps;
+  for (const auto& sweep : ball.sweeps) sweeps.push_back(sweep_text(sweep));
+  return object_of("action"_is("ball"), "ball"_is(ball.place_mm), "tool_offset"_is(ball.tool_mm), "sweep"_is(sweeps),
+                   "runs"_is(proposal.runs), "seconds"_is(ball.readings.front().time_s.value_or(0.0)));
 }
 
 Result<laser::MeasurementSet> set_in(const Json& answer) {
@@ -172,7 +191,16 @@ Result<void> SocketWorkshop::stop_compensation() const {
   });
 }
 
+/// The poses take the time that they were planned with.
+Result<RunReadings> SocketWorkshop::measured_ball(const MeasurementProposal& proposal) const {
+  ECS_DO(hands_->wait(proposal.minutes));
+  ECS_TRY(answer, hands_->ask(ball_request(proposal)));
+  ECS_TRY(set, set_in(answer));
+  return RunReadings{std::move(set), proposal.minutes};
+}
+
 Result<RunReadings> SocketWorkshop::measure(const RequestedRun& run) {
+  if (run.proposal.ball) return measured_ball(run.proposal);
   ECS_TRY(before, hands_->state());
   MeasurementProposal proposal = run.proposal;
   int& set_up = set_ups_[{proposal.axis, proposal.sense}];

@@ -214,6 +214,9 @@ Result<void> WatchedFolder::write_ledger() const {
 }
 
 Result<RunReadings> WatchedFolder::measure(const RequestedRun& run) {
+  if (run.proposal.ball)
+    return problem(ProblemKind::usage,
+                   "sets of a ball are measured in a workshop only; `ecs model next` plans them for a person");
   for (GivenRun& given : given_) {
     if (given.number != run.number) continue;
     auto readings = given_before(run, given);

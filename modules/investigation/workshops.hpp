@@ -90,6 +90,7 @@ class SocketWorkshop final : public Workshop {
   [[nodiscard]] Result<void> with_unit(const std::function<Result<void>(protocol::UnitClient&)>& work) const;
   [[nodiscard]] bool has_open_link() const;
   [[nodiscard]] Result<void> stop_compensation() const;
+  [[nodiscard]] Result<RunReadings> measured_ball(const model::MeasurementProposal& proposal) const;
   [[nodiscard]] Result<laser::MeasurementSet> readings_of(const model::MeasurementProposal& proposal);
   void complete(laser::MeasurementSet& set, const model::MeasurementProposal& proposal) const;
 

@@ -72,6 +72,31 @@ TEST_CASE("a squareness is looked at along its second axis, against a square; th
   CHECK(turned.set_up_minutes == Approx(4.0));
 }
 
+TEST_CASE("a machine with a head is looked at with a ball from +B and -B; one without rotary axes is not") {
+  params::Machine machine = one_axis_machine();
+  CHECK_FALSE(first_look_at_ball(machine, workshop_times()));
+  for (auto& axis : machine.axes) axis = params::MachineAxis{.travel_mm = {-900.0, 900.0}};
+  CHECK_FALSE(first_look_at_ball(machine, workshop_times()));
+  machine.configuration = "TXYZ";
+  machine.rotary_configuration = "TXYZCB";
+  machine.rotary[1] = {{-95.0, 95.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 250.0}};
+  machine.rotary[2] = {{0.0, 360.0}, {0.0, 0.0, 1.0}, {0.0, 0.0, 500.0}};
+  const auto look = first_look_at_ball(machine, workshop_times());
+  REQUIRE(look);
+  REQUIRE(look->ball);
+  CHECK(look->runs == 2);
+  double least = 0.0, greatest = 0.0;
+  for (const laser::Reading& reading : look->ball->readings) {
+    least = std::min(least, reading.angle_deg[1]);
+    greatest = std::max(greatest, reading.angle_deg[1]);
+    for (const double mm : reading.position_mm) CHECK(std::abs(mm) <= 900.0);
+  }
+  CHECK(greatest == Approx(90.0));
+  CHECK(least == Approx(-90.0));
+  const double of_poses = 2.0 * look->ball->readings.back().time_s.value() / 60.0;
+  CHECK(look->minutes == Approx(workshop_times().ball_minutes + of_poses));
+}
+
 model::MeasurementProposal a_run() {
   model::MeasurementProposal run;
   run.targets_mm = {10.0, 200.0, 410.0, 600.0, 790.0, 990.0};

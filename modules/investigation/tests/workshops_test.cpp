@@ -6,6 +6,9 @@
 #include <filesystem>
 #include <thread>
 
+#include <fmt/format.h>
+
+#include "base/file.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "laser/writers/writers.hpp"
 #include "modules/investigation/tests/made_workshop.hpp"
@@ -15,6 +18,14 @@
 
 namespace ecs::commissioning {
 namespace {
+
+/// The link that this program has open.
+OpenUnit open_unit_of(UnitConnection& unit, JobControl& control) {
+  const WatchedUnit seen = unit.snapshot();
+  return {seen.where, seen.workshop, [&](const auto& work) {
+            return unit.with_link(control, [&](UnitLink& link) { return work(link.client()); });
+          }};
+}
 
 TEST_CASE("the map goes to the unit over the link that is open; its port cannot be opened a second time") {
   const StateFolder folder;
@@ -41,9 +52,7 @@ TEST_CASE("the map goes to the unit over the link that is open; its port cannot 
     CHECK(contains(must_fail(workshop->activate(model)).message, "in use by"));
   }
   SUBCASE("over the open link the unit is compensating afterwards") {
-    options.open_unit = {seen.where, seen.workshop, [&](const auto& work) {
-                           return unit->with_link(control, [&](UnitLink& link) { return work(link.client()); });
-                         }};
+    options.open_unit = open_unit_of(*unit, control);
     SUBCASE("known by the socket") {}
     SUBCASE("known by the port") { options.open_unit.workshop.clear(); }
     const auto workshop = must(SocketWorkshop::open(messages, options, control.cancelled));
@@ -51,6 +60,65 @@ TEST_CASE("the map goes to the unit over the link that is open; its port cannot 
     const auto status = must(unit->with_link(control, [](UnitLink& link) { return link.client().status(); }));
     CHECK(status.mode == UnitMode::compensating);
   }
+}
+
+/// A head B on a head C over X, Y, Z; B turns too far by 0.6 um/m for each degree, and the head bends along its X.
+std::string head_machine(const StateFolder& folder) {
+  std::string machine = "name = \"head\"\nconfiguration = \"TXYZCB\"\n[emulator]\nseed = 3\nerrors = \"errors.toml\"\n";
+  for (const char* axis : {"X", "Y", "Z"})
+    machine += fmt::format("[axis.{0}]\ntravel_mm = [-1000.0, 1000.0]\n[emulator.axis.{0}]\ndrive = \"ideal\"\n", axis);
+  machine +=
+      "[axis.B]\ntravel_deg = [-95.0, 95.0]\npivot_mm = [0.0, 0.0, 250.0]\n"
+      "[axis.C]\ntravel_deg = [0.0, 360.0]\npivot_mm = [0.0, 0.0, 500.0]\n";
+  must(write_file(folder / "machine.toml", machine));
+  must(write_file(folder / "errors.toml",
+                  "[location]\nXOB = 12.0\nAOC = 30.0\n"
+                  "[[contribution]]\ncomponent = \"EBB\"\nformula = \"0.6*p\"\n"
+                  "[[contribution]]\ncomponent = \"EXB\"\nformula = \"15*sin(p*pi/180)\"\n"));
+  return folder / "machine.toml";
+}
+
+TEST_CASE("an investigation of a machine with a head measures a ball too, and names what is hidden in the head") {
+  const StateFolder folder;
+  const std::string machine_file = head_machine(folder);
+  const auto unit = std::make_shared<UnitConnection>("emulator:" + machine_file);
+  for (int k = 0; k < 3000 && !unit->newest(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  REQUIRE_MESSAGE(unit->newest(), unit->snapshot().problem);
+  const auto machine = must(params::read_machine(machine_file));
+  JobControl control;
+  NoMessages messages;
+  SocketWorkshopOptions options;
+  options.socket = unit->snapshot().workshop;
+  options.sources.machine = machine_file;
+  options.machine = machine.machine;
+  options.open_unit = open_unit_of(*unit, control);
+  const auto workshop = must(SocketWorkshop::open(messages, options, control.cancelled));
+  const Investigation found =
+      must(investigate(usual_model(), machine.machine, *workshop, {.minutes = 300.0, .times = workshop_times()}));
+  INFO(summary_text(found));
+  double of_ball_min = 0.0, all_min = 0.0;
+  std::size_t sets = 0;
+  for (const InvestigationStep& step : found.steps) {
+    all_min += step.minutes;
+    if (!step.measured.starts_with("ball ")) continue;
+    ++sets;
+    of_ball_min += step.minutes;
+  }
+  CHECK(sets >= 2);  // the first shows bending of the head or of the tool, another length of the tool which
+  CHECK(of_ball_min > 30.0);
+  CHECK(found.minutes == Approx(all_min));
+  CHECK(found.minutes <= 300.0);
+  const auto cause = [&](std::string_view name) {
+    const auto at = std::ranges::find(found.causes, name, &InvestigatedCause::name);
+    REQUIRE_MESSAGE(at != found.causes.end(), name);
+    return *at;
+  };
+  CHECK(cause("tilt_scale:B:EB").parameters.front().value == Approx(0.6).epsilon(0.05));
+  CHECK(cause("head_bending").rms_um > 4.0);
+  CHECK(found.causes.size() == 2);
+  CHECK(found.verdict == model::Verdict::missing_effect);
+  REQUIRE(found.ball_model);
+  for (const model::EffectInstance& effect : found.model.effects) CHECK(to_text(effect) != "tilt_scale:B:EB");
 }
 
 class KeptMessages final : public MessageSink {

@@ -177,6 +177,17 @@ TEST_CASE("what no rotary axis can have is refused by its line") {
   CHECK(contains(refusal("[[effect]]\nid = \"cyclic\"\naxis = \"C\"\nparameters = { period_mm = 10 }\n"), "period_mm"));
 }
 
+TEST_CASE("a sweep may be a list of angles; a set that follows begins from where the last one left the axes") {
+  CHECK(sweep_in("A=-60,-10,20/C=90")->targets_deg == std::vector<double>{-60.0, -10.0, 20.0});
+  Simulation simulation = trunnion("");
+  const std::string answer = perform({&simulation, nullptr, nullptr},
+                                     R"({"action": "ball", "ball": [780, 330, -500], "sweep": ["C=0,45,180/A=-10"]})");
+  check_holds(answer, {"\"ok\":true"});
+  CHECK(simulation.rotary().angle_deg == Vector3{-10.0, 0.0, 0.0});
+  CHECK(simulation.rotary().approach[0] == Approach::reverse);
+  CHECK(simulation.rotary().approach[2] == Approach::reverse);
+}
+
 TEST_CASE("a ball out of reach, an angle beyond the travel and a three-axis machine are refused with the reason") {
   Simulation simulation = trunnion("");
   BallPlan plan = ball_plan();
