@@ -490,9 +490,10 @@ struct RivalOfSet {
 /// of theirs another one may: sets of as many effects are compared as a whole, by the margins of single rivals.
 std::vector<RivalOfSet> rivals_along_directions(const Search& search, const Solution& solution) {
   std::vector<RivalOfSet> found;
-  const auto [others, along] = split_by_directions(search, solution.chosen);
+  const SplitSolution split = split_by_directions(search, solution.chosen);
+  const std::vector<Choice>& along = split.along;
   if (along.size() < 2) return found;
-  const Solution rest = search.solution(others, solution.own);
+  const Solution rest = search.solution(split.others, solution.own);
   double cost = 0.0;
   for (const Choice& choice : along) cost += choice.cost;
   const double gain = rest.space.chi2() - solution.space.chi2();
