@@ -555,11 +555,19 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
   const std::vector<OpenGroup> groups = open_groups(diagnosis);
   const auto group = std::ranges::find(groups, next.rivals, &OpenGroup::names);
   if (group == groups.end()) return next;
-  for (Candidate& candidate : diagnosis.candidates)  // what decides a doubt comes before what separates
-    if ((candidate.decide.empty() || !candidate.rivals.empty()) &&
-        std::ranges::any_of(group->rivals,
-                            [&](const EffectInstance& rival) { return same_candidate(rival, candidate.effect); }))
-      candidate.next_measurement = next.proposals.front().sentence;
+  for (Candidate& candidate : diagnosis.candidates) {
+    if (!candidate.decide.empty() && candidate.rivals.empty()) continue;  // what decides a doubt comes first
+    const auto rival = std::ranges::find_if(
+        group->rivals, [&](const EffectInstance& one) { return same_candidate(one, candidate.effect); });
+    if (rival == group->rivals.end()) continue;
+    const std::string& name = group->names[static_cast<std::size_t>(rival - group->rivals.begin())];
+    const auto tells = std::ranges::find_if(next.proposals, [&](const MeasurementProposal& p) {
+      return p.pairs.empty() || std::ranges::any_of(p.pairs, [&](const PairSeparation& pair) {
+               return pair.sigma >= kSeparates && (pair.truth == name || pair.rival == name);
+             });
+    });
+    if (tells != next.proposals.end()) candidate.next_measurement = tells->sentence;
+  }
   return next;
 }
 
