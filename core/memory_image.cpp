@@ -95,6 +95,32 @@ ImageVerdict check_thermal(ByteView image, ImageVerdict verdict) noexcept {
   return verdict;
 }
 
+/// Bytes of the section before the axes, and of an axis before its numbers.
+constexpr std::uint32_t kConfigurationBytes = 16, kLetterBytes = 8;
+
+/// The numbers of an axis and its curves in the order of their bytes.
+template <class AxisOfSetup, class Curves>
+auto numbers_of(AxisOfSetup& a, Curves& c) noexcept {
+  return std::array{&a.deg_per_count, &a.deadband_deg,  &a.zero_deg,      &a.direction[0],  &a.direction[1],
+                    &a.direction[2],  &a.pivot_mm[0],   &a.pivot_mm[1],   &a.pivot_mm[2],   &a.location[0],
+                    &a.location[1],   &a.location[2],   &a.location[3],   &a.location[4],   &a.location[5],
+                    &c.start_deg,     &c.increment_deg, &c.resolution[0], &c.resolution[1], &c.resolution[2],
+                    &c.resolution[3], &c.resolution[4], &c.resolution[5]};
+}
+
+/// Axes and curves by themselves; what the parameters ask of them is left to compile().
+ImageVerdict check_rotary(ByteView image, ImageVerdict verdict) noexcept {
+  const RotarySetup setup = *ImageView(image).rotary();
+  const auto known = [](char letter) { return std::string_view("ABCXYZT").find(letter) != std::string_view::npos; };
+  const auto end = std::find(setup.configuration.begin(), setup.configuration.end(), '\0');
+  bool sound = end != setup.configuration.end() && std::all_of(setup.configuration.begin(), end, known) &&
+               std::all_of(end, setup.configuration.end(), [](char letter) { return letter == '\0'; });
+  for (std::size_t i = 0; i < kRotaryInputs; ++i)
+    sound = sound && (setup.axes[i].letter != '\0' || setup.tables[i].count == 0);
+  if (!sound || own_fault_of(setup) != RotaryFault::none) verdict.fault = ImageFault::bad_rotary_axis;
+  return verdict;
+}
+
 }  // namespace
 
 void begin_image(Bytes image, const ImagePlan& plan) noexcept {
@@ -109,9 +135,14 @@ void begin_image(Bytes image, const ImagePlan& plan) noexcept {
   store_big(image, prefix_at::value_count, plan.value_count);
   store_big(image, prefix_at::header, header_offset(plan));
   store_big(image, prefix_at::header_bytes, plan.header_bytes);
-  if (plan.format != kFormatWithThermal) return;
-  store_big(image, prefix_at::thermal, thermal_offset(plan));
-  store_big(image, prefix_at::thermal_count, plan.thermal_rows);
+  if (plan.thermal_rows > 0) {
+    store_big(image, prefix_at::thermal, thermal_offset(plan));
+    store_big(image, prefix_at::thermal_count, plan.thermal_rows);
+  }
+  if (plan.format != kFormatWithRotary) return;
+  store_big(image, prefix_at::rotary, rotary_offset(plan));
+  for (std::uint32_t i = 0; i < kRotaryInputs; ++i)
+    store_big(image, prefix_at::rotary_count + 4 * i, plan.rotary_values[i]);
 }
 
 void write_parameters(Bytes image, const UnitParameters& parameters) noexcept {
@@ -148,6 +179,22 @@ void write_thermal(Bytes image, const ThermalSettings& settings, std::span<const
   }
 }
 
+void write_rotary(Bytes image, const RotarySetup& setup) noexcept {
+  const std::uint32_t first = prefix_word(image, prefix_at::rotary);
+  std::copy(setup.configuration.begin(), setup.configuration.end(), image.begin() + first);
+  std::uint32_t curves_at = first + kRotaryBytes;
+  for (std::uint32_t i = 0; i < kRotaryInputs; ++i) {
+    const std::uint32_t at = first + kConfigurationBytes + i * kRotaryAxisBytes;
+    image[at] = static_cast<std::uint8_t>(setup.axes[i].letter);
+    const auto numbers = numbers_of(setup.axes[i], setup.tables[i]);
+    for (std::uint32_t n = 0; n < numbers.size(); ++n) store_double(image, at + kLetterBytes + 8 * n, *numbers[n]);
+    for (const ByteView& side : setup.tables[i].values) {
+      std::copy(side.begin(), side.end(), image.begin() + curves_at);
+      curves_at += static_cast<std::uint32_t>(side.size());
+    }
+  }
+}
+
 void write_value(Bytes image, std::uint32_t index, std::int16_t counts) noexcept {
   store_big(image, prefix_word(image, prefix_at::values) + 2 * index, static_cast<std::uint16_t>(counts));
 }
@@ -159,15 +206,30 @@ void write_header(Bytes image, std::string_view text) noexcept {
 void seal_image(Bytes image) noexcept { store_big(image, prefix_at::check, block_check(image)); }
 
 std::string_view text_of(ImageFault fault) noexcept {
-  return WordTable<ImageFault, 11>{{"sound", "contains no image", "has a format unknown to this program",
-                                    "is truncated, or its lengths are inconsistent",
-                                    "is corrupt: the block check does not agree", "contains impossible parameters",
-                                    "has a table directory of impossible numbers", "has a table of impossible numbers",
-                                    "contains a table twice",
-                                    "contains more values than the axis memory modules can store",
-                                    "has thermal settings or a thermal row of impossible numbers"}}
+  return WordTable<ImageFault, 12>{
+      {"sound", "contains no image", "has a format unknown to this program",
+       "is truncated, or its lengths are inconsistent", "is corrupt: the block check does not agree",
+       "contains impossible parameters", "has a table directory of impossible numbers",
+       "has a table of impossible numbers", "contains a table twice",
+       "contains more values than the axis memory modules can store",
+       "has thermal settings or a thermal row of impossible numbers", "has a rotary axis of impossible numbers"}}
       .of(fault);
 }
+
+namespace {
+
+/// What the prefix states.
+ImagePlan plan_of(ByteView image) noexcept {
+  ImagePlan plan{prefix_word(image, prefix_at::table_count), prefix_word(image, prefix_at::value_count),
+                 prefix_word(image, prefix_at::header_bytes), load_big<std::uint16_t>(image, prefix_at::format)};
+  if (plan.format >= kFormatWithThermal) plan.thermal_rows = prefix_word(image, prefix_at::thermal_count);
+  if (plan.format == kFormatWithRotary)
+    for (std::uint32_t i = 0; i < kRotaryInputs; ++i)
+      plan.rotary_values[i] = prefix_word(image, prefix_at::rotary_count + 4 * i);
+  return plan;
+}
+
+}  // namespace
 
 ImageVerdict check_image(ByteView bank) noexcept {
   ImageVerdict verdict;
@@ -178,7 +240,7 @@ ImageVerdict check_image(ByteView bank) noexcept {
   if (bank.size() < kPrefixBytes || prefix_word(bank, prefix_at::magic) != kImageMagic)
     return with(ImageFault::no_image);
   const auto format = load_big<std::uint16_t>(bank, prefix_at::format);
-  if (format < kFormatWithoutIdentity || format > kFormatWithThermal) return with(ImageFault::wrong_format);
+  if (format < kFormatWithoutIdentity || format > kFormatWithRotary) return with(ImageFault::wrong_format);
   verdict.total_bytes = prefix_word(bank, prefix_at::total_bytes);
   verdict.check_expected = prefix_word(bank, prefix_at::check);
   if (verdict.total_bytes > bank.size() || verdict.total_bytes < directory_offset(format))
@@ -187,27 +249,31 @@ ImageVerdict check_image(ByteView bank) noexcept {
   verdict.check_found = block_check(image);
   if (verdict.check_found != verdict.check_expected) return with(ImageFault::block_check);
 
-  const bool thermal = format == kFormatWithThermal;
-  const ImagePlan plan{prefix_word(image, prefix_at::table_count), prefix_word(image, prefix_at::value_count),
-                       prefix_word(image, prefix_at::header_bytes), format,
-                       thermal ? prefix_word(image, prefix_at::thermal_count) : 0};
+  const ImagePlan plan = plan_of(image);
+  const bool thermal = format == kFormatWithThermal || plan.thermal_rows > 0, rotary = format == kFormatWithRotary;
   if (plan.table_count > kMostTables) return with(ImageFault::bad_directory);
   if (plan.thermal_rows > kMostThermalRows || (thermal && plan.thermal_rows == 0))
     return with(ImageFault::bad_thermal_row);
+  if (std::any_of(plan.rotary_values.begin(), plan.rotary_values.end(),
+                  [](std::uint32_t count) { return count > RotaryAxisWorking::kMostCells; }))
+    return with(ImageFault::bad_rotary_axis);
   if (plan.value_count > kMostValues) return with(ImageFault::over_capacity);
   if (plan.header_bytes > verdict.total_bytes || image_bytes(plan) != verdict.total_bytes)
     return with(ImageFault::wrong_length);
   if (prefix_word(image, prefix_at::parameters) != kPrefixBytes ||
       prefix_word(image, prefix_at::directory) != directory_offset(format) ||
       (thermal && prefix_word(image, prefix_at::thermal) != thermal_offset(plan)) ||
+      (rotary && prefix_word(image, prefix_at::rotary) != rotary_offset(plan)) ||
       prefix_word(image, prefix_at::values) != values_offset(plan) ||
       prefix_word(image, prefix_at::header) != header_offset(plan))
     return with(ImageFault::wrong_length);
   const auto parameters = ImageView(image).parameters();
   if (!parameters) return with(ImageFault::bad_parameters);
   if (plan.value_count > parameters->memory_modules * kValuesPerModule) return with(ImageFault::over_capacity);
-  const ImageVerdict tables = check_directory(image, verdict);
-  return thermal && tables.fault == ImageFault::none ? check_thermal(image, tables) : tables;
+  verdict = check_directory(image, verdict);
+  if (thermal && verdict.fault == ImageFault::none) verdict = check_thermal(image, verdict);
+  if (rotary && verdict.fault == ImageFault::none) verdict = check_rotary(image, verdict);
+  return verdict;
 }
 
 std::uint32_t ImageView::total_bytes() const noexcept { return prefix_word(image_, prefix_at::total_bytes); }
@@ -229,7 +295,7 @@ TableEntry ImageView::entry(std::uint32_t index) const noexcept {
 }
 
 std::uint32_t ImageView::thermal_count() const noexcept {
-  return format() == kFormatWithThermal ? prefix_word(image_, prefix_at::thermal_count) : 0;
+  return format() >= kFormatWithThermal ? prefix_word(image_, prefix_at::thermal_count) : 0;
 }
 
 ThermalRow ImageView::thermal_row(std::uint32_t index) const noexcept {
@@ -250,6 +316,27 @@ ThermalSettings ImageView::thermal_settings() const noexcept {
   for (std::size_t i = 0; i < numbers.size(); ++i)
     *numbers[i] = load_double(image_, prefix_word(image_, prefix_at::thermal) + 8 * i);
   return settings;
+}
+
+std::optional<RotarySetup> ImageView::rotary() const noexcept {
+  if (format() != kFormatWithRotary) return std::nullopt;
+  RotarySetup setup;
+  const std::uint32_t first = prefix_word(image_, prefix_at::rotary);
+  std::copy_n(image_.begin() + first, setup.configuration.size(), setup.configuration.begin());
+  std::uint32_t curves_at = first + kRotaryBytes;
+  for (std::uint32_t i = 0; i < kRotaryInputs; ++i) {
+    const std::uint32_t at = first + kConfigurationBytes + i * kRotaryAxisBytes;
+    RotaryCurves& table = setup.tables[i];
+    setup.axes[i].letter = static_cast<char>(image_[at]);
+    const auto numbers = numbers_of(setup.axes[i], table);
+    for (std::uint32_t n = 0; n < numbers.size(); ++n) *numbers[n] = load_double(image_, at + kLetterBytes + 8 * n);
+    table.count = prefix_word(image_, prefix_at::rotary_count + 4 * i);
+    for (ByteView& side : table.values) {
+      side = image_.subspan(curves_at, table.count * kRotaryValueBytes / 2);
+      curves_at += table.count * kRotaryValueBytes / 2;
+    }
+  }
+  return setup;
 }
 
 std::uint32_t ImageView::value_offset(std::uint32_t index) const noexcept {

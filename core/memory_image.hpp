@@ -1,8 +1,9 @@
 // The bytes of one bank of axis memory: the one contract between the host that builds them and the unit that reads
 // them. prefix (64) | parameters (512) | identity (64) | table directory (40 each) | thermal settings (64) and rows (40
-// each) | values (int16 each) | header text (UTF-8). The block check is the CRC-32 of the whole image with its own four
-// bytes taken as zero. Thermal settings and rows are there in format 3 alone, which is written for a map that has such
-// rows; every other map is of format 2. Format 1, which is read but no longer written, has no identity.
+// each) | rotary axes (400, then 24 for each value of a curve) | values (int16 each) | header text (UTF-8). The block
+// check is the CRC-32 of the whole image with its own four bytes taken as zero. A map with rotary axes is of format 4,
+// another one with thermal rows of format 3, every other of format 2. Format 1, which is read but no longer written,
+// has no identity. Settings, rows and axes that a map does not have take no bytes.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +13,7 @@
 
 #include "core/bytes.hpp"
 #include "core/parameters.hpp"
+#include "core/rotary.hpp"
 #include "core/thermal.hpp"
 
 namespace ecs {
@@ -20,19 +22,23 @@ inline constexpr std::uint32_t kImageMagic = 0x45435349;  // "ECSI"
 inline constexpr std::uint16_t kImageFormat = 2;
 inline constexpr std::uint16_t kFormatWithoutIdentity = 1;
 inline constexpr std::uint16_t kFormatWithThermal = 3;
+inline constexpr std::uint16_t kFormatWithRotary = 4;
 inline constexpr std::uint32_t kPrefixBytes = 64;
 inline constexpr std::uint32_t kParameterBytes = 512;
 inline constexpr std::uint32_t kIdentityBytes = 64;
 inline constexpr std::uint32_t kEntryBytes = 40;
 inline constexpr std::uint32_t kThermalSettingsBytes = 64;
 inline constexpr std::uint32_t kThermalRowBytes = 40;
-inline constexpr std::uint32_t kMostTables = 36;  ///< 18 curves, forward and reverse
+inline constexpr std::uint32_t kRotaryAxisBytes = 192;
+inline constexpr std::uint32_t kRotaryBytes = 16 + kRotaryInputs * kRotaryAxisBytes;  ///< before the curves
+inline constexpr std::uint32_t kRotaryValueBytes = 24;  ///< six curves, reverse and forward
+inline constexpr std::uint32_t kMostTables = 36;        ///< 18 curves, forward and reverse
 
 /// Offsets inside the prefix.
 namespace prefix_at {
 inline constexpr std::uint32_t magic = 0, format = 4, total_bytes = 8, check = 12, parameters = 16, directory = 20,
                                table_count = 24, values = 28, value_count = 32, header = 36, header_bytes = 40,
-                               thermal = 44, thermal_count = 48;
+                               thermal = 44, thermal_count = 48, rotary = 52, rotary_count = 56;
 }
 
 /// Offsets inside the identity. Texts are UTF-8, padded with zeros.
@@ -81,8 +87,13 @@ struct ImagePlan {
   std::uint32_t value_count = 0;
   std::uint32_t header_bytes = 0;
   std::uint16_t format = kImageFormat;
-  std::uint32_t thermal_rows = 0;  ///< format 3 alone, 1 … kMostThermalRows
+  std::uint32_t thermal_rows = 0;            ///< format 3: 1 … kMostThermalRows, format 4: also 0
+  PerRotary<std::uint32_t> rotary_values{};  ///< format 4 alone: of each curve, at most RotaryAxisWorking::kMostCells
 };
+/// The oldest format that can hold a map.
+[[nodiscard]] constexpr std::uint16_t format_for(bool thermal_rows, bool rotary_axes) noexcept {
+  return rotary_axes ? kFormatWithRotary : thermal_rows ? kFormatWithThermal : kImageFormat;
+}
 inline constexpr std::uint32_t kIdentityOffset = kPrefixBytes + kParameterBytes;
 [[nodiscard]] constexpr std::uint32_t directory_offset(std::uint16_t format = kImageFormat) noexcept {
   return format == kFormatWithoutIdentity ? kIdentityOffset : kIdentityOffset + kIdentityBytes;
@@ -90,9 +101,13 @@ inline constexpr std::uint32_t kIdentityOffset = kPrefixBytes + kParameterBytes;
 [[nodiscard]] constexpr std::uint32_t thermal_offset(const ImagePlan& plan) noexcept {
   return directory_offset(plan.format) + plan.table_count * kEntryBytes;
 }
+[[nodiscard]] constexpr std::uint32_t rotary_offset(const ImagePlan& plan) noexcept {
+  return thermal_offset(plan) +
+         (plan.thermal_rows > 0 ? kThermalSettingsBytes + plan.thermal_rows * kThermalRowBytes : 0);
+}
 [[nodiscard]] constexpr std::uint32_t values_offset(const ImagePlan& plan) noexcept {
-  const bool thermal = plan.format == kFormatWithThermal;
-  return thermal_offset(plan) + (thermal ? kThermalSettingsBytes + plan.thermal_rows * kThermalRowBytes : 0);
+  if (plan.format != kFormatWithRotary) return rotary_offset(plan);
+  return rotary_offset(plan) + kRotaryBytes + (plan.rotary_values[0] + plan.rotary_values[1]) * kRotaryValueBytes;
 }
 [[nodiscard]] constexpr std::uint32_t header_offset(const ImagePlan& plan) noexcept {
   return values_offset(plan) + plan.value_count * 2;
@@ -107,8 +122,10 @@ void write_parameters(Bytes image, const UnitParameters& parameters) noexcept;
 /// Longer texts are cut.
 void write_identity(Bytes image, const ImageIdentity& identity) noexcept;
 void write_entry(Bytes image, std::uint32_t index, const TableEntry& entry) noexcept;
-/// @pre the plan has format 3
+/// @pre the plan has as many rows, at least one
 void write_thermal(Bytes image, const ThermalSettings& settings, std::span<const ThermalRow> rows) noexcept;
+/// @pre the plan has format 4, and as many values of each curve as these axes
+void write_rotary(Bytes image, const RotarySetup& setup) noexcept;
 void write_value(Bytes image, std::uint32_t index, std::int16_t counts) noexcept;
 void write_header(Bytes image, std::string_view text) noexcept;
 /// Computes and stores the block check; the last step.
@@ -130,7 +147,8 @@ enum class ImageFault : std::uint8_t {
   bad_entry,
   duplicate_table,
   over_capacity,
-  bad_thermal_row
+  bad_thermal_row,
+  bad_rotary_axis
 };
 [[nodiscard]] std::string_view text_of(ImageFault fault) noexcept;
 
@@ -158,11 +176,13 @@ class ImageView {
   [[nodiscard]] std::uint32_t table_count() const noexcept;
   [[nodiscard]] std::uint32_t value_count() const noexcept;
   [[nodiscard]] TableEntry entry(std::uint32_t index) const noexcept;
-  /// 0 but in format 3.
+  /// 0 but in formats 3 and 4.
   [[nodiscard]] std::uint32_t thermal_count() const noexcept;
   [[nodiscard]] ThermalRow thermal_row(std::uint32_t index) const noexcept;
   /// @pre thermal_count() > 0
   [[nodiscard]] ThermalSettings thermal_settings() const noexcept;
+  /// Its curves are views into the image; nothing but in format 4.
+  [[nodiscard]] std::optional<RotarySetup> rotary() const noexcept;
   /// Offset of a value from the start of the image.
   [[nodiscard]] std::uint32_t value_offset(std::uint32_t index) const noexcept;
   [[nodiscard]] std::int16_t value_counts(std::uint32_t index) const noexcept;

@@ -26,7 +26,7 @@ bool sound(const RotaryAxis& axis) noexcept {
          std::abs(axis.deg_per_count) < kTurn_deg / 2.0 && axis.deadband_deg >= 0.0 && axis.deadband_deg < kTurn_deg &&
          std::abs(axis.deadband_deg / axis.deg_per_count) < 1e15 && all_small(axis.direction, 1.1) &&
          small(dot(axis.direction, axis.direction) - 1.0, 1e-9) && all_small(axis.pivot_mm, kFurthestPivot_mm) &&
-         all_small(axis.location, 1e6);
+         all_small(axis.location, 1e6) && small(axis.zero_deg, 10.0 * kTurn_deg);
 }
 
 /// The axes in their places.
@@ -208,6 +208,15 @@ std::uint64_t turn_of(double deg) noexcept {
   return part < 1.0 ? static_cast<std::uint64_t>(part * kTurn) : 0;
 }
 
+RotaryFault own_fault_of(const RotarySetup& machine) noexcept {
+  for (std::size_t i = 0; i < kRotaryInputs; ++i) {
+    if (machine.axes[i].letter == '\0') continue;
+    if (!sound(machine.axes[i])) return RotaryFault::bad_axis;
+    if (const RotaryFault fault = fault_of(machine.tables[i]); fault != RotaryFault::none) return fault;
+  }
+  return RotaryFault::none;
+}
+
 RotaryFault compile_rotary_axes(const RotarySetup& machine, const UnitParameters& parameters,
                                 RotaryWorking& working) noexcept {
   working.arrangement = RotaryWorking::Arrangement::none;
@@ -219,11 +228,7 @@ RotaryFault compile_rotary_axes(const RotarySetup& machine, const UnitParameters
   const Vector3& range_mm = parameters.tool_range_mm;
   if (places.arrangement != RotaryWorking::Arrangement::tables && !(range_mm[0] * range_mm[1] * range_mm[2] > 0.0))
     return RotaryFault::no_tool_range;
-  for (std::size_t i = 0; i < kRotaryInputs; ++i) {
-    if (machine.axes[i].letter == '\0') continue;
-    if (!sound(machine.axes[i])) return RotaryFault::bad_axis;
-    if (const RotaryFault fault = fault_of(machine.tables[i]); fault != RotaryFault::none) return fault;
-  }
+  if (const RotaryFault fault = own_fault_of(machine); fault != RotaryFault::none) return fault;
   const bool two = places.axis[1] != nullptr;
   const RotaryAxis& inner = *places.axis[0];
   const RotaryAxis& other = two ? *places.axis[1] : inner;

@@ -30,6 +30,7 @@ struct RotaryAxis {
   Vector3 direction{0.0, 0.0, 1.0};  ///< of positive rotation, all axes at 0, length 1
   Vector3 pivot_mm{};                ///< a point on the axis, all axes at 0
   std::array<double, 6> location{};  ///< location *errors* XO. YO. ZO. [um] AO. BO. CO. [um/m]
+  double zero_deg = 0.0;             ///< angle at 0 counts of its transducer, which is absolute
   friend bool operator==(const RotaryAxis&, const RotaryAxis&) = default;
 };
 
@@ -101,6 +102,9 @@ struct RotaryWorking {
 
   [[nodiscard]] bool turns_tool() const noexcept { return arrangement >= Arrangement::heads; }
 };
+
+/// What is impossible in axes and tables whatever the parameters are: bad_axis, bad_table, uneven_table; else none.
+[[nodiscard]] RotaryFault own_fault_of(const RotarySetup& machine) noexcept;
 
 /// An angle of any size in 2^-64 of a turn.
 [[nodiscard]] std::uint64_t turn_of(double deg) noexcept;

@@ -151,7 +151,7 @@ CompileVerdict check_complete(const ImageView& image, const ComponentSet& needed
       forward = forward || entry.approach != Approach::reverse;
       reverse = reverse || entry.approach != Approach::forward;
     }
-    if (!forward || !reverse) return {Fault::map_not_for_parameters, static_cast<Component>(c)};
+    if (!forward || !reverse) return {Fault::map_not_for_parameters, static_cast<Component>(c), RotaryFault::none};
   }
   return {};
 }
@@ -180,7 +180,7 @@ void compile_thermal_rows(const ImageView& image, const UnitParameters& paramete
 
 CompileVerdict compile(const ImageView& image, CompiledMap& map) noexcept {
   const auto parameters = image.parameters();
-  if (!parameters) return {Fault::bad_parameters, Component::EXX};
+  if (!parameters) return {Fault::bad_parameters};
   const CompileVerdict complete = check_complete(image, components_needed(*parameters));
   if (complete.fault != Fault::none) return complete;
   const TermTable terms = *terms_of(*parameters);
@@ -189,7 +189,9 @@ CompileVerdict compile(const ImageView& image, CompiledMap& map) noexcept {
   compile_terms(terms, *parameters, map);
   compile_axes(*parameters, map);
   compile_thermal_rows(image, *parameters, map);
-  return {};
+  const auto machine = image.rotary();
+  const RotaryFault fault = machine ? compile_rotary(*machine, *parameters, map) : RotaryFault::none;
+  return {fault == RotaryFault::none ? Fault::none : Fault::map_not_for_parameters, Component::EXX, fault};
 }
 
 RotaryFault compile_rotary(const RotarySetup& machine, const UnitParameters& parameters, CompiledMap& map) noexcept {

@@ -91,13 +91,14 @@ struct CompiledMap {
 };
 
 struct CompileVerdict {
-  Fault fault = Fault::none;           ///< none, bad_parameters or map_not_for_parameters
-  Component missing = Component::EXX;  ///< the first component that is needed and not there
+  Fault fault = Fault::none;               ///< none, bad_parameters or map_not_for_parameters
+  Component missing = Component::EXX;      ///< the first component that is needed and not there
+  RotaryFault rotary = RotaryFault::none;  ///< why rotary axes of the map are not for the parameters
 };
 
 /// Builds the working form of a sound image (check_image found no fault) with the parameters it carries.
 /// Refuses a map that lacks a component the scope and chain need and that is not declared zero; squareness comes from
-/// the parameters. On refusal `map` must not be used.
+/// the parameters. Refuses rotary axes as compile_rotary() does. On refusal `map` must not be used.
 [[nodiscard]] CompileVerdict compile(const ImageView& image, CompiledMap& map) noexcept;
 
 /// Adds rotary axes to a map that compile() has built from an image with these parameters. On refusal the map is as

@@ -17,6 +17,7 @@ constexpr double kFurthest_mm = 1e6;      ///< no machine is longer than a kilom
 constexpr double kCoarsest_um = 1e4;      ///< position count
 constexpr double kLongestPitch_mm = 1e4;  ///< of a screw or a scale
 constexpr double kFurthest_deg = 3600.0;  ///< ten turns: a cable or a hose ends before
+constexpr double kCoarsest_deg = 1.0;     ///< of a count
 constexpr double kFastest_mm_min = 1e6;   ///< mean speed of an axis
 constexpr double kShortest = 1e-6;        ///< direction that is none
 
@@ -33,7 +34,8 @@ const std::vector<std::string>& axis_keys() {
 }
 
 const std::vector<std::string>& rotary_keys() {
-  static const std::vector<std::string> keys{"travel_deg", "direction", "pivot_mm"};
+  static const std::vector<std::string> keys{"travel_deg", "direction", "pivot_mm", "resolution_deg",
+                                             "transducer_zero_deg"};
   return keys;
 }
 
@@ -165,6 +167,13 @@ class MachineReader {
       const double length = direction ? std::hypot((*direction)[0], (*direction)[1], (*direction)[2]) : 0.0;
       if (length < kShortest) return refuse(entry, "a direction x, y, z that is not 0, such as [0.0, 1.0, 1.0]");
       for (std::size_t d = 0; d < kAxes; ++d) axis.direction[d] = (*direction)[d] / length;
+    } else if (key == "resolution_deg" || key == "transducer_zero_deg") {
+      const bool zero = key == "transducer_zero_deg";
+      const auto value = number_of(entry);
+      if (!value || std::abs(*value) > (zero ? kFurthest_deg : kCoarsest_deg) || (!zero && *value == 0.0))
+        return refuse(entry, zero ? "an angle within 3600 deg of 0"
+                                  : "an angle for each count, not 0 and within 1 deg of it, such as 0.001");
+      (zero ? axis.transducer_zero_deg : axis.resolution_deg.emplace()) = *value;
     } else {
       warn_unknown(entry);
     }

@@ -36,6 +36,9 @@ struct MachineRotaryAxis {
   std::array<double, 2> travel_deg{};  ///< lower end, upper end; lower < upper; 360 apart: whole turns
   Vector3 direction{};                 ///< of positive rotation of the tool against the workpiece, length 1
   Vector3 pivot_mm{};                  ///< a point on its axis, all axes at 0
+  /// Of one count of its absolute transducer at the unit, its sign the wiring; absent: the unit has no input for it.
+  std::optional<double> resolution_deg;
+  double transducer_zero_deg = 0.0;  ///< angle at 0 counts
   friend bool operator==(const MachineRotaryAxis&, const MachineRotaryAxis&) = default;
 };
 
@@ -44,7 +47,7 @@ struct Machine {
   std::string configuration;                   ///< chain string, e.g. "TXYZ" (core/terms.hpp)
   PerAxis<std::optional<MachineAxis>> axes{};  ///< absent: the machine has no such axis, though the chain may name it
   std::string rotary_configuration;            ///< with the letters of its rotary axes, "XYACTZ"; empty: it has none
-  PerAxis<std::optional<MachineRotaryAxis>> rotary{};  ///< A, B, C; no unit compensates them
+  PerAxis<std::optional<MachineRotaryAxis>> rotary{};  ///< A, B, C
   /// Column of the sensor at each temperature input of the unit, "t_spindle_degC"; empty: none is connected.
   std::array<std::string, kTemperatureInputs> inputs{};
   bool states_load = false;                           ///< a host states the mass of the workpiece

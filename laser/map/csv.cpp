@@ -14,6 +14,7 @@
 #include "laser/csv_table.hpp"
 #include "laser/findings.hpp"
 #include "laser/map/error_map.hpp"
+#include "laser/map/rotary_map.hpp"
 #include "laser/text_decoding.hpp"
 
 namespace ecs::laser {
@@ -197,6 +198,8 @@ std::string take(MapHeader& header, std::string_view key, std::string_view value
     return take_thermal(header, value);
   else if (key == "thermal_settings")
     return take_thermal_settings(header, value);
+  else if (is_rotary_key(key))
+    return take_rotary_line(header, key, value);
   else
     return fmt::format("header: no such key {}", in_quotes(key));
   return {};
@@ -240,6 +243,7 @@ std::string header_text(const MapHeader& header) {
       settings += fmt::format("{}{}={}", settings.empty() ? "" : " ", key, shortest(*number));
     put(text, "thermal_settings", settings);
   }
+  text += rotary_lines(header);
   for (const std::string& step : header.processing) put(text, "processing", step);
   return text;
 }

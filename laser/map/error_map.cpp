@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "laser/groups.hpp"
+#include "laser/map/rotary_map.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::laser {
@@ -358,6 +359,8 @@ std::vector<MapFinding> findings_for(const ErrorMap& map, const UnitParameters& 
   for (MapFinding& warning : coverage_warnings(map, parameters, travels)) findings.push_back(std::move(warning));
   find_in_tables(map, parameters, findings);
   find_thermal(map, parameters, findings);
+  if (std::string objection = rotary_objection(map.header, parameters); !objection.empty())
+    findings.push_back({true, std::move(objection)});
   return findings;
 }
 

@@ -12,6 +12,7 @@
 #include "base/result.hpp"
 #include "core/axis.hpp"
 #include "core/parameters.hpp"
+#include "core/rotary.hpp"
 #include "core/thermal.hpp"
 
 namespace ecs::laser {
@@ -55,6 +56,16 @@ struct NamedInput {
   friend bool operator==(const NamedInput&, const NamedInput&) = default;
 };
 
+/// A rotary axis and its six curves on one grid, which closes if it goes round a turn.
+struct MapRotaryAxis {
+  RotaryAxis axis{};
+  double start_deg = 0.0;
+  double increment_deg = 10.0;
+  /// Compensation by side (reverse, forward) and sense [um, um/m]; all empty: the curves are zero.
+  std::array<std::array<std::vector<double>, 6>, 2> compensation{};
+  friend bool operator==(const MapRotaryAxis&, const MapRotaryAxis&) = default;
+};
+
 /// Thesis 5.3: the file header that travels with the map and can be read back from the unit.
 struct MapHeader {
   std::string customer;
@@ -69,6 +80,8 @@ struct MapHeader {
   std::vector<NamedInput> inputs;
   std::vector<ThermalRow> thermal;  ///< rows of the image, not of its header text
   ThermalSettings thermal_settings{};
+  std::string rotary_configuration;     ///< with the rotary axes, "XYACTZ"; of the image, not of its header text
+  std::vector<MapRotaryAxis> rotary;    ///< in the order of that string; likewise
   std::vector<std::string> processing;  ///< one sentence per step: slope removed, smoothing, runs left out
   friend bool operator==(const MapHeader&, const MapHeader&) = default;
 };

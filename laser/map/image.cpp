@@ -8,6 +8,7 @@
 
 #include "core/address_map.hpp"
 #include "core/memory_image.hpp"
+#include "laser/map/rotary_map.hpp"
 
 namespace ecs::laser {
 namespace {
@@ -63,12 +64,6 @@ TableGrid grid_of(const MapTable& table) {
   return grid;
 }
 
-/// counts × resolution, to the digits that a resolution such as 0.01 has: 35 counts are 0.35, not 0.35000000000000003.
-double decimal(std::int16_t counts, double resolution) {
-  const double per_unit = std::round(1.0 / resolution);
-  return std::abs(per_unit * resolution - 1.0) < 1e-12 ? counts / per_unit : counts * resolution;
-}
-
 std::string table_name(const MapTable& table) {
   if (table.approach == Approach::unknown) return std::string(name_of(table.component));
   return fmt::format("{} {}", name_of(table.component), table.approach == Approach::forward ? "forward" : "reverse");
@@ -91,17 +86,22 @@ std::vector<std::uint8_t> assemble(const UnitParameters& parameters, const std::
                                    const std::vector<std::int16_t>& counts, const MapHeader& of_map) {
   MapHeader words = of_map;
   words.thermal.clear();
+  words.rotary.clear();
   const std::string header = header_text(words);
-  const ImagePlan plan{static_cast<std::uint32_t>(entries.size()), static_cast<std::uint32_t>(counts.size()),
+  const PackedRotary rotary(of_map);
+  const ImagePlan plan{static_cast<std::uint32_t>(entries.size()),
+                       static_cast<std::uint32_t>(counts.size()),
                        static_cast<std::uint32_t>(header.size()),
-                       of_map.thermal.empty() ? kImageFormat : kFormatWithThermal,
-                       static_cast<std::uint32_t>(of_map.thermal.size())};
+                       format_for(!of_map.thermal.empty(), !of_map.rotary.empty()),
+                       static_cast<std::uint32_t>(of_map.thermal.size()),
+                       {rotary.setup().tables[0].count, rotary.setup().tables[1].count}};
   std::vector<std::uint8_t> bytes(image_bytes(plan));
   begin_image(bytes, plan);
   write_parameters(bytes, parameters);
   write_identity(bytes, {of_map.serial_number, of_map.machine, configuration_hash(parameters)});
   for (std::uint32_t i = 0; i < plan.table_count; ++i) write_entry(bytes, i, entries[i]);
   if (!of_map.thermal.empty()) write_thermal(bytes, of_map.thermal_settings, of_map.thermal);
+  if (!of_map.rotary.empty()) write_rotary(bytes, rotary.setup());
   for (std::uint32_t i = 0; i < plan.value_count; ++i) write_value(bytes, i, counts[i]);
   write_header(bytes, header);
   seal_image(bytes);
@@ -117,7 +117,7 @@ Result<void> within_capacity(std::size_t values, std::size_t bytes, const UnitPa
   if (bytes > bank_bytes(parameters.memory_modules))
     return problem(ProblemKind::refused,
                    fmt::format("the map needs {} bytes, {} axis memory module(s) have {}: shorten "
-                               "the header (fewer source files or shorter notes)",
+                               "the header (fewer source files or shorter notes) or the tables",
                                bytes, parameters.memory_modules, bank_bytes(parameters.memory_modules)));
   return {};
 }
@@ -151,6 +151,12 @@ double resolution_for(const std::vector<double>& values) {
   for (const double resolution : {0.01, 0.1})
     if (largest <= resolution * 32'767.0) return resolution;
   return 1.0;
+}
+
+/// 35 counts of 0.01 are 0.35, not 0.35000000000000003.
+double value_of_counts(std::int16_t counts, double resolution) {
+  const double per_unit = std::round(1.0 / resolution);
+  return std::abs(per_unit * resolution - 1.0) < 1e-12 ? counts / per_unit : counts * resolution;
 }
 
 std::string change_by_resampling(const ErrorMap& map) {
@@ -217,13 +223,14 @@ Result<ImageContent> content_of(std::span<const std::uint8_t> image) {
   content.map.header = std::move(header);
   for (std::uint32_t k = 0; k < view.thermal_count(); ++k) content.map.header.thermal.push_back(view.thermal_row(k));
   if (view.thermal_count() > 0) content.map.header.thermal_settings = view.thermal_settings();
+  if (const auto rotary = view.rotary()) take_rotary(content.map.header, *rotary);
   for (std::uint32_t i = 0; i < view.table_count(); ++i) {
     const TableEntry entry = view.entry(i);
     if (entry.declared_zero) continue;
     MapTable table{entry.component, entry.approach, {}, {}};
     for (std::uint32_t k = 0; k < entry.count; ++k) {
       table.position_mm.push_back(entry.start_mm + entry.increment_mm * k);
-      table.compensation.push_back(decimal(view.value_counts(entry.first_value + k), entry.resolution));
+      table.compensation.push_back(value_of_counts(view.value_counts(entry.first_value + k), entry.resolution));
     }
     content.map.tables.push_back(std::move(table));
   }

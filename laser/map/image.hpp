@@ -26,6 +26,9 @@ struct MapImage {
 /// Of a table with these values, um or um/m: 0.01, 0.1 or 1.
 [[nodiscard]] double resolution_for(const std::vector<double>& values);
 
+/// The value of that many counts, to the digits that the resolution has.
+[[nodiscard]] double value_of_counts(std::int16_t counts, double resolution);
+
 /// What image_of() changes in tables whose points are not evenly spaced: "2 tables are unevenly spaced, and resampling
 /// changes them by up to 1.05 um (EYY forward)". Empty: no table changes by more than its resolution.
 [[nodiscard]] std::string change_by_resampling(const ErrorMap& map);

@@ -95,6 +95,7 @@ TEST_CASE("an image has its numbers at the offsets of docs/core.md") {
   CHECK(kImageFormat == 2);
   CHECK(kFormatWithoutIdentity == 1);
   CHECK(kFormatWithThermal == 3);
+  CHECK(kFormatWithRotary == 4);
   CHECK(directory_offset(1) == 576);
   CHECK(kMostTables == 36);
 }
@@ -122,6 +123,35 @@ TEST_CASE("an image of format 3 has thermal settings and rows behind its directo
   CHECK(load_double(image, 760) == 21.0);
   CHECK(load_double(image, 768) == 60.0);
   CHECK(load_double(image, 776) == -250.0);
+}
+
+TEST_CASE("an image of format 4 has rotary axes before its values, at the offsets of docs/core.md") {
+  UnitParameters parameters;
+  set_configuration(parameters, "TX");
+  std::vector<std::uint8_t> reverse(12 * 2), forward(12 * 2);
+  store_big(reverse, 0, std::uint16_t{0x1234});
+  store_big(forward, 12 * 2 - 2, std::uint16_t{0x5678});
+  RotarySetup setup{{'X', 'C', 'T'}, {}, {}};
+  setup.axes[1] = {'C', 0.25, 0.5, {0.0, 0.6, 0.8}, {1.0, 2.0, 3.0}, {4.0, 5.0, 6.0, 7.0, 8.0, 9.0}, 10.0};
+  setup.tables[1] = {-20.0, 5.0, 2, {0.1, 0.2, 0.3, 0.4, 0.5, 0.6}, {reverse, forward}};
+  const auto image =
+      image_of(parameters, {{Component::EXX, Approach::unknown, 0.0, 1.0, 0.01, {5, -6}}}, "words", {}, {}, &setup);
+  REQUIRE(image.size() == 64 + 512 + 64 + 40 + 400 + 2 * 24 + 2 * 2 + 5);
+  CHECK(std::memcmp(image.data(), "ECSI\0\4", 6) == 0);
+  CHECK(number_at(image, 28) == 680 + 448);
+  CHECK(number_at(image, 48) == 0);
+  CHECK(number_at(image, 52) == 680);
+  CHECK(number_at(image, 56) == 0);
+  CHECK(number_at(image, 60) == 2);
+  CHECK(std::memcmp(image.data() + 680, "XCT\0\0\0\0\0", 8) == 0);
+  CHECK(image[696] == 0);
+  CHECK(image[888] == 'C');
+  const std::array numbers{0.25, 0.5, 10.0, 0.0,   0.6, 0.8, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0,
+                           7.0,  8.0, 9.0,  -20.0, 5.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6};
+  for (std::size_t i = 0; i < numbers.size(); ++i) CHECK(load_double(image, 896 + 8 * i) == numbers[i]);
+  CHECK(load_big<std::uint16_t>(image, 1080) == 0x1234);
+  CHECK(load_big<std::uint16_t>(image, 1126) == 0x5678);
+  CHECK(load_big<std::int16_t>(image, 1128) == 5);
 }
 
 TEST_CASE("an identity is cut at 16 and 40 bytes") {

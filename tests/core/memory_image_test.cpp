@@ -2,13 +2,16 @@
 // addressed to: a unit takes its own and no other.
 #include "core/memory_image.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <limits>
+#include <memory>
 
 #include <zlib.h>
 
 #include "core/address_map.hpp"
+#include "core/tick.hpp"
 #include "tests/core/support/image_of.hpp"
 #include "tests/support/random_values.hpp"
 
@@ -366,7 +369,7 @@ TEST_CASE("the largest map leaves room for its header in the banks of its module
 
 TEST_CASE("an image of another format or with impossible parameters says so") {
   Image image = small_image();
-  store_big(image, prefix_at::format, std::uint16_t{4});
+  store_big(image, prefix_at::format, std::uint16_t{5});
   CHECK(fault_of(image) == ImageFault::wrong_format);
   image = small_image();
   image[64] = 'Q';
@@ -374,20 +377,135 @@ TEST_CASE("an image of another format or with impossible parameters says so") {
   CHECK(fault_of(image) == ImageFault::bad_parameters);
 }
 
-TEST_CASE("every image fault has its words") {
-  for (std::uint8_t f = 0; f <= static_cast<std::uint8_t>(ImageFault::over_capacity); ++f)
-    CHECK(text_of(static_cast<ImageFault>(f)) != "unknown");
-}
-
 namespace {
-
-using IdentifiedImage = std::vector<std::uint8_t>;
 
 UnitParameters machine_of(const char* chain) {
   UnitParameters parameters;
   for (std::size_t i = 0; i < 5; ++i) parameters.configuration[i] = chain[i];
   return parameters;
 }
+
+/// A tilting rotary table with one curve of C.
+struct TableOfTwo {
+  std::vector<std::uint8_t> side = std::vector<std::uint8_t>(12 * 36);
+  RotarySetup setup{{'X', 'Y', 'A', 'C', 'T', 'Z'}, {}, {}};
+  TableOfTwo() {
+    setup.axes[0] = {'A', 0.001, 0.005, {1.0, 0.0, 0.0}, {600.0, 300.0, -560.0}, {0.0, 6.0, -9.0, 0.0, 14.0, -7.0}, 0};
+    setup.axes[1] = {'C', -0.001, 0.005, {0.0, 0.0, 1.0}, {600.0, 300.0, -560.0}, {8.0, -5.5, 0.0, 18.0, -12.0, 0}, 90};
+    setup.tables[1] = {0.0, 10.0, 36, {0.01, 0.01, 0.01, 0.01, 0.01, 0.01}, {side, side}};
+  }
+  [[nodiscard]] std::vector<std::uint8_t> image() const {
+    return image_of(machine_of("XYTZ"), with_zeros({}), "", {}, {}, &setup);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("rotary axes come back from an image of format 4, with and without thermal rows") {
+  const TableOfTwo table;
+  for (const bool warm : {false, true}) {
+    const std::vector<ThermalRow> rows(warm ? 1 : 0);
+    const auto image = image_of(machine_of("XYTZ"), with_zeros({}), "words", rows, {}, &table.setup);
+    REQUIRE(text_of(check_image(image).fault) == "sound");
+    const ImageView view(image);
+    CHECK(view.format() == kFormatWithRotary);
+    CHECK(view.header() == "words");
+    CHECK(view.thermal_count() == rows.size());
+    const auto back = view.rotary();
+    REQUIRE(back);
+    CHECK(back->configuration == table.setup.configuration);
+    CHECK(back->axes == table.setup.axes);
+    CHECK(back->tables[0].count == 0);
+    CHECK(back->tables[1].count == 36);
+    CHECK(back->tables[1].increment_deg == 10.0);
+    CHECK(std::ranges::equal(back->tables[1].values[1], table.side));
+  }
+  CHECK(!ImageView(image_of(machine_of("XYTZ"), with_zeros({}))).rotary());
+}
+
+TEST_CASE("a rotary axis of impossible numbers is refused, whichever number it is") {
+  TableOfTwo table;
+  REQUIRE(check_image(table.image()).fault == ImageFault::none);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto refused_with = [&](auto change) {
+    TableOfTwo changed;
+    change(changed.setup.axes[1], changed.setup.tables[1], changed.setup);
+    return check_image(changed.image()).fault == ImageFault::bad_rotary_axis;
+  };
+  for (const double wrong : {nan, 0.0, 180.0, 1e300})
+    CHECK(refused_with([&](RotaryAxis& axis, auto&, auto&) { axis.deg_per_count = wrong; }));
+  for (const double wrong : {nan, -1.0, 360.0})
+    CHECK(refused_with([&](RotaryAxis& axis, auto&, auto&) { axis.deadband_deg = wrong; }));
+  for (const double wrong : {nan, 4000.0})
+    CHECK(refused_with([&](RotaryAxis& axis, auto&, auto&) { axis.zero_deg = wrong; }));
+  for (std::size_t d = 0; d < kAxes; ++d) {
+    CHECK(refused_with([&](RotaryAxis& axis, auto&, auto&) { axis.direction[d] = nan; }));
+    CHECK(refused_with([&](RotaryAxis& axis, auto&, auto&) { axis.direction[d] += 0.1; }));
+    CHECK(refused_with([&](RotaryAxis& axis, auto&, auto&) { axis.pivot_mm[d] = 1e7; }));
+  }
+  for (std::size_t s = 0; s < 6; ++s) {
+    CHECK(refused_with([&](RotaryAxis& axis, auto&, auto&) { axis.location[s] = nan; }));
+    CHECK(refused_with([&](auto&, RotaryCurves& curves, auto&) { curves.resolution[s] = 0.0; }));
+  }
+  CHECK(refused_with([&](auto&, RotaryCurves& curves, auto&) { curves.start_deg = nan; }));
+  CHECK(refused_with([&](auto&, RotaryCurves& curves, auto&) { curves.increment_deg = 11.0; }));
+  CHECK(refused_with([&](auto&, RotaryCurves& curves, auto&) { curves.increment_deg = 10.01; }));
+  CHECK(refused_with([&](RotaryAxis& axis, auto&, auto&) { axis.letter = 'X'; }));
+  CHECK(refused_with([&](RotaryAxis& axis, auto&, auto&) { axis.letter = '\0'; }));
+  CHECK(refused_with([&](auto&, auto&, RotarySetup& setup) { setup.configuration[0] = 'U'; }));
+  CHECK(refused_with([&](auto&, auto&, RotarySetup& setup) { setup.configuration[7] = 'X'; }));
+}
+
+TEST_CASE("wrong offsets and counts of rotary axes are refused, and no changed byte of them passes") {
+  const auto image = TableOfTwo().image();
+  for (const std::uint32_t at : {prefix_at::rotary, prefix_at::rotary_count, prefix_at::rotary_count + 4})
+    for (const std::uint32_t wrong : {1u, 35u, 3601u, 0xFFFFFFFFu}) {
+      auto changed = image;
+      store_big(changed, at, wrong);
+      seal_image(changed);
+      CHECK(check_image(changed).fault != ImageFault::none);
+    }
+  const std::uint32_t first = load_big<std::uint32_t>(image, prefix_at::rotary);
+  for (std::uint32_t at = first; at < first + kRotaryBytes; ++at) {
+    auto changed = image;
+    changed[at] ^= 0x10;
+    CHECK(check_image(changed).fault == ImageFault::block_check);
+  }
+}
+
+TEST_CASE("rotary axes that do not go with the parameters are refused when the map is made, with the reason") {
+  const auto verdict_with = [](auto change) {
+    TableOfTwo table;
+    UnitParameters parameters = machine_of("XYTZ");
+    change(parameters, table.setup);
+    const auto image = image_of(parameters, with_zeros({}), "", {}, {}, &table.setup);
+    REQUIRE(check_image(image).fault == ImageFault::none);
+    const auto map = std::make_unique<CompiledMap>();
+    return compile(ImageView(image), *map);
+  };
+  const auto as_it_is = verdict_with([](auto&, auto&) {});
+  CHECK(as_it_is.fault == Fault::none);
+  const auto other = verdict_with([](UnitParameters& parameters, auto&) { parameters = machine_of("XTYZ"); });
+  CHECK(other.fault == Fault::map_not_for_parameters);
+  CHECK(other.rotary == RotaryFault::other_chain);
+  const auto moved =
+      verdict_with([](auto&, RotarySetup& setup) { setup.configuration = {'A', 'C', 'X', 'Y', 'T', 'Z'}; });
+  CHECK(moved.rotary == RotaryFault::turned_linear);
+  const auto near = verdict_with([](UnitParameters& p, auto&) { p.interpolation = Interpolation::nearest; });
+  CHECK(near.rotary == RotaryFault::part_of_model);
+  const auto head =
+      verdict_with([](auto&, RotarySetup& setup) { setup.configuration = {'X', 'Y', 'C', 'T', 'Z', 'A'}; });
+  CHECK(head.rotary == RotaryFault::no_tool_range);
+}
+
+TEST_CASE("every image fault has its words") {
+  for (std::uint8_t f = 0; f <= static_cast<std::uint8_t>(ImageFault::bad_rotary_axis); ++f)
+    CHECK(text_of(static_cast<ImageFault>(f)) != "unknown");
+}
+
+namespace {
+
+using IdentifiedImage = std::vector<std::uint8_t>;
 
 IdentifiedImage image_for(const ImageIdentity& identity, const UnitParameters& parameters) {
   IdentifiedImage image = image_of(parameters, {{Component::EXX, Approach::unknown, 0.0, 10.0, 0.01, {1, 2, 3}}});

@@ -82,10 +82,11 @@ struct FiveAxisUnit {
         for (const std::int16_t value : curve.hundredths) t.counts.push_back(static_cast<std::int16_t>(-value));
         tables.push_back(t);
       }
-    const auto image = image_of(m.parameters, tables, "", m.rows, {.stuck_s = 0.0});
+    const auto image = image_of(m.parameters, tables, "", m.rows, {.stuck_s = 0.0}, &rotary_map.machine);
     REQUIRE(check_image(image).fault == ImageFault::none);
-    REQUIRE(compile(ImageView(image), *map).fault == Fault::none);
-    REQUIRE(text_of(compile_rotary(rotary_map.machine, m.parameters, *map)) == text_of(RotaryFault::none));
+    const CompileVerdict verdict = compile(ImageView(image), *map);
+    REQUIRE(text_of(verdict.rotary) == text_of(RotaryFault::none));
+    REQUIRE(verdict.fault == Fault::none);
   }
   [[nodiscard]] std::size_t axis_at(std::size_t place) const {
     return static_cast<std::size_t>(map->rotary.axes[place].letter - 'A');

@@ -155,6 +155,18 @@ TEST_CASE("rotary axes have a travel, a pivot and a direction; the unit's chain 
   CHECK(read_machine("samples/five_axes/machine.toml")->warnings.empty());
 }
 
+TEST_CASE("a rotary axis may state the transducer at the unit: its resolution with the wiring, its angle at 0 counts") {
+  const auto axis_c = [](const std::string& lines) { return five_axes("XYCTZ", kTableC + lines); };
+  CHECK_FALSE(must(parse_machine(axis_c(""), "machine.toml")).machine.rotary[2]->resolution_deg);
+  const auto file = must(parse_machine(axis_c("resolution_deg = -0.001\ntransducer_zero_deg = 90\n"), "machine.toml"));
+  CHECK(file.warnings.empty());
+  CHECK(file.machine.rotary[2]->resolution_deg == -0.001);
+  CHECK(file.machine.rotary[2]->transducer_zero_deg == 90.0);
+  for (const char* wrong : {"resolution_deg = 0", "resolution_deg = 2.0", "resolution_deg = \"fine\""})
+    CHECK(contains(failure(axis_c(wrong)), "resolution_deg: expected an angle for each count, not 0 and within 1 deg"));
+  CHECK(contains(failure(axis_c("transducer_zero_deg = 4000")), "expected an angle within 3600 deg of 0"));
+}
+
 TEST_CASE("rotary axes that no machine can have are refused with their line and what was expected") {
   CHECK(contains(failure(five_axes("XYUCTZ", kTableC)),
                  "machine.toml:1:17: configuration: expected one T and different"));

@@ -21,9 +21,10 @@ struct PlannedTable {
 
 inline std::vector<std::uint8_t> image_of(const UnitParameters& parameters, const std::vector<PlannedTable>& tables,
                                           std::string_view header = "", const std::vector<ThermalRow>& thermal = {},
-                                          const ThermalSettings& settings = {}) {
+                                          const ThermalSettings& settings = {}, const RotarySetup* rotary = nullptr) {
   ImagePlan plan;
-  if (!thermal.empty()) plan.format = kFormatWithThermal;
+  plan.format = format_for(!thermal.empty(), rotary != nullptr);
+  if (rotary != nullptr) plan.rotary_values = {rotary->tables[0].count, rotary->tables[1].count};
   plan.thermal_rows = static_cast<std::uint32_t>(thermal.size());
   plan.table_count = static_cast<std::uint32_t>(tables.size());
   for (const auto& t : tables) plan.value_count += static_cast<std::uint32_t>(t.counts.size());
@@ -39,6 +40,7 @@ inline std::vector<std::uint8_t> image_of(const UnitParameters& parameters, cons
     for (const std::int16_t counts : t.counts) write_value(image, next++, counts);
   }
   if (!thermal.empty()) write_thermal(image, settings, thermal);
+  if (rotary != nullptr) write_rotary(image, *rotary);
   write_header(image, header);
   seal_image(image);
   return image;

@@ -103,6 +103,93 @@ TEST_CASE("rows beyond the unit's room are an objection, rows that act on nothin
   CHECK(said);
 }
 
+namespace {
+
+/// small_map() of a machine XYZ on a tilting rotary table.
+ErrorMap map_of_five_axes() {
+  ErrorMap map = small_map();
+  map.header.configuration = "XYTZ";
+  map.header.rotary_configuration = "XYACTZ";
+  MapRotaryAxis a, c;
+  a.axis = {'A', -0.001, 0.005, {1.0, 0.0, 0.0}, {600.0, 300.0, -560.0}, {0.0, 6.0, -9.0, 0.0, 14.0, -7.0}, 12.5};
+  c.axis = {'C', 0.1 + 0.2, 0.5, {0.0, 0.0, 1.0}, {600.0, 300.0, -560.0}, {8.0, -5.5, 0.0, 18.0, -12.0, 0.0}, 0.0};
+  c.start_deg = -30.0;
+  c.increment_deg = 120.0;
+  for (auto& side : c.compensation) side.fill({0.0, 0.0, 0.0});
+  c.compensation[0][5] = {1.5, -2.25, 400.0};
+  c.compensation[1][5] = {1.0, -2.0, 3.0};
+  c.compensation[0][1] = c.compensation[1][1] = {0.01, 0.02, 0.03};
+  map.header.rotary = {a, c};
+  return map;
+}
+
+UnitParameters parameters_of_table() {
+  UnitParameters parameters;
+  parameters.configuration = {'X', 'Y', 'T', 'Z', 0};
+  return parameters;
+}
+
+}  // namespace
+
+TEST_CASE("rotary axes are lines of the text, numbers of the image, and come back from both to the last bit") {
+  ErrorMap map = map_of_five_axes();
+  const std::string text = to_map_csv(map);
+  check_holds(text, {"# rotary_configuration: XYACTZ\n",
+                     "# rotary_axis: A deg_per_count=-0.001 deadband_deg=0.005 zero_deg=12.5 direction=1,0,0 "
+                     "pivot_mm=600,300,-560 location=0,6,-9,0,14,-7 start_deg=0 increment_deg=10\n",
+                     "# rotary_curve: EXC 0 0,0,0\n", "# rotary_curve: EYC 0 0.01,0.02,0.03\n",
+                     "# rotary_curve: ECC 1 1,-2,3\n", "# rotary_curve: ECC -1 1.5,-2.25,400\n"});
+  CHECK(must(parse_map_csv(text, "map.csv")) == map);
+  for (std::size_t c = 0; c < kCurves; ++c) map.header.declared_zero.push_back({static_cast<Component>(c), "test"});
+  for (std::size_t c = kCurves; c < kComponents; ++c)
+    map.header.declared_zero.push_back({static_cast<Component>(c), "test"});
+  map.tables.clear();
+  map.header.declared_zero.erase(map.header.declared_zero.begin());
+  const MapImage image = must(image_of(map, parameters_of_table()));
+  CHECK(ImageView(image.bytes).format() == kFormatWithRotary);
+  CHECK_FALSE(contains(ImageView(image.bytes).header(), "rotary"));
+  ErrorMap rounded = must(content_of(image.bytes)).map;
+  CHECK(rounded.header.rotary[1].compensation[0][5] == std::vector{1.5, -2.3, 400.0});  // 400 um/m: counts of 0.1
+  rounded.header.rotary[1].compensation[0][5][1] = -2.25;
+  CHECK(rounded == map);
+}
+
+TEST_CASE("a line of rotary axes that is none is refused with its line") {
+  const std::string axis =
+      "# rotary_axis: C deg_per_count=0.001 deadband_deg=0.005 zero_deg=0 direction=0,0,1 pivot_mm=0,0,0 "
+      "location=0,0,0,0,0,0 start_deg=0 increment_deg=10\n";
+  const auto refused = [&](const std::string& line) {
+    return to_text(
+        must_fail(parse_map_csv(axis + "# " + line + "\naxis,sense,approach,p_mm,value_um\nX,EX,0,0,0\n", "map.csv")));
+  };
+  check_holds(refused("rotary_curve: EXA 0 1,2"), {"map.csv:2", "a component of a rotary axis named in a line before"});
+  CHECK(contains(refused("rotary_curve: EXC 2 1,2"), "expected the approach 1, -1 or 0 (both)"));
+  CHECK(contains(refused("rotary_curve: EXC 0 1,x"), "numbers within 32000 with commas"));
+  CHECK(contains(refused("rotary_curve: EXC 0 1,40000"), "numbers within 32000 with commas"));
+  CHECK(contains(refused("rotary_curve: EXC 0 1,2\n# rotary_curve: EYC 0 1"), "2 values, as in the other curves of C"));
+  CHECK(contains(refused("rotary_curve: EXC 0"), "a component such as EXC, an approach and values"));
+  CHECK(contains(refused("rotary_axis: A deg_per_count=0.001"), "expected a letter and deg_per_count, deadband_deg"));
+  CHECK(contains(refused("rotary_configuration: XYACTZXYZ"), "expected letters such as XYACTZ"));
+}
+
+TEST_CASE("rotary axes that do not go with the parameters are an objection with its reason") {
+  const auto objections = [](const ErrorMap& map, const UnitParameters& parameters) {
+    std::string all;
+    for (const MapFinding& finding : findings_for(map, parameters))
+      if (finding.objection) all += finding.message + "\n";
+    return all;
+  };
+  ErrorMap map = map_of_five_axes();
+  UnitParameters parameters = parameters_of_table();
+  CHECK_FALSE(contains(objections(map, parameters), "rotary"));
+  parameters.interpolation = Interpolation::nearest;
+  CHECK(contains(objections(map, parameters), "the rotary axes (XYACTZ) need the scope volumetric"));
+  map.header.rotary_configuration = "XYCTZA";
+  CHECK(contains(objections(map, parameters_of_table()), "need a tool range along X, Y and Z"));
+  map.header.rotary[1].increment_deg = 0.01;
+  CHECK_FALSE(objections(map_of_five_axes(), parameters).empty());
+}
+
 TEST_CASE("a map written as text reads back as the same map, header and all") {
   const ErrorMap map = small_map();
   CHECK(must(parse_map_csv(to_map_csv(map), "map.csv")) == map);
