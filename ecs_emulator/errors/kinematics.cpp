@@ -117,6 +117,16 @@ std::array<Vector3, kAxes> columns_of(const Matrix3d& m) {
 
 }  // namespace
 
+TurningGeometry turning_geometry_of(const params::Machine& machine, const Vector3& tool_offset_mm) {
+  TurningGeometry geometry;
+  if (const auto chain = params::chain_of(machine)) geometry.linear.chain = *chain;
+  geometry.linear.lines_mm = params::measurement_lines_of(machine);
+  geometry.linear.tool_offset_mm = tool_offset_mm;
+  geometry.configuration = machine.rotary_configuration;
+  geometry.rotary = machine.rotary;
+  return geometry;
+}
+
 TurningPose turning_pose(const TurningGeometry& geometry, const ComponentValues& errors, const RotaryValues& rotary,
                          const Vector3& position_mm, const Vector3& angle_deg) {
   const Vector3d offset = eigen(geometry.linear.tool_offset_mm);

@@ -1,6 +1,6 @@
 // Where the tool really is: the chain of carriages as exact matrices, not linearised (thesis 4.3, equations 5-19); and
 // the true errors of rotary axes A, B, C: error motions over their angle and the place of their axis lines (ISO 230-7),
-// as the errors file gives them. No unit compensates them. Does not live here: how large the errors of linear axes are
+// as the errors file gives them. Does not live here: how large the errors of linear axes are
 // (true_errors.hpp), how they are measured (ecs_emulator/instruments/laser.hpp).
 #pragma once
 
@@ -60,13 +60,14 @@ struct ChainGeometry {
   Vector3 tool_offset_mm{};
 };
 
-/// A machine with rotary axes: letters before the T carry the workpiece, after it the tool, from the bed outward. Its
-/// unit knows the linear axes only.
+/// A machine with rotary axes: letters before the T carry the workpiece, after it the tool, from the bed outward.
 struct TurningGeometry {
   ChainGeometry linear;
   std::string configuration;  ///< "XYACTZ"
   PerAxis<std::optional<params::MachineRotaryAxis>> rotary{};
 };
+
+[[nodiscard]] TurningGeometry turning_geometry_of(const params::Machine& machine, const Vector3& tool_offset_mm);
 
 /// Where its tool is, in the frame of the workpiece.
 struct TurningPose {

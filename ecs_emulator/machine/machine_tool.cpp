@@ -220,6 +220,24 @@ PathLimits limits_of(const WorkshopMachine& description) {
 
 }  // namespace
 
+constexpr double kTurning_deg_s = 90.0;  ///< speed of every rotary axis
+
+RotaryOfMachine::RotaryOfMachine(const params::MachineRotaryAxis& facts)
+    : facts_(facts), angle_deg_(std::clamp(0.0, facts.travel_deg[0], facts.travel_deg[1])), target_deg_(angle_deg_) {}
+
+void RotaryOfMachine::step(double period_s) {
+  if (arrived()) return;
+  approach_ = target_deg_ > angle_deg_ ? Approach::forward : Approach::reverse;
+  const double left_deg = target_deg_ - angle_deg_, most_deg = kTurning_deg_s * period_s;
+  angle_deg_ = std::abs(left_deg) <= most_deg ? target_deg_ : angle_deg_ + std::copysign(most_deg, left_deg);
+}
+
+std::optional<RotarySignals> RotaryOfMachine::signals() const {
+  if (!facts_.resolution_deg) return std::nullopt;
+  return RotarySignals{std::llround((angle_deg_ - facts_.transducer_zero_deg) / *facts_.resolution_deg),
+                       !transducer_lost_};
+}
+
 double start_position_mm(const params::MachineAxis& axis, const AxisSettings& settings) {
   const AxisOfMachine placed(axis, settings, 0.0, 0);
   const auto [low_mm, high_mm] = placed.switch_mm();
@@ -240,12 +258,28 @@ MachineTool::MachineTool(const WorkshopMachine& description)
     axes_[i].emplace(facts, settings, place_mm[i], seed_of(description.settings.seed, 2000, i));
   }
   path_.stand(place_mm);
+  for (std::size_t r = 0; r < kAxes; ++r)
+    if (const auto& facts = description.machine.rotary[r]) rotary_[r].emplace(*facts);
 }
 
-void MachineTool::stop() { path_.stand(Vector3(command_mm())); }
+void MachineTool::stop() {
+  path_.stand(Vector3(command_mm()));
+  for (auto& rotary : rotary_)
+    if (rotary) rotary->stop();
+}
+
+void MachineTool::turn_to(const Vector3& angle_deg) {
+  for (std::size_t r = 0; r < kAxes; ++r)
+    if (rotary_[r]) rotary_[r]->turn_to(angle_deg[r]);
+}
+
+bool MachineTool::arrived() const {
+  return path_.done() &&
+         std::all_of(rotary_.begin(), rotary_.end(), [](const auto& rotary) { return !rotary || rotary->arrived(); });
+}
 
 void MachineTool::move_to(const Vector3& target_mm, double feed_mm_min) {
-  stop();
+  path_.stand(Vector3(command_mm()));
   PathPiece piece;
   piece.to_mm = command_mm();
   piece.feed_mm_min = feed_mm_min;
@@ -258,6 +292,8 @@ void MachineTool::step(const Drives& drives, double period_s) {
   path_.step(period_s);
   for (std::size_t a = 0; a < kAxes; ++a)
     if (axes_[a]) axes_[a]->step(command_mm()[a], drives[a], period_s);
+  for (auto& rotary : rotary_)
+    if (rotary) rotary->step(period_s);
   time_s_ += period_s;
 }
 
@@ -285,6 +321,24 @@ Signals MachineTool::signals() const {
   for (std::size_t a = 0; a < kAxes; ++a)
     if (axes_[a]) signals[a] = axes_[a]->signals();
   return signals;
+}
+
+RotaryWires MachineTool::rotary_wires() const {
+  RotaryWires wires;
+  for (std::size_t r = 0; r < kAxes; ++r)
+    if (rotary_[r]) wires[r] = rotary_[r]->signals();
+  return wires;
+}
+
+RotaryState MachineTool::rotary_state() const {
+  RotaryState state;
+  for (std::size_t r = 0; r < kAxes; ++r) {
+    if (!rotary_[r]) continue;
+    state.angle_deg[r] = rotary_[r]->angle_deg();
+    state.approach[r] = rotary_[r]->approach();
+  }
+  state.time_s = time_s_;
+  return state;
 }
 
 MachineState MachineTool::state() const {

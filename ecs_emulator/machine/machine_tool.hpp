@@ -35,6 +35,14 @@ struct AxisDrive {
 using Signals = PerAxis<AxisSignals>;
 using Drives = PerAxis<AxisDrive>;
 
+/// From a rotary axis to the unit: its transducer is absolute.
+struct RotarySignals {
+  std::int64_t counts = 0;
+  bool transducer_ok = true;  ///< false: signal lost
+};
+/// Of A, B, C; nothing: not wired to a unit.
+using RotaryWires = PerAxis<std::optional<RotarySignals>>;
+
 /// The drive of appendix A on the screw of this axis: its position loop has the gain `kv_per_s`, its D/A converter
 /// reaches 10 V a fifth above rapid speed, its velocity loop is as fast as that of appendix A.
 [[nodiscard]] ServoParameters servo_parameters_for(const params::MachineAxis& axis, const AxisSettings& settings);
@@ -156,6 +164,29 @@ class AxisOfMachine {
   std::int64_t miscounted_ = 0;
 };
 
+/// A rotary axis: it turns evenly to its command, and is there at once.
+class RotaryOfMachine {
+ public:
+  explicit RotaryOfMachine(const params::MachineRotaryAxis& facts);
+
+  void turn_to(double target_deg) { target_deg_ = target_deg; }
+  void stop() { target_deg_ = angle_deg_; }
+  void step(double period_s);
+  [[nodiscard]] double angle_deg() const { return angle_deg_; }
+  [[nodiscard]] Approach approach() const { return approach_; }
+  [[nodiscard]] bool arrived() const { return angle_deg_ == target_deg_; }
+  /// Nothing where the machine file gives no resolution.
+  [[nodiscard]] std::optional<RotarySignals> signals() const;
+  void lose_transducer(bool lost) { transducer_lost_ = lost; }
+
+ private:
+  params::MachineRotaryAxis facts_;
+  double angle_deg_ = 0.0;
+  double target_deg_ = 0.0;
+  Approach approach_ = Approach::forward;  ///< as after referencing
+  bool transducer_lost_ = false;
+};
+
 /// How far beyond its travel an axis can go before its buffers.
 inline constexpr double kOvertravel_mm = 25.0;
 /// No control feeds slower.
@@ -170,8 +201,10 @@ class MachineTool {
   void move_to(const Vector3& target_mm, double feed_mm_min);
   /// Appends to the path; see Path. Axes that this machine lacks stay at 0.
   void follow(std::span<const PathPiece> pieces) { path_.add(pieces); }
-  /// The path is at its end (the axes may still be catching up).
-  [[nodiscard]] bool arrived() const { return path_.done(); }
+  /// Turns the rotary axes that this machine has, beside the path.
+  void turn_to(const Vector3& angle_deg);
+  /// Path and rotary axes are at their end (the linear axes may still be catching up).
+  [[nodiscard]] bool arrived() const;
   /// Arrived, and nothing moves any more.
   [[nodiscard]] bool settled() const;
   /// Arrived, and no axis further than `window_mm` from its command, apart from what compensation adds.
@@ -184,6 +217,10 @@ class MachineTool {
   void rest(const Drives& drives);
 
   [[nodiscard]] Signals signals() const;
+  [[nodiscard]] RotaryWires rotary_wires() const;
+  [[nodiscard]] RotaryState rotary_state() const;
+  /// @param axis  0, 1, 2: A, B, C. @pre the machine has it
+  [[nodiscard]] RotaryOfMachine& rotary(std::size_t axis) { return *rotary_[axis]; }
   /// As its errors see it: carriages at their true places.
   [[nodiscard]] MachineState state() const;
   [[nodiscard]] const Vector3& command_mm() const { return path_.command_mm(); }
@@ -204,6 +241,7 @@ class MachineTool {
  private:
   Chain chain_;
   PerAxis<std::optional<AxisOfMachine>> axes_{};
+  PerAxis<std::optional<RotaryOfMachine>> rotary_{};
   Path path_;
   double load_kg_ = 0.0;
   double time_s_ = 0.0;

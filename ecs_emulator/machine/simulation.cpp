@@ -152,6 +152,7 @@ void Simulation::step() {
   const auto between = static_cast<std::uint64_t>(std::max(1L, std::lround(kThermalStep_s / period_s())));
   const bool wanted = unit_ != nullptr && (unit_->senses() || description_.settings.deviation);
   if (wanted && ticks_ % between == 0) sense();
+  if (unit_ != nullptr && !description_.machine.rotary_configuration.empty()) unit_->turned(machine_.rotary_wires());
   const Drives drives = unit_ == nullptr ? Drives{} : unit_->tick(machine_.signals());
   steady_ticks_ = same(drives, drives_) ? steady_ticks_ + 1 : 0;
   drives_ = drives;
@@ -276,6 +277,18 @@ ToolPose Simulation::tool_at(const MachineState& state, const Vector3& target_mm
   ToolPose pose = tool_pose(geometry_, errors, state.position_mm);
   for (const Axis a : kAllAxes)
     if (machine_.has(a)) pose.error_um[index_of(a)] += (state.position_mm[index_of(a)] - target_mm[index_of(a)]) * 1e3;
+  return pose;
+}
+
+TurningPose Simulation::turned_tool(const Vector3& tool_offset_mm) const {
+  const TurningGeometry geometry = turning_geometry_of(description_.machine, tool_offset_mm);
+  const MachineState state = machine_.state();
+  const RotaryState rotary = machine_.rotary_state();
+  TurningPose pose =
+      turning_pose(geometry, errors_.at(state, heat_), errors_.rotary_at(rotary), state.position_mm, rotary.angle_deg);
+  const Vector3 asked_mm = turning_pose(geometry, {}, {}, machine_.command_mm(), rotary.angle_deg).nominal_mm;
+  for (std::size_t d = 0; d < kAxes; ++d) pose.error_um[d] += (pose.nominal_mm[d] - asked_mm[d]) * 1e3;
+  pose.nominal_mm = asked_mm;
   return pose;
 }
 

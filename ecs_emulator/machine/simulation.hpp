@@ -65,6 +65,8 @@ class Compensator {
   virtual void sense(const std::vector<NamedTemperature>& /*shown*/, double /*seconds*/) {}
   /// The wires from the control, when they are connected and whenever one changes.
   virtual void control(const ControlWires& /*wires*/) {}
+  /// Before every period, where a rotary axis of the machine is wired.
+  virtual void turned(const RotaryWires& /*wires*/) {}
   /// Nothing of it waits for time to pass: periods in which nothing moves may be left out.
   [[nodiscard]] virtual bool quiet() const = 0;
 };
@@ -112,6 +114,9 @@ class Simulation {
   [[nodiscard]] ToolPose tool_now(bool scatter);
   /// The same for a state and a target.
   [[nodiscard]] ToolPose tool_at(const MachineState& state, const Vector3& target_mm, bool scatter);
+  /// The same with rotary axes at their angles, in the frame of the workpiece, without scatter.
+  /// @param tool_offset_mm  from the point at which the curves count, all angles 0. @pre the machine has rotary axes
+  [[nodiscard]] TurningPose turned_tool(const Vector3& tool_offset_mm) const;
 
   /// In the magazine; 0, none, always is.
   [[nodiscard]] bool has_tool(std::uint16_t number) const;

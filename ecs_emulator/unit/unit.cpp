@@ -128,6 +128,13 @@ void Unit::enter_compensation() {
   reload_parameters();
   map_test_ = test_map(memory_, settings_.axis_modules, *map_);
   if (map_test_.fault != Fault::none) return raise(map_test_.fault, map_test_.axis, map_test_.address);
+  if (const auto machine = ImageView(memory_.view(map_test_.address, bank_bytes(memory_.modules()))).rotary()) {
+    if (const auto lacking = rotary_without_input(*machine))
+      return raise(Fault::axis_module, std::nullopt, static_cast<Address>(*lacking));
+    for (std::size_t p = 0; p < kRotaryInputs; ++p)
+      for (const RotaryAxis& axis : machine->axes)
+        if (axis.letter == map_->rotary.axes[p].letter) rotary_axes_[p] = axis;
+  }
   watches_ = {};
   for (Origin& origin : origins_) origin.referenced = false;
   mode_ = UnitMode::datuming;
@@ -223,7 +230,64 @@ bool Unit::transducers_sound() {
       return false;
     }
   }
+  return rotary_sound();
+}
+
+namespace {
+
+std::size_t rotary_index(char letter) { return static_cast<std::size_t>(letter - 'A'); }
+
+}  // namespace
+
+/// A rotary axis of the map whose angle the rack does not get.
+std::optional<char> Unit::rotary_without_input(const RotarySetup& machine) const {
+  for (const RotaryAxis& axis : machine.axes)
+    if (axis.letter != '\0' && !rotary_wires_[rotary_index(axis.letter)]) return axis.letter;
+  return std::nullopt;
+}
+
+void Unit::turned(const RotaryWires& wires) { rotary_wires_before_ = std::exchange(rotary_wires_, wires); }
+
+/// The letter is the address of the fault.
+bool Unit::rotary_sound() {
+  if (!has_rotary()) return true;
+  for (const RotaryAxis& axis : rotary_axes_) {
+    if (axis.letter == '\0') continue;
+    const auto& now = rotary_wires_[rotary_index(axis.letter)];
+    const auto& before = rotary_wires_before_[rotary_index(axis.letter)];
+    if (!now || !now->transducer_ok) {
+      raise(Fault::axis_module, std::nullopt, static_cast<Address>(axis.letter));
+      return false;
+    }
+    const double step_deg = before ? static_cast<double>(now->counts - before->counts) * axis.deg_per_count : 0.0;
+    if (std::abs(step_deg) > kFastest_deg_s * period_s()) {
+      raise(Fault::position_jump, std::nullopt, static_cast<Address>(axis.letter));
+      return false;
+    }
+  }
   return true;
+}
+
+PerRotary<std::int64_t> Unit::rotary_counts() const {
+  PerRotary<std::int64_t> counts{};
+  for (std::size_t p = 0; p < kRotaryInputs; ++p)
+    if (rotary_axes_[p].letter != '\0') counts[p] = rotary_wires_[rotary_index(rotary_axes_[p].letter)]->counts;
+  return counts;
+}
+
+/// Their transducers are absolute. An axis that has not moved yet counts as having come forward.
+void Unit::begin_rotary() {
+  if (!has_rotary()) return;
+  const PerRotary<std::int64_t> counts = rotary_counts();
+  PerRotary<double> angle_deg{};
+  for (std::size_t p = 0; p < kRotaryInputs; ++p)
+    angle_deg[p] = static_cast<double>(counts[p]) * rotary_axes_[p].deg_per_count + rotary_axes_[p].zero_deg;
+  start_rotary(map_->rotary, rotary_, counts, angle_deg, {Approach::forward, Approach::forward});
+}
+
+bool Unit::go_to_tool(double most_um) {
+  if (has_rotary()) return change_tool(*map_, tick_, thermal_, rotary_, tool_target_mm_, most_um);
+  return change_tool(*map_, tick_, thermal_, tool_target_mm_, most_um);
 }
 
 /// The work of this period is not done when it ends.
@@ -267,13 +331,14 @@ void Unit::begin_compensating() {
     approach[i] = speed == 0.0 ? watches_[i].state().direction : (speed > 0.0 ? Approach::forward : Approach::reverse);
   }
   start(tick_, counts, position, approach);
+  begin_rotary();
   begin_thermal();
   tool_target_mm_ = parameters_.tool_offset_mm;
   squareness_changes_ = false;
   (void)change_squareness(*map_, tick_, {parameters_.C0Y_um_per_m, parameters_.B0Z_um_per_m, parameters_.A0Z_um_per_m},
                           std::numeric_limits<double>::infinity());
   select_tool();
-  (void)change_tool(*map_, tick_, thermal_, tool_target_mm_, std::numeric_limits<double>::infinity());
+  (void)go_to_tool(std::numeric_limits<double>::infinity());
   at_limit_s_ = {};
   late_in_a_row_ = 0;
   mode_ = UnitMode::compensating;
@@ -293,9 +358,11 @@ void Unit::compensate_step() {
   PerAxis<std::int64_t> counts{};
   for (std::size_t a = 0; a < kAxes; ++a) counts[a] = modules_[a].counts();
   const double most_um = parameters_.tool_rate_um_per_s * period_s();
-  if (tool_changes_) tool_changes_ = !change_tool(*map_, tick_, thermal_, tool_target_mm_, most_um);
+  if (tool_changes_) tool_changes_ = !go_to_tool(most_um);
   if (squareness_changes_) squareness_changes_ = !change_squareness(*map_, tick_, squareness_target_um_per_m_, most_um);
-  if (map_->thermal.count > 0)
+  if (has_rotary())
+    ecs::tick(*map_, tick_, counts, thermal_.acting, rotary_, rotary_counts());
+  else if (map_->thermal.count > 0)
     ecs::tick(*map_, tick_, counts, thermal_.acting);
   else
     ecs::tick(*map_, tick_, counts);
@@ -343,18 +410,23 @@ void Unit::sense(const std::vector<NamedTemperature>& shown, double seconds) {
   watch_unknown_inputs();
   if (mode_ != UnitMode::compensating || map_->thermal.count == 0) return;
   if (step_thermal(map_->thermal, thermal_, inputs_, tick_.position_mm, seconds)) report_doubtful_input();
+  if (has_rotary()) follow_thermal(*map_, thermal_, rotary_);
   if (clock_s_ - stored_s_ >= kThermalStored_s) store_thermal();
 }
 
 /// Rows go on from what they had come to in the battery-backed memory, if that belongs to this map.
 void Unit::begin_thermal() {
-  if (map_->thermal.count == 0) return;
+  if (map_->thermal.count == 0) {
+    thermal_ = {};
+    return;
+  }
   const auto stored = stored_thermal(memory_.view(kThermalRecord.first, kThermalRecord.size));
   const bool of_this_map = stored && stored->image_check == map_test_.expected;
   stored_s_ = clock_s_;
   if (ecs::begin_thermal(map_->thermal, thermal_, inputs_, tick_.position_mm, of_this_map ? &*stored : nullptr,
                          of_this_map ? clock_s_ - stored->clock_s : 0.0))
     report_doubtful_input();
+  if (has_rotary()) follow_thermal(*map_, thermal_, rotary_);
 }
 
 /// No reason to stop: the terms of that input keep their value and fade out.
@@ -398,7 +470,8 @@ void Unit::report_unknown_tool() {
 double Unit::unknown_input_um() const {
   Vector3 most_um{};
   if (!tool_known_) {
-    const PerAxis<Vector3> effect = tool_effect_um_per_mm(*map_, tick_, thermal_);
+    const PerAxis<Vector3> effect = has_rotary() ? tool_effect_um_per_mm(*map_, tick_, thermal_, rotary_)
+                                                 : tool_effect_um_per_mm(*map_, tick_, thermal_);
     for (std::size_t l = 0; l < kAxes; ++l) {
       const double furthest_mm = parameters_.tool_range_mm[l] + std::abs(map_->tool_offset_mm[l]);
       for (std::size_t o = 0; o < kAxes; ++o) most_um[o] += std::abs(effect[l][o]) * furthest_mm;

@@ -162,6 +162,9 @@ const std::vector<RequestOption> kJogOptions{
     {"--x,-x", number, "position to which X moves, machine coordinates [mm]", Need::optional, "X"},
     {"--y,-y", number, "position to which Y moves, machine coordinates [mm]", Need::optional, "Y"},
     {"--z,-z", number, "position to which Z moves, machine coordinates [mm]", Need::optional, "Z"},
+    {"--a", number, "angle to which A turns [deg]", Need::optional, "A"},
+    {"--b", number, "angle to which B turns [deg]", Need::optional, "B"},
+    {"--c", number, "angle to which C turns [deg]", Need::optional, "C"},
     {"--feed", number, "feed [mm/min]; default: rapid traverse"},
 };
 const std::vector<RequestOption> kFaultOptions{
@@ -386,6 +389,8 @@ const std::vector<Action>& workshop_verbs() {
               kCaptureOptions),
       request("circle", "make a circular test (ISO 230-4) with a ball bar",
               "circle --plane XY --radius 100 -o circle.csv", kCircleOptions),
+      request("ball", "measure a ball on the table of a machine with rotary axes, with the unit at the machine",
+              "ball --ball 750,300,-500 -o ball.csv", kBallOptions),
       request("survey", "compute the true volumetric error at the corners and on a grid",
               "survey --step 500 -o survey.csv", kSurveyOptions),
       request("tool", "show the true error of the tool now, against its commanded position", "tool", {}),

@@ -12,16 +12,6 @@ namespace {
 constexpr double kTurn_deg = 360.0;
 constexpr std::size_t kUsualTargets = 12, kMostTargets = 10'000;
 
-TurningGeometry geometry_of(const params::Machine& machine, const Vector3& tool_offset_mm) {
-  TurningGeometry geometry;
-  if (const auto chain = params::chain_of(machine)) geometry.linear.chain = *chain;
-  geometry.linear.lines_mm = params::measurement_lines_of(machine);
-  geometry.linear.tool_offset_mm = tool_offset_mm;
-  geometry.configuration = machine.rotary_configuration;
-  geometry.rotary = machine.rotary;
-  return geometry;
-}
-
 Result<void> check(const params::Machine& machine, const Sweep& sweep) {
   for (std::size_t r = 0; r < kAxes; ++r) {
     const bool moves = r == sweep.axis;
@@ -137,6 +127,23 @@ std::vector<Sweep> reachable_sweeps(const TurningGeometry& geometry, const param
   return sweeps;
 }
 
+/// The tool at a pose. A machine that drives there has its own approach and clock.
+Result<TurningPose> pose_at(Simulation& simulation, const BallPlan& plan, const Vector3& place_mm,
+                            RotaryState& rotary) {
+  const TurningGeometry geometry = turning_geometry_of(simulation.description().machine, plan.tool_offset_mm);
+  if (plan.drives) {
+    simulation.machine().turn_to(rotary.angle_deg);
+    if (!simulation.move_to(place_mm, 0.0)) return problem(ProblemKind::refused, "stopped before its end");
+    rotary = simulation.machine().rotary_state();
+    return simulation.turned_tool(plan.tool_offset_mm);
+  }
+  MachineState state;
+  state.position_mm = place_mm;
+  state.time_s = rotary.time_s;
+  return turning_pose(geometry, simulation.errors().at(state, simulation.heat()), simulation.errors().rotary_at(rotary),
+                      place_mm, rotary.angle_deg);
+}
+
 }  // namespace
 
 Result<laser::MeasurementSet> ball_readings(Simulation& simulation, const BallPlan& plan) {
@@ -148,7 +155,7 @@ Result<laser::MeasurementSet> ball_readings(Simulation& simulation, const BallPl
     if (!machine.axes[index_of(axis)])
       return problem(ProblemKind::usage,
                      fmt::format("expected X, Y and Z to follow the ball, the machine has no {}", letter_of(axis)));
-  const TurningGeometry geometry = geometry_of(machine, plan.tool_offset_mm);
+  const TurningGeometry geometry = turning_geometry_of(machine, plan.tool_offset_mm);
   const Vector3 workpiece_mm = turning_pose(geometry, {}, {}, plan.ball_mm, {}).nominal_mm;
   laser::MeasurementSet set = begun(machine, "ball on the table");
   RotaryState rotary = plan.stand;
@@ -168,11 +175,7 @@ Result<laser::MeasurementSet> ball_readings(Simulation& simulation, const BallPl
       rotary.approach[sweep.axis] = stop.approach;
       rotary.time_s = time_s += plan.seconds;
       ECS_TRY(place, linear_axes_at(geometry, machine, workpiece_mm, rotary.angle_deg));
-      MachineState state;
-      state.position_mm = place;
-      state.time_s = time_s;
-      const TurningPose pose = turning_pose(geometry, simulation.errors().at(state, simulation.heat()),
-                                            simulation.errors().rotary_at(rotary), place, rotary.angle_deg);
+      ECS_TRY(pose, pose_at(simulation, plan, place, rotary));
       Vector3 error_um = pose.error_um;
       for (std::size_t d = 0; d < kAxes; ++d) {
         error_um[d] -= plan.off_um[d];
@@ -187,9 +190,12 @@ Result<laser::MeasurementSet> ball_readings(Simulation& simulation, const BallPl
         reading.sense = static_cast<Sense>(d);
         reading.error = (plan.on_workpiece ? error_um[d] : along(error_um, pose.bed[d])) +
                         plan.noise_um * simulation.random().normal();
-        reading.approach = stop.approach;
+        reading.approach = rotary.approach[sweep.axis];
         reading.run = stop.run;
-        reading.time_s = time_s;
+        reading.time_s = rotary.time_s;
+        if (plan.drives)
+          reading.compensated = std::any_of(simulation.drives().begin(), simulation.drives().end(),
+                                            [](const AxisDrive& drive) { return drive.relay_closed; });
         if (plan.on_workpiece) reading.extras["on_workpiece"] = 1.0;
         for (std::size_t t = 0; t < kAxes; ++t)
           if (plan.tool_offset_mm[t] != 0.0)

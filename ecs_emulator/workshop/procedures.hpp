@@ -100,6 +100,7 @@ struct BallPlan {
   double noise_um = 0.3;      ///< standard deviation of a reading
   double seconds = 5.0;       ///< from one pose to the next
   bool on_workpiece = false;  ///< sensors turn with the table: readings along its X, Y, Z
+  bool drives = false;        ///< to every pose, with the unit at the machine; else it reaches them exactly, cold
   RotaryState stand;          ///< of the rotary axes before the first pose: referenced, if nothing else is said
 };
 

@@ -59,6 +59,9 @@ Json state_of(const Workshop& workshop) {
              {"link", nullptr},
              {"unit", nullptr}};
   if (!workshop.link.empty()) state["link"] = workshop.link;
+  for (std::size_t r = 0; r < kAxes; ++r)
+    if (workshop.simulation->description().machine.rotary[r])
+      state["angle_deg"][std::string(1, "ABC"[r])] = machine.rotary_state().angle_deg[r];
   if (workshop.unit != nullptr)
     state["unit"] = {{"powered", workshop.unit->powered()},
                      {"mode", name_of(workshop.unit->mode())},
@@ -87,6 +90,24 @@ Answer show(const Workshop& workshop, Arguments& arguments) {
   return state_of(workshop);
 }
 
+/// Where the rotary axes turn to: those that are not named stay.
+Vector3 asked_angles(const Simulation& simulation, Arguments& arguments) {
+  Vector3 angle_deg = simulation.machine().rotary_state().angle_deg;
+  for (std::size_t r = 0; r < kAxes; ++r) {
+    const std::string letter(1, "ABC"[r]);
+    const auto asked = arguments.number(letter.c_str());
+    const auto& axis = simulation.description().machine.rotary[r];
+    if (!asked) continue;
+    if (!axis)
+      arguments.complain(fmt::format("this machine has no {}", letter));
+    else if (!(*asked >= axis->travel_deg[0] && *asked <= axis->travel_deg[1]))
+      arguments.complain(fmt::format("{}: expected within its travel {} … {} deg, got {}", letter, axis->travel_deg[0],
+                                     axis->travel_deg[1], *asked));
+    angle_deg[r] = *asked;
+  }
+  return angle_deg;
+}
+
 Answer jog(const Workshop& workshop, Arguments& arguments) {
   const auto place = arguments.coordinates(nullptr);
   const double feed = arguments.number_or("feed", 0.0);
@@ -104,7 +125,9 @@ Answer jog(const Workshop& workshop, Arguments& arguments) {
   if (feed != 0.0 && !(feed >= kSlowestFeed_mm_min))
     arguments.complain(
         fmt::format("feed: expected {} mm/min or more, or 0 for rapid, got {}", kSlowestFeed_mm_min, feed));
+  const Vector3 angle_deg = asked_angles(simulation, arguments);
   ECS_DO(arguments.checked());
+  simulation.machine().turn_to(angle_deg);
   if (!simulation.move_to(target_mm, feed)) return simulation_stopped_early();
   return state_of(workshop);
 }
@@ -226,15 +249,11 @@ Answer read_lengths(const Workshop& workshop, Arguments& arguments) {
 }
 
 /// What both kinds of readings of rotary axes share.
-void ask_for_readings(const Workshop& workshop, Arguments& arguments, int& runs, double& noise, double& seconds) {
+void ask_for_readings(Arguments& arguments, int& runs, double& noise, double& seconds) {
   runs = static_cast<int>(arguments.integer("runs", 1, 1000).value_or(runs));
   arguments.numbers_into({{"noise", &noise}, {"seconds", &seconds}});
   if (!(noise >= 0.0)) arguments.complain("noise: expected 0 or more");
   if (!(seconds >= 0.0)) arguments.complain("seconds: expected 0 or more");
-  if (workshop.unit != nullptr && workshop.unit->mode() == UnitMode::compensating)
-    arguments.complain(
-        "readings of rotary axes: expected the unit in integration mode (it supports X, Y and Z only, and would "
-        "compensate as if all rotary axes were at 0)");
 }
 
 Sweep asked_sweep(Arguments& arguments, const std::string& text) {
@@ -260,7 +279,8 @@ Answer read_ball(const Workshop& workshop, Arguments& arguments) {
   plan.off_um = asked_vector(arguments, "off");
   plan.tool_off_um = asked_vector(arguments, "tool_off");
   plan.on_workpiece = arguments.flag("on_workpiece");
-  ask_for_readings(workshop, arguments, plan.runs, plan.noise_um, plan.seconds);
+  plan.drives = workshop.unit != nullptr;
+  ask_for_readings(arguments, plan.runs, plan.noise_um, plan.seconds);
   for (const std::string& text : arguments.words("sweep")) plan.sweeps.push_back(asked_sweep(arguments, text));
   const std::string output = arguments.word("output");
   ECS_DO(arguments.checked());
@@ -274,7 +294,9 @@ Answer read_turn(const Workshop& workshop, Arguments& arguments) {
   TurnPlan plan;
   plan.sweep = asked_sweep(arguments, arguments.word("sweep"));
   plan.sense = arguments.sense(true).value_or(plan.sense);
-  ask_for_readings(workshop, arguments, plan.runs, plan.noise, plan.seconds);
+  if (workshop.unit != nullptr)
+    arguments.complain("turn: expected a machine without a unit, `ecs-emulator turn`; with a unit measure a `ball`");
+  ask_for_readings(arguments, plan.runs, plan.noise, plan.seconds);
   const std::string output = arguments.word("output");
   ECS_DO(arguments.checked());
   ECS_TRY(set, turn_readings(*workshop.simulation, plan));

@@ -57,7 +57,7 @@ struct Bench {
 
   std::vector<std::uint8_t> image(const CurveFunction& compensation) {
     return image_of(parameters, simulation.description().machine, compensation, unit.settings().serial_number, thermal,
-                    thermal_settings);
+                    thermal_settings, rotary);
   }
 
   /// Of one value everywhere.
@@ -86,6 +86,7 @@ struct Bench {
   UnitParameters parameters;
   std::vector<ThermalRow> thermal;  ///< of the maps that image() makes
   ThermalSettings thermal_settings;
+  const RotarySetup* rotary = nullptr;  ///< of those maps
 };
 
 inline bool all_relays(const Bench& bench, bool closed) {

@@ -19,7 +19,7 @@ inline std::vector<std::uint8_t> image_of(const UnitParameters& parameters, cons
                                           const CurveFunction& compensation,
                                           std::string_view serial_number = "EMULATOR-1",
                                           const std::vector<ThermalRow>& thermal = {},
-                                          const ThermalSettings& settings = {}) {
+                                          const ThermalSettings& settings = {}, const RotarySetup* rotary = nullptr) {
   const ComponentSet needed = components_needed(parameters);
   std::vector<TableEntry> entries;
   std::uint32_t values = 0;
@@ -33,8 +33,9 @@ inline std::vector<std::uint8_t> image_of(const UnitParameters& parameters, cons
       values += count;
     }
   }
-  const ImagePlan plan{static_cast<std::uint32_t>(entries.size()), values, 4,
-                       thermal.empty() ? kImageFormat : kFormatWithThermal, static_cast<std::uint32_t>(thermal.size())};
+  ImagePlan plan{static_cast<std::uint32_t>(entries.size()), values, 4, format_for(!thermal.empty(), rotary != nullptr),
+                 static_cast<std::uint32_t>(thermal.size())};
+  if (rotary != nullptr) plan.rotary_values = {rotary->tables[0].count, rotary->tables[1].count};
   std::vector<std::uint8_t> image(image_bytes(plan));
   begin_image(image, plan);
   write_parameters(image, parameters);
@@ -48,6 +49,7 @@ inline std::vector<std::uint8_t> image_of(const UnitParameters& parameters, cons
       write_value(image, entry.first_value + k, static_cast<std::int16_t>(std::lround(value / entry.resolution)));
     }
   }
+  if (rotary != nullptr) write_rotary(image, *rotary);
   write_header(image, "test");
   seal_image(image);
   return image;
