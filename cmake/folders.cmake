@@ -64,8 +64,8 @@ ecs_folder(commissioning/laser_session base base/cli commissioning/link commissi
 ecs_folder(commissioning/link base commissioning/session commissioning/unit core protocol/client protocol/line
            protocol/registers Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
 ecs_folder(commissioning/maps base base/cli commissioning/link commissioning/measurements commissioning/models
-           commissioning/session commissioning/unit core laser laser/map model/effects model/fit params
-           protocol/client fmt::fmt)
+           commissioning/session commissioning/unit core kinematics laser laser/map model/effects model/fit params
+           protocol/client volume fmt::fmt)
 ecs_folder(commissioning/measurements base base/cli commissioning/link commissioning/session core laser laser/analysis
            laser/import laser/map laser/standards Threads::Threads fmt::fmt tomlplusplus::tomlplusplus)
 ecs_folder(commissioning/memory base commissioning/session commissioning/unit core laser/map params protocol/client

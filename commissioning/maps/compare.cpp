@@ -129,6 +129,8 @@ MapChange change_between(const ErrorMap& first, const ErrorMap& second) {
     if (auto curve = curve_change(first, second, static_cast<Component>(c), change.notes))
       change.curves.push_back(std::move(*curve));
   if (change.curves.empty()) change.notes.emplace_back("the maps have no curve in common");
+  if (first.header.rotary != second.header.rotary)
+    change.notes.emplace_back("the rotary axes of the maps differ; they are not compared");
   if (first.header.thermal != second.header.thermal)
     change.notes.emplace_back("the thermal rows of the maps differ; they are not compared");
   return change;

@@ -11,6 +11,7 @@
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "commissioning/maps/rotary_part.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/map/image.hpp"
 
@@ -228,7 +229,9 @@ Cell thermal_cell(const laser::MapHeader& header) {
 }
 
 Cell header_cell(const laser::MapHeader& header) {
-  const std::string text = laser::header_text(header);
+  laser::MapHeader words = header;
+  words.rotary.clear();  // whole curves: their table says how large they are
+  const std::string text = laser::header_text(words) + rotary_cell(header).text;
   Cell cell{object_of("customer"_is(text_cell(header.customer)), "machine"_is(text_cell(header.machine)),
                       "serial_number"_is(text_cell(header.serial_number)), "date"_is(text_cell(header.date)),
                       "engineer"_is(text_cell(header.engineer)), "configuration"_is(text_cell(header.configuration)),
@@ -245,6 +248,7 @@ Cell header_cell(const laser::MapHeader& header) {
                       "processing"_is(lines_cell(header.processing, ""))),
             text.empty() ? "no header\n" : text};
   if (!header.thermal.empty()) cell.json["thermal"] = thermal_cell(header).json;
+  if (!header.rotary.empty()) cell.json["rotary"] = rotary_cell(header).json;
   return cell;
 }
 

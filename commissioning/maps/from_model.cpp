@@ -11,6 +11,7 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/map_in_unit.hpp"
+#include "commissioning/maps/rotary_part.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"
@@ -276,6 +277,7 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
   trace(built, *model, levers, arguments.model);
   note_temperatures(built, *model, *machine);
   ECS_DO(complete_header(built, arguments));
+  ECS_DO(add_rotary(built.compiled.map.header, arguments.rotary, arguments.machine, built.notes));
   take_squareness(built.parameters.parameters, built.compiled);
   declare_missing_zero(built, arguments.zero_missing);
   built.findings = laser::findings_for(built.compiled.map, built.parameters.parameters, travels_of(*machine));
@@ -320,14 +322,15 @@ Result<MapFromModel> planned_map_from_model(MessageSink& messages, const FromMod
   if (arguments.machine.empty())
     return problem(ProblemKind::usage, "--from-model needs --machine: the machine file gives the travels of the axes");
   auto built = built_from(messages, arguments);
-  if (built && built->effects.empty() && built->compiled.map.header.thermal.empty())
+  if (built && built->effects.empty() && built->compiled.map.header.thermal.empty() &&
+      built->compiled.map.header.rotary.empty())
     return tl::unexpected(nothing_carried(*built, arguments.model));
   return built;
 }
 
 Result<MapFromModel> map_from_model(MessageSink& messages, const FromModelArguments& arguments) {
   for (const std::string& output : {arguments.output, arguments.params_out, arguments.image})
-    ECS_DO(check_output_not_input(output, {arguments.model, arguments.machine}));
+    ECS_DO(check_output_not_input(output, {arguments.model, arguments.machine, arguments.rotary}));
   auto built = planned_map_from_model(messages, arguments);
   if (!built) return built;
   const params::ParametersFile& parameters = built->parameters;
@@ -386,7 +389,7 @@ std::string declared_text(const MapFromModel& b) {
 Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments) {
   return record_cell(
       "{components}largest: of the compensation; points: per table, every {increment_mm} "
-      "mm\n{squareness}{thermal}{not_carried}"
+      "mm\n{squareness}{thermal}{rotary}{not_carried}"
       "{declared}{notes}{findings}{verdict}{map}{params_out}{image}",
       "map"_is(written_cell("map", arguments.output, "not saved: give -o map.csv to save it\n")),
       "params_out"_is(written_cell("parameters", arguments.params_out)),
@@ -395,8 +398,9 @@ Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments)
       "carried"_is(lines_cell(b.compiled.carried, "")),
       "not_carried"_is(paragraphs_cell(b.compiled.not_carried, "NOT COMPENSATED: ")),
       "components"_is(components_cell(b)), "thermal"_shown(thermal_cell(b.compiled.map.header).text),
-      "squareness"_is(squareness_of_model(b, arguments)), "declared"_shown(declared_text(b)),
-      "missing"_is(lines_cell(objections_in(b.findings), "")), "findings"_is(findings_cell(b.findings)),
+      "rotary"_shown(rotary_cell(b.compiled.map.header).text), "squareness"_is(squareness_of_model(b, arguments)),
+      "declared"_shown(declared_text(b)), "missing"_is(lines_cell(objections_in(b.findings), "")),
+      "findings"_is(findings_cell(b.findings)),
       "verdict"_shown(verdict_text(b.compiled.map, b.findings,
                                    !made_for_two_machines(b.compiled.map.header, b.parameters.identity).empty())),
       "holds_at"_is(lines_cell(b.holds_at, "")), "notes"_is(paragraphs_cell(b.notes, "note: ")),

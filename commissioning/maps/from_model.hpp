@@ -20,6 +20,7 @@ struct FromModelArguments {
   std::string model;
   std::string machine;
   std::optional<double> increment_mm;  ///< absent: fine enough for the model
+  std::string rotary;                  ///< errors of the rotary axes; empty: none
   std::string params;                  ///< empty: `received`, else those that fit the machine
   std::string output;
   std::string params_out;

@@ -119,13 +119,19 @@ MapDifference of_table(const laser::MapTable& table, const std::string& what) {
   return {table.component, table.approach, {}, {}, {}, fmt::format("{}: {}", name_of_table(table), what)};
 }
 
+/// A curve of a rotary axis is one line.
+std::string shortened(std::string_view line) {
+  constexpr std::size_t kMost = 100;
+  return line.size() <= kMost ? std::string(line) : fmt::format("{} …", line.substr(0, kMost));
+}
+
 void compare_headers(const laser::MapHeader& expected, const laser::MapHeader& found, std::vector<MapDifference>& out) {
   const std::string a = laser::header_text(expected), b = laser::header_text(found);
   const auto lines_a = lines_of(a), lines_b = lines_of(b);
   const auto take = [&](const auto& lines, const auto& other, const char* where) {
     for (const std::string_view line : lines)
       if (std::find(other.begin(), other.end(), line) == other.end())
-        out.push_back({{}, {}, {}, {}, {}, fmt::format("header: only {} has \"{}\"", where, line)});
+        out.push_back({{}, {}, {}, {}, {}, fmt::format("header: only {} has \"{}\"", where, shortened(line))});
   };
   take(lines_a, lines_b, "the file");
   take(lines_b, lines_a, "the unit");

@@ -224,10 +224,18 @@ bool has_address(Fault fault) {
 
 Cell hex_cell(std::uint32_t number) { return cell_of(fmt::format("{:08X}", number)); }
 
+/// Of a rotary axis the letter is the address.
+std::string axis_at_fault(const UnitStatus& status) {
+  if (status.fault_axis) return std::string(1, letter_of(*status.fault_axis));
+  const bool may_be_rotary = status.fault == Fault::axis_module || status.fault == Fault::position_jump;
+  if (!may_be_rotary || status.fault_address < 'A' || status.fault_address > 'C') return {};
+  return std::string(1, static_cast<char>(status.fault_address));
+}
+
 Cell fault_cell(const UnitStatus& status) {
   const FaultText text = ecs::text_of(status.fault);
   const std::string address = hex_address(status.fault_address);
-  const std::string axis = status.fault_axis ? std::string(1, letter_of(*status.fault_axis)) : std::string();
+  const std::string axis = axis_at_fault(status);
   const std::string where = status.fault == Fault::block_check ? "; in the memory bank that begins at " : "; address ";
   std::string input;
   const auto is_of = [&](std::size_t which) { return status.fault_address == which + 1; };
@@ -240,7 +248,7 @@ Cell fault_cell(const UnitStatus& status) {
                      "name"_is(text.name), "number"_is(static_cast<int>(status.fault)), "meaning"_is(text.meaning),
                      "action"_is(text.action),
                      "address"_is(has_address(status.fault) ? Cell{address, where + address} : null_cell()),
-                     "axis"_is(status.fault_axis ? Cell{axis, "; axis " + axis} : null_cell()), "input"_shown(input));
+                     "axis"_is(axis.empty() ? null_cell() : Cell{axis, "; axis " + axis}), "input"_shown(input));
 }
 
 Cell ram_test_cell(const UnitStatus& status) {

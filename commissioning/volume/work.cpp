@@ -103,6 +103,9 @@ Result<void> take_rotary(const VolumeArguments& arguments, const std::string& ma
 void note_rotary(VolumeWork& work) {
   const auto& rotary = work.prepared.machine.rotary;
   if (!rotary) return;
+  if (!work.prepared.machine.map.header.rotary.empty())
+    work.notes.emplace_back(
+        "the map also compensates the errors of the rotary axes. This is not taken into account here");
   work.notes.push_back(
       "the unit compensates X, Y and Z as if the rotary axes were at 0. The errors of the rotary axes remain, and so "
       "do the effects of angular errors of X, Y and Z at other angles");

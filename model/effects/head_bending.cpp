@@ -84,7 +84,7 @@ EffectDefinition bending(const Words& words) {
                      {"y_cos_um", "um", "along Y with 1 - cos b"},
                      {"z_cos_um", "um", "along Z with 1 - cos b"}},
       .carrier = Carrier::none,
-      .how = "the unit has no input for the angles of rotary axes",
+      .how = "`ecs model fit --rotary` writes no curve for it, so that no map contains it",
       .separated_by = {53,
                        "Measure the ball at pairs of +b and -b of the tilting axis, with two lengths of tool: a shift "
                        "of the axis line does not change with the length, bending does."},

@@ -49,7 +49,9 @@ EffectDefinition location() {
       .headline = "Axis line of {axis} off by {um} ({code})",
       .parameters = {{"um", "um", "position of the axis line; for AO., BO., CO. its direction or zero, um_per_m"}},
       .carrier = Carrier::none,
-      .how = "machine data of the control: position and direction of the rotary axis; the unit has X, Y and Z",
+      .how =
+          "not from the model itself: `ecs model fit --rotary`, then `ecs map build --rotary`; or machine data of the "
+          "control",
       .separated_by = {54,
                        "Measure the ball again over the whole turn of {axis} at another angle of the other rotary "
                        "axis; turn the spindle by 180 degrees between two readings to determine the zero of the probe. "

@@ -36,7 +36,9 @@ EffectDefinition tilt_scale() {
       .headline = "{where} with a scale error of {um_per_degree}",
       .parameters = {{"um_per_degree", "um/deg", "error of a degree"}},
       .carrier = Carrier::none,
-      .how = "use a table of the control for this axis, since the unit has X, Y and Z only",
+      .how =
+          "not from the model itself: `ecs model fit --rotary`, then `ecs map build --rotary`; or a table of the "
+          "control for this axis",
       .separated_by = {55, "Measure {axis} at both ends of its travel and in the middle."},
       .traits = {.is_smooth = true, .one_per_axis = true, .on_rotary_axes = true},
       .preference = 25,

@@ -610,7 +610,11 @@ std::string page_of(const std::vector<std::string>& lines) {
       "- *remove the cause*: an error of the measurement or of the commissioning. The readings are taken with the "
       "cause "
       "and again without it.\n"
-      "- *no*: the unit cannot compensate the effect. `ecs model what-if` and `ecs map build` state the reason.\n\n"
+      "- *no*: a map made from the model cannot compensate the effect. `ecs model what-if` and `ecs map build` state "
+      "the "
+      "reason. Errors of\n"
+      "  rotary axes reach the unit by a file of them "
+      "([five_axes.md](five_axes.md#compensation-by-the-unit)).\n\n"
       "*Limit* is the largest permitted part of the error before.\n\n"
       "| effect | compensated by | emulated machine | before | after | limit | reason |\n"
       "|---|---|---|---|---|---|---|\n{}",

@@ -1,5 +1,5 @@
 // `ecs map build`: from measured files to map.csv, by a recipe or as the files themselves suggest; from readings of
-// rotary axes their error motions over the angle, for `ecs volume --rotary` (the map of a unit knows linear axes only).
+// rotary axes their error motions over the angle, for `--rotary` of the next map and of `ecs volume`.
 
 #include "laser/map/build.hpp"
 
@@ -19,8 +19,10 @@
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/from_model.hpp"
 #include "commissioning/maps/map_in_unit.hpp"
+#include "commissioning/maps/rotary_part.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/unit/transfer.hpp"
+#include "laser/map/csv.hpp"
 #include "params/parameters_toml.hpp"
 #include "volume/rotary_errors.hpp"
 
@@ -63,8 +65,8 @@ Result<Outcome> rotary_errors_built(VerbContext& context, const std::vector<std:
   if (!output.empty())
     ECS_DO(write_file(output, volume::rotary_csv(errors, metadata_value(set, "machine").value_or(""))));
   return outcome_of(record_cell(
-      "{tables}These are errors, not compensation. The unit compensates X, Y and Z and accepts no\ntable of a rotary "
-      "axis; `ecs volume --rotary` uses these files.\n{rotary}",
+      "{tables}These are errors, not compensation. `ecs map build --rotary` adds them to the map of the\nlinear axes; "
+      "`ecs volume --rotary` shows what they do at the tool.\n{rotary}",
       "rotary"_is(written_cell("errors of rotary axes", output, "nothing written: give -o rotary.csv to keep it\n")),
       "tables"_is(list_cell(errors.tables, rotary_table_cell,
                             fmt::format("{:<9} {:>8} {:<4} {:>8} {:>8} {:>6} {:>8} {:>8}\n", "", "approach", "unit",
@@ -84,6 +86,8 @@ struct BuildRequest : FromModelArguments {
             {"--machine", &R::machine,
              "machine file (.toml) for --from-model and for the travels to cover; default: machine.toml in the folder "
              "of the parameters"},
+            {"--rotary", &R::rotary,
+             "errors of the rotary axes (.csv) that the unit compensates as well; needs --machine (docs/five_axes.md)"},
             {"--increment", &R::increment_mm,
              "increment of the tables made by --from-model [mm]; chosen automatically if not given"},
             {"-o,--output", &R::output, "map CSV to write", Is::output},
@@ -174,6 +178,8 @@ Result<Built> built(const BuildRequest& request, const laser::FileReader& read) 
   ECS_TRY(travels, travels_given(request.machine, request.params, parameters));
   ECS_TRY(made, made_map(recipe.recipe, parameters, travels, read));
   parameters.parameters = made.map.parameters;
+  ECS_DO(add_rotary(made.map.map.header, request.rotary, request.machine, made.map.notes));
+  if (!request.rotary.empty()) made.findings = findings_before_sending(made.map.map, parameters.parameters, travels);
   return Built{std::move(recipe), std::move(made), std::move(parameters), {}};
 }
 
@@ -216,7 +222,8 @@ std::string squareness_rule_text(const Built& b) {
 
 Cell built_cell(const Built& b, const BuildRequest& request) {
   return record_cell(
-      "{components}{declared}band: range of the readings as measured; largest: largest compensation\nslope: slope "
+      "{components}{declared}{rotary}band: range of the readings as measured; largest: largest compensation\nslope: "
+      "slope "
       "removed, per m; smooth: rms removed by smoothing; n: points per "
       "table\n{of_squareness}{unused}{notes}{squareness}{findings}{verdict}{map}{params_out}{image}",
       "map"_is(written_cell("map", request.output, "nothing written: give -o map.csv to keep it\n")),
@@ -227,8 +234,8 @@ Cell built_cell(const Built& b, const BuildRequest& request) {
           fmt::format("{:<4} {:<37} {:<4} {:>6} {:>7} {:>6} {:>6} {:>3}\n", "", "component", "unit", "band", "largest",
                       "slope", "smooth", "n"))),
       "of_squareness"_shown(squareness_rule_text(b)), "declared"_shown(declared_text(b)),
-      "squareness"_is(squareness_of(b, request)), "missing"_is(lines_cell(objections_in(b.made.findings), "")),
-      "findings"_is(findings_cell(b.made.findings)),
+      "rotary"_shown(rotary_cell(b.made.map.map.header).text), "squareness"_is(squareness_of(b, request)),
+      "missing"_is(lines_cell(objections_in(b.made.findings), "")), "findings"_is(findings_cell(b.made.findings)),
       "verdict"_shown(verdict_text(b.made.map.map, b.made.findings,
                                    !made_for_two_machines(b.made.map.map.header, b.parameters.identity).empty())),
       "unused"_is(lines_cell(b.by.unused, "not used: ")), "notes"_is(lines_cell(b.made.map.notes, "note: ")),
@@ -281,29 +288,43 @@ bool is_map(const std::vector<std::string>& files) {
   return content && kind_of_content(*content) == FileKind::map;
 }
 
-/// The image of a map that is in a file, unchanged.
+/// The image of a map that is in a file, and the map, with rotary axes where they are given.
 Result<Outcome> image_of_map(VerbContext& context, const BuildRequest& request) {
   const std::string& map = request.files.front();
   ECS_DO(enough_given(request));
-  if (!request.output.empty() || !request.params_out.empty())
-    return problem(ProblemKind::usage, fmt::format("{} is a map already: only --image makes a file from it", map));
-  ECS_DO(check_output_not_input(request.image, {map, request.params}));
-  ECS_TRY(prepared, prepared_map(map, request.params));
+  if (!request.params_out.empty() || (request.rotary.empty() && !request.output.empty()))
+    return problem(ProblemKind::usage,
+                   fmt::format("{} is a map already: only --image or --rotary makes a file from it", map));
+  for (const std::string& output : {request.output, request.image})
+    ECS_DO(check_output_not_input(output, {map, request.params, request.rotary, request.machine}));
+  ECS_TRY(whole, laser::read_map_csv(map));
+  std::vector<std::string> notes;
+  ECS_DO(add_rotary(whole.header, request.rotary, request.machine, notes));
+  for (const std::string& note : notes) context.console.note(note);
+  ECS_TRY(parameters, params::read_parameters(request.params));
+  ECS_TRY(prepared, prepared_map(whole, map, parameters, request.params));
   for (const std::string& note : prepared.image.notes) context.console.note(note);
   for (const std::string& remark : prepared.remarks) context.console.warn(remark);
   ECS_TRY(image, image_for_file(prepared));
+  ECS_DO(write_map(request.output, whole, {}, parameters.parameters, parameters.identity));
   ECS_DO(write_image(request.image, image));
-  return outcome_of(record_cell("{image}", "map"_is(map), "image"_is(image_cell(request.image, image)),
-                                "header"_is(header_cell(prepared.header))));
+  return outcome_of(
+      record_cell("{rotary}{output}{image}", "map"_is(map), "rotary"_shown(rotary_cell(whole.header).text),
+                  "output"_is(written_cell("map", request.output)), "image"_is(image_cell(request.image, image)),
+                  "header"_is(header_cell(prepared.header))));
 }
 
 Result<Outcome> build(VerbContext& context, const BuildRequest& request) {
   if (const auto wrong = wrong_date(request.date)) return problem(ProblemKind::usage, "--date: " + *wrong);
   if (!request.model.empty()) return from_model(context, request);
-  if (!request.image.empty() && is_map(request.files)) return image_of_map(context, request);
+  if ((!request.image.empty() || !request.rotary.empty()) && is_map(request.files))
+    return image_of_map(context, request);
   const laser::FileReader read = reader_of_any_axis(request);
   if (measures_rotary_axes(request.files, read)) {
-    if (!request.image.empty()) return problem(ProblemKind::usage, "--image: units accept no table of a rotary axis");
+    if (!request.image.empty() || !request.rotary.empty())
+      return problem(ProblemKind::usage,
+                     "these files measure rotary axes: write them to a file with -o, then give it as --rotary with the "
+                     "files of the linear axes");
     ECS_DO(check_output_not_input(request.output, request.files));
     return rotary_errors_built(context, request.files, read, request.output);
   }
@@ -328,7 +349,8 @@ extern const std::vector<Action> kMapBuilding{
            "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n"
            "  ecs map build map.csv --params mill-measured.toml --image mill.image\n"
            "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv\n"
-           "  ecs map build EXC.csv ECC.csv -o rotary.csv",
+           "  ecs map build EXC.csv ECC.csv -o rotary.csv\n"
+           "  ecs map build map.csv --params mill.toml --rotary rotary.csv --machine machine.toml -o five_axes.csv",
            build, {.logged = Logged::when_written, .kind = "map"})};
 
 }  // namespace ecs::app

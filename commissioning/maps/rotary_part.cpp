@@ -1,0 +1,197 @@
+#include "commissioning/maps/rotary_part.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/answer_table.hpp"
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "commissioning/models/work.hpp"
+#include "kinematics/machine_pose.hpp"
+#include "laser/map/image.hpp"
+#include "laser/map/rotary_map.hpp"
+
+namespace ecs::commissioning {
+namespace {
+
+using kinematics::Joint;
+
+constexpr double kTurn_deg = 360.0;
+/// Each divides a turn into numbers of cells that the core has.
+constexpr std::array kIncrements_deg{10.0, 5.0, 2.5, 2.0, 1.0, 0.5, 0.25, 0.2, 0.1};
+constexpr double kOtherwise_deg = 0.5;   ///< for points on none of them
+constexpr double kDeadbandCounts = 5.0;  ///< as for linear axes
+
+bool is_multiple(double angle_deg, double of_deg) {
+  const double parts = angle_deg / of_deg;
+  return std::abs(parts - std::round(parts)) * of_deg < 1e-6;
+}
+
+/// Every point of every curve of the joint is a value of the table.
+double increment_for(const volume::RotaryErrors& errors, Joint joint) {
+  const auto fits = [&](double increment_deg) {
+    return std::ranges::all_of(errors.tables, [&](const volume::RotaryTable& table) {
+      return table.joint != joint ||
+             std::ranges::all_of(table.p_deg, [&](double p_deg) { return is_multiple(p_deg, increment_deg); });
+    });
+  };
+  const auto found = std::ranges::find_if(kIncrements_deg, fits);
+  return found == kIncrements_deg.end() ? kOtherwise_deg : *found;
+}
+
+/// Over the travel, a whole turn from the angle 0; no values where no curve of the joint is given.
+void set_curves(laser::MapRotaryAxis& axis, const volume::RotaryErrors& errors, Joint joint,
+                const params::MachineRotaryAxis& facts) {
+  const bool any = std::ranges::any_of(errors.tables, [&](const auto& table) { return table.joint == joint; });
+  if (!any) return;
+  axis.increment_deg = increment_for(errors, joint);
+  const bool turns = facts.travel_deg[1] - facts.travel_deg[0] >= kTurn_deg - axis.increment_deg;
+  const double first = turns ? 0.0 : std::floor(facts.travel_deg[0] / axis.increment_deg + 1e-9);
+  const double last = turns ? std::round(kTurn_deg / axis.increment_deg) - 1.0
+                            : std::ceil(facts.travel_deg[1] / axis.increment_deg - 1e-9);
+  axis.start_deg = first * axis.increment_deg;
+  for (std::size_t side = 0; side < 2; ++side)
+    for (std::size_t s = 0; s < 6; ++s) {
+      const volume::RotaryTable* const table =
+          volume::table_of(errors, joint, static_cast<Sense>(s), side == 1 ? Approach::forward : Approach::reverse);
+      for (double k = first; k <= last; ++k) {
+        const double error = table == nullptr ? 0.0 : volume::value_at(*table, k * axis.increment_deg);
+        axis.compensation[side][s].push_back(error == 0.0 ? 0.0 : -error);
+      }
+    }
+}
+
+/// Between the values of the table, as the unit takes it; nothing beyond the ends of one that is no whole turn.
+std::optional<double> tabled_error(const laser::MapRotaryAxis& axis, std::size_t side, std::size_t sense,
+                                   double angle_deg) {
+  const std::vector<double>& values = axis.compensation[side][sense];
+  const double count = static_cast<double>(values.size());
+  const bool closed = std::abs(count * axis.increment_deg - kTurn_deg) < 1e-6;
+  double place = (angle_deg - axis.start_deg) / axis.increment_deg;
+  if (closed) place -= std::floor(place / count) * count;
+  if (!closed && (place < 0.0 || place > count - 1.0)) return std::nullopt;
+  const auto below = static_cast<std::size_t>(place) % values.size();
+  return -std::lerp(values[below], values[(below + 1) % values.size()], place - std::floor(place));
+}
+
+void note_change(const laser::MapRotaryAxis& axis, const volume::RotaryErrors& errors, Joint joint,
+                 std::vector<std::string>& notes) {
+  for (const volume::RotaryTable& table : errors.tables) {
+    if (table.joint != joint) continue;
+    const auto sense = static_cast<std::size_t>(table.sense);
+    double largest = 0.0;
+    for (std::size_t i = 0; i < table.p_deg.size(); ++i)
+      if (const auto tabled = tabled_error(axis, table.approach == Approach::reverse ? 0 : 1, sense, table.p_deg[i]))
+        largest = std::max(largest, std::abs(table.error[i] - *tabled));
+    if (largest > laser::resolution_for(table.error))
+      notes.push_back(
+          fmt::format("{}: its points are not spaced as the unit needs them, resampled every {} deg, "
+                      "largest change {:.2f} {}",
+                      volume::rotary_name(joint, table.sense), shortest(axis.increment_deg), largest,
+                      is_rotation(table.sense) ? "um/m" : "um"));
+  }
+}
+
+}  // namespace
+
+Result<std::vector<laser::MapRotaryAxis>> rotary_part_of(const volume::RotaryErrors& errors,
+                                                         const params::RotaryMachine& machine,
+                                                         std::vector<std::string>& notes) {
+  if (!params::has_rotary_axes(machine))
+    return problem(
+        ProblemKind::refused,
+        "--rotary: expected a machine file with rotary axes: configuration = \"XYACTZ\", [axis.A], [axis.C]");
+  std::vector<laser::MapRotaryAxis> axes;
+  for (const char letter : machine.configuration) {
+    const auto joint = kinematics::joint_of(letter);
+    if (!joint || !kinematics::is_rotary(*joint)) continue;
+    const std::size_t r = kinematics::index_of(*joint) - kAxes;
+    const params::MachineRotaryAxis& facts = *machine.rotary[r];
+    if (!facts.resolution_deg)
+      return problem(
+          ProblemKind::refused,
+          fmt::format("[axis.{}]: expected resolution_deg, the angle for each count at the unit, found none; "
+                      "a unit without an input for this angle cannot compensate the rotary axes",
+                      letter));
+    laser::MapRotaryAxis& axis = axes.emplace_back();
+    axis.axis = {letter,
+                 *facts.resolution_deg,
+                 kDeadbandCounts * std::abs(*facts.resolution_deg),
+                 facts.direction,
+                 facts.pivot_mm,
+                 errors.location[r],
+                 facts.transducer_zero_deg};
+    set_curves(axis, errors, *joint, facts);
+    note_change(axis, errors, *joint, notes);
+  }
+  return axes;
+}
+
+Result<void> add_rotary(laser::MapHeader& header, const std::string& rotary_file, const std::string& machine_file,
+                        std::vector<std::string>& notes) {
+  if (rotary_file.empty()) return {};
+  if (machine_file.empty())
+    return problem(ProblemKind::usage, "--rotary needs --machine: the machine file gives the rotary axes");
+  ECS_TRY(machine, params::read_rotary_machine(machine_file));
+  const auto chain = params::joint_chain_of(machine);
+  if (!chain) return problem(ProblemKind::refused, fmt::format("{} describes no chain of axes", machine_file));
+  ECS_TRY(errors, volume::read_rotary_errors(rotary_file, *chain));
+  ECS_TRY(bytes, read_file(rotary_file));
+  ECS_TRY(axes, in_file(rotary_part_of(errors, machine, notes), machine_file));
+  header.rotary = std::move(axes);
+  header.rotary_configuration = machine.configuration;
+  header.processing.push_back(fmt::format("rotary axes from {} sha256={}",
+                                          std::filesystem::path(rotary_file).filename().string(), sha256_hex(bytes)));
+  return {};
+}
+
+namespace {
+
+/// "EXC 3.00, ECC 12.50"
+std::string largest_text(const laser::MapRotaryAxis& axis) {
+  std::vector<std::string> parts;
+  for (std::size_t s = 0; s < 6; ++s) {
+    double largest = 0.0;
+    for (const auto& side : axis.compensation)
+      for (const double value : side[s]) largest = std::max(largest, std::abs(value));
+    if (largest > 0.0)
+      parts.push_back(fmt::format("{} {:.2f}", laser::rotary_curve_name(axis.axis.letter, s), largest));
+  }
+  return parts.empty()
+             ? "no curves"
+             : fmt::format("largest of the curves, {} values every {} deg: {}", axis.compensation[0][0].size(),
+                           shortest(axis.increment_deg), fmt::join(parts, ", "));
+}
+
+}  // namespace
+
+Cell rotary_cell(const laser::MapHeader& header) {
+  Cell list = list_cell(header.rotary, [](const laser::MapRotaryAxis& one) {
+    Cell location{Json::object(), {}};
+    for (std::size_t s = 0; s < 6; ++s) {
+      if (one.axis.location[s] == 0.0) continue;
+      const std::string name = fmt::format("{}O{}", "XYZABC"[s], one.axis.letter);
+      location.json[name] = number_or_null(one.axis.location[s]);
+      location.text += fmt::format("{}{} {}", location.text.empty() ? "" : ", ", name, shortest(one.axis.location[s]));
+    }
+    if (location.text.empty()) location.text = "none";
+    return record_cell("  {letter}: {deg_per_count} deg a count, location errors {location}\n     {largest}\n",
+                       "letter"_is(std::string(1, one.axis.letter)),
+                       "deg_per_count"_is(one.axis.deg_per_count, shortest(one.axis.deg_per_count)),
+                       "location"_is(location), "start_deg"_is(Cell{number_or_null(one.start_deg), {}}),
+                       "increment_deg"_is(Cell{number_or_null(one.increment_deg), {}}),
+                       "values"_is(one.compensation[0][0].size()), "largest"_shown(largest_text(one)));
+  });
+  if (!header.rotary.empty())
+    list.text = fmt::format("rotary axes ({}), um and um/m:\n", header.rotary_configuration) + list.text;
+  return list;
+}
+
+}  // namespace ecs::commissioning
