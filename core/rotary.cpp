@@ -79,10 +79,13 @@ std::uint32_t cells_for(const RotaryCurves& table) noexcept {
 }
 
 RotaryFault fault_of(const RotaryCurves& table) noexcept {
+  // the cells begin at the start, also those of curves that are zero
+  if (!(std::abs(table.start_deg) <= 10.0 * kTurn_deg) ||
+      !(table.increment_deg > 0.0 && table.increment_deg <= kTurn_deg))
+    return RotaryFault::bad_table;
   if (table.count == 0) return RotaryFault::none;
   const auto sound_resolution = [](double each) { return each > 0.0 && each <= 1000.0; };
-  const bool sound = std::abs(table.start_deg) <= 10.0 * kTurn_deg && table.increment_deg > 0.0 &&
-                     table.increment_deg * (table.count - 1) < kTurn_deg - 1e-6 &&
+  const bool sound = table.increment_deg * (table.count - 1) < kTurn_deg - 1e-6 &&
                      table.values[0].size() == std::size_t{12} * table.count &&
                      table.values[1].size() == table.values[0].size() &&
                      std::all_of(table.resolution.begin(), table.resolution.end(), sound_resolution);

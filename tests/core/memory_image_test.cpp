@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <random>
 
 #include <zlib.h>
 
@@ -450,6 +452,8 @@ TEST_CASE("a rotary axis of impossible numbers is refused, whichever number it i
   CHECK(refused_with([&](auto&, RotaryCurves& curves, auto&) { curves.start_deg = nan; }));
   CHECK(refused_with([&](auto&, RotaryCurves& curves, auto&) { curves.increment_deg = 11.0; }));
   CHECK(refused_with([&](auto&, RotaryCurves& curves, auto&) { curves.increment_deg = 10.01; }));
+  CHECK(refused_with([&](auto&, auto&, RotarySetup& setup) { setup.tables[0].start_deg = nan; }));  // without curves
+  CHECK(refused_with([&](auto&, auto&, RotarySetup& setup) { setup.tables[0].increment_deg = nan; }));
   CHECK(refused_with([&](RotaryAxis& axis, auto&, auto&) { axis.letter = 'X'; }));
   CHECK(refused_with([&](RotaryAxis& axis, auto&, auto&) { axis.letter = '\0'; }));
   CHECK(refused_with([&](auto&, auto&, RotarySetup& setup) { setup.configuration[0] = 'U'; }));
@@ -471,6 +475,35 @@ TEST_CASE("wrong offsets and counts of rotary axes are refused, and no changed b
     changed[at] ^= 0x10;
     CHECK(check_image(changed).fault == ImageFault::block_check);
   }
+}
+
+TEST_CASE("a resealed image of random numbers in its rotary axes is refused, or a map without a number that is none") {
+  std::mt19937_64 random(45);
+  const auto map = std::make_unique<CompiledMap>();
+  int compiled = 0;
+  for (int n = 0; n < 3000; ++n) {
+    TableOfTwo table;
+    auto image = table.image();
+    const std::uint32_t first = load_big<std::uint32_t>(image, prefix_at::rotary);
+    for (int k = 0; k < 2; ++k) {
+      const auto number = static_cast<std::uint32_t>(random() % 46);
+      const std::uint32_t at = first + 16 + (number / 23) * kRotaryAxisBytes + 8 + 8 * (number % 23);
+      if (random() % 2 == 0)
+        store_big(image, at, random());
+      else
+        store_double(image, at, load_double(image, at) * (1.0 + 1e-12) + 1e-13);
+    }
+    seal_image(image);
+    if (check_image(image).fault != ImageFault::none || compile(ImageView(image), *map).fault != Fault::none) continue;
+    ++compiled;
+    TickState state;
+    RotaryTickState rotary;
+    start(state, {}, {}, {Approach::forward, Approach::forward, Approach::forward});
+    start_rotary(map->rotary, rotary, {}, {}, {Approach::forward, Approach::forward});
+    tick(*map, state, {1000, 2000, 3000}, ThermalPolynomial{}, rotary, {12'345, -54'321});
+    for (const double um : state.compensation_um) REQUIRE(std::isfinite(um));
+  }
+  CHECK(compiled > 100);
 }
 
 TEST_CASE("rotary axes that do not go with the parameters are refused when the map is made, with the reason") {
