@@ -50,8 +50,8 @@ EffectDefinition location() {
       .parameters = {{"um", "um", "position of the axis line; for AO., BO., CO. its direction or zero, um_per_m"}},
       .carrier = Carrier::none,
       .how =
-          "not from the model itself: `ecs model fit --rotary`, then `ecs map build --rotary`; or machine data of the "
-          "control",
+          "unless the map contains the rotary axes: `ecs model fit --rotary`, then `ecs map build --rotary`; or use "
+          "machine data of the control",
       .separated_by = {54,
                        "Measure the ball again over the whole turn of {axis} at another angle of the other rotary "
                        "axis; turn the spindle by 180 degrees between two readings to determine the zero of the probe. "

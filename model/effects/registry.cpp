@@ -123,8 +123,8 @@ bool is_carried(const EffectInstance& effect, const params::Machine& machine) {
 
 std::string how_compensated(const EffectInstance& effect, const params::Machine& machine) {
   if (effect.rotary && effect.definition().is_carried())
-    return "not from the model itself: `ecs model fit --rotary`, then `ecs map build --rotary`; or a table of the "
-           "control for this axis";
+    return "unless the map contains the rotary axes: `ecs model fit --rotary`, then `ecs map build --rotary`; or use "
+           "a table of the control for this axis";
   if (const auto axis = missing_axis(effect, machine))
     return fmt::format("the machine has no axis {} that could correct it", letter_of(*axis));
   if (std::string missing = missing_input(effect, machine); !missing.empty()) return missing;

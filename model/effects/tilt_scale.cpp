@@ -37,8 +37,8 @@ EffectDefinition tilt_scale() {
       .parameters = {{"um_per_degree", "um/deg", "error of a degree"}},
       .carrier = Carrier::none,
       .how =
-          "not from the model itself: `ecs model fit --rotary`, then `ecs map build --rotary`; or a table of the "
-          "control for this axis",
+          "unless the map contains the rotary axes: `ecs model fit --rotary`, then `ecs map build --rotary`; or use "
+          "a table of the control for this axis",
       .separated_by = {55, "Measure {axis} at both ends of its travel and in the middle."},
       .traits = {.is_smooth = true, .one_per_axis = true, .on_rotary_axes = true},
       .preference = 25,

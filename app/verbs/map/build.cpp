@@ -66,7 +66,7 @@ Result<Outcome> rotary_errors_built(VerbContext& context, const std::vector<std:
     ECS_DO(write_file(output, volume::rotary_csv(errors, metadata_value(set, "machine").value_or(""))));
   return outcome_of(record_cell(
       "{tables}These are errors, not compensation. `ecs map build --rotary` adds them to the map of the\nlinear axes; "
-      "`ecs volume --rotary` shows what they do at the tool.\n{rotary}",
+      "`ecs volume --rotary` shows their effect at the tool.\n{rotary}",
       "rotary"_is(written_cell("errors of rotary axes", output, "nothing written: give -o rotary.csv to keep it\n")),
       "tables"_is(list_cell(errors.tables, rotary_table_cell,
                             fmt::format("{:<9} {:>8} {:<4} {:>8} {:>8} {:>6} {:>8} {:>8}\n", "", "approach", "unit",
