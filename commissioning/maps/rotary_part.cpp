@@ -53,16 +53,17 @@ void set_curves(laser::MapRotaryAxis& axis, const volume::RotaryErrors& errors, 
   if (!any) return;
   axis.increment_deg = increment_for(errors, joint);
   const bool turns = facts.travel_deg[1] - facts.travel_deg[0] >= kTurn_deg - axis.increment_deg;
-  const double first = turns ? 0.0 : std::floor(facts.travel_deg[0] / axis.increment_deg + 1e-9);
-  const double last = turns ? std::round(kTurn_deg / axis.increment_deg) - 1.0
-                            : std::ceil(facts.travel_deg[1] / axis.increment_deg - 1e-9);
-  axis.start_deg = first * axis.increment_deg;
+  const auto first = turns ? 0L : std::lround(std::floor(facts.travel_deg[0] / axis.increment_deg + 1e-9));
+  const auto last = turns ? std::lround(kTurn_deg / axis.increment_deg) - 1
+                          : std::lround(std::ceil(facts.travel_deg[1] / axis.increment_deg - 1e-9));
+  axis.start_deg = static_cast<double>(first) * axis.increment_deg;
   for (std::size_t side = 0; side < 2; ++side)
     for (std::size_t s = 0; s < 6; ++s) {
       const volume::RotaryTable* const table =
           volume::table_of(errors, joint, static_cast<Sense>(s), side == 1 ? Approach::forward : Approach::reverse);
-      for (double k = first; k <= last; ++k) {
-        const double error = table == nullptr ? 0.0 : volume::value_at(*table, k * axis.increment_deg);
+      for (long k = first; k <= last; ++k) {
+        const double angle_deg = static_cast<double>(k) * axis.increment_deg;
+        const double error = table == nullptr ? 0.0 : volume::value_at(*table, angle_deg);
         axis.compensation[side][s].push_back(error == 0.0 ? 0.0 : -error);
       }
     }
