@@ -16,8 +16,9 @@ namespace ecs::emulator {
 namespace {
 
 /// Columns: time_s, line, then for each axis of the machine command_<axis>_mm, position_<axis>_mm (the carriage) and
-/// compensation_<axis>_um, then ex_um, ey_um, ez_um: the tool against the workpiece, actual − commanded, without
-/// scatter. The file appears whole under its name at the end; until then it is `<name>.part`.
+/// compensation_<axis>_um, then ex_um, ey_um, ez_um: the tool against the workpiece, actual − commanded, and
+/// rotation_x_um_per_m and so on: the tool about X, Y, Z, both without scatter. The file appears whole under its name
+/// at the end; until then it is `<name>.part`.
 class ProgramTrace {
  public:
   /// @param period_s  between samples; 0: every tick
@@ -49,7 +50,7 @@ std::string header_of(const MachineTool& machine) {
     const char name = static_cast<char>(std::tolower(letter_of(a)));
     text += fmt::format(",command_{0}_mm,position_{0}_mm,compensation_{0}_um", name);
   }
-  return text + ",ex_um,ey_um,ez_um\n";
+  return text + ",ex_um,ey_um,ez_um,rotation_x_um_per_m,rotation_y_um_per_m,rotation_z_um_per_m\n";
 }
 
 ProgramTrace::ProgramTrace(std::filesystem::path path, double period_s)
@@ -88,8 +89,9 @@ void ProgramTrace::sample(Simulation& simulation) {
     if (machine.has(a))
       row += fmt::format(",{:.10f},{:.10f},{:.4f}", machine.command_mm()[index_of(a)], machine.axis(a).position_mm(),
                          machine.axis(a).compensation_um());
-  row += fmt::format(",{:.4f},{:.4f},{:.4f}\n", pose.error_um[0], pose.error_um[1], pose.error_um[2]);
-  file_ << row;
+  for (const Vector3& part : {pose.error_um, pose.rotation_um_per_m})
+    row += fmt::format(",{:.4f},{:.4f},{:.4f}", part[0], part[1], part[2]);
+  file_ << row << '\n';
 }
 
 Result<void> ProgramTrace::finish() {

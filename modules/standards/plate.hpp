@@ -1,6 +1,7 @@
 // Flatness of a surface from the eight lines of a union jack, each measured in equal steps by a level or by a mirror on
 // a foot before an autocollimator: ISO 230-1 (1996: 5.3; 2012: flatness of functional surfaces), ISO 8512-2, evaluated
 // as J. C. Moody, "How to calibrate surface plates in the plant", The Tool Engineer, October 1955, 15-21.
+// The form that the map of the machine predicts for a surface that was cut without compensation.
 // Does not live here: plates measured point by point (laser/import/plate.cpp).
 #pragma once
 
@@ -10,7 +11,9 @@
 #include <vector>
 
 #include "base/result.hpp"
+#include "core/tick.hpp"
 #include "laser/csv_table.hpp"
+#include "laser/map/error_map.hpp"
 
 namespace ecs::laser {
 
@@ -62,5 +65,16 @@ struct Flatness {
 /// between the ends of the diagonals, centre lines between the middles of the perimeter, then shifted to 0 at the
 /// centre.
 [[nodiscard]] Flatness flatness_of(const PlateReadings& readings);
+
+struct PredictedForm {
+  double least_squares_um = 0.0;    ///< between the two planes parallel to that of least squares
+  double difference_rms_um = 0.0;   ///< measured less predicted height, each above its plane of least squares
+  double difference_most_um = 0.0;  ///< the largest of them, without its sign
+};
+
+/// The errors of the map along the normal of the surface at every station, mean of both approaches. The readings say
+/// where the surface lay: `# plane: XZ` (east, north), `# south_west_mm: -2950 -1200 -875` (X, Y, Z).
+[[nodiscard]] Result<PredictedForm> predicted_form(const PlateReadings& readings, const Flatness& measured,
+                                                   const ErrorMap& map, const UnitParameters& parameters);
 
 }  // namespace ecs::laser

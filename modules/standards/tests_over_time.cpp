@@ -11,8 +11,10 @@
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
 #include "commissioning/measurements/files.hpp"
+#include "laser/map/csv.hpp"
 #include "modules/standards/plate.hpp"
 #include "modules/standards/warm_up.hpp"
+#include "params/parameters_toml.hpp"
 
 namespace ecs::app {
 namespace {
@@ -79,14 +81,17 @@ Result<Outcome> drift(VerbContext& context, const DriftRequest& request) {
 }
 
 struct FlatnessRequest {
-  std::string file, output, plot;
+  std::string file, output, plot, map, params;
   double closure_um = laser::kLargestClosure_um;
   static Fields<FlatnessRequest> fields() {
     using R = FlatnessRequest;
-    return {{"FILE", &R::file, "file of readings of the eight lines: line,station_mm,reading", Need::required},
-            {"--closure-um", &R::closure_um, "largest closure error at the centre [um]", Range{0.0, 1e6}},
-            {"-o,--output", &R::output, "CSV file for the heights", Is::output},
-            {"--plot", &R::plot, "oblique view of the lines: OUT.svg or OUT.png", Is::output}};
+    return {
+        {"FILE", &R::file, "file of readings of the eight lines: line,station_mm,reading", Need::required},
+        {"--closure-um", &R::closure_um, "largest closure error at the centre [um]", Range{0.0, 1e6}},
+        {"--map", &R::map, "also compare with the form that this error map predicts for a cut without compensation"},
+        {"--params", &R::params, "parameters of the map"},
+        {"-o,--output", &R::output, "CSV file for the heights", Is::output},
+        {"--plot", &R::plot, "oblique view of the lines: OUT.svg or OUT.png", Is::output}};
   }
 };
 
@@ -147,10 +152,26 @@ Cell closure_cell(const laser::Flatness& flatness, double largest_um) {
                      "holds"_is(holds, "holds", "exceeded, measure the lines again"));
 }
 
+Result<Cell> prediction_cell(const FlatnessRequest& request, const laser::PlateReadings& readings,
+                             const laser::Flatness& measured) {
+  if (request.map.empty() != request.params.empty())
+    return problem(ProblemKind::usage, "expected --map and --params together");
+  if (request.map.empty()) return Cell{Json(nullptr), {}};
+  ECS_TRY(map, laser::read_map_csv(request.map));
+  ECS_TRY(parameters, params::read_parameters(request.params));
+  ECS_TRY(form, laser::predicted_form(readings, measured, map, parameters.parameters));
+  return record_cell(
+      "{map} predicts {least_squares_um} um between planes parallel to that of least squares; measured less predicted "
+      "height: {difference_rms_um} um rms, at most {difference_most_um} um\n",
+      "map"_is(request.map), "least_squares_um"_is(form.least_squares_um, 3),
+      "difference_rms_um"_is(form.difference_rms_um, 3), "difference_most_um"_is(form.difference_most_um, 3));
+}
+
 Result<Outcome> flatness(VerbContext&, const FlatnessRequest& request) {
   ECS_TRY(text, read_file_of(FileKind::surface, request.file));
   ECS_TRY(readings, laser::parse_plate_readings(text, request.file));
   const laser::Flatness flatness = laser::flatness_of(readings);
+  ECS_TRY(prediction, prediction_cell(request, readings, flatness));
   if (!request.plot.empty()) ECS_DO(write_plot(request.plot, oblique_view(flatness)));
   if (!request.output.empty()) ECS_DO(write_file(request.output, heights_csv(flatness)));
   const Cell closure = closure_cell(flatness, request.closure_um);
@@ -159,12 +180,13 @@ Result<Outcome> flatness(VerbContext&, const FlatnessRequest& request) {
       "  {flatness_um:>9} um  flatness: minimum zone, the closest two planes\n"
       "  {least_squares_um:>9} um  planes parallel to that of least squares\n"
       "  {moody_um:>9} um  planes parallel to both diagonals (Moody 1955)\n"
-      "{closure}heights above the lowest station [um], each line from its first station:\n{lines}{output}{plot}",
+      "{closure}{prediction}heights above the lowest station [um], each line from its first "
+      "station:\n{lines}{output}{plot}",
       "file"_is(request.file), "width_mm"_is(flatness.width_mm), "depth_mm"_is(flatness.depth_mm),
       "heights"_is(flatness.stations.size()), "flatness_um"_is(flatness.minimum_zone_um, 3),
       "least_squares_um"_is(flatness.least_squares_um, 3), "moody_um"_is(flatness.moody_um, 3), "closure"_is(closure),
-      "lines"_is(heights_cell(flatness)), "output"_is(written_cell("heights", request.output)),
-      "plot"_is(written_cell("plot", request.plot)));
+      "prediction"_is(prediction), "lines"_is(heights_cell(flatness)),
+      "output"_is(written_cell("heights", request.output)), "plot"_is(written_cell("plot", request.plot)));
   return outcome_of(answer, closure.json["holds"] == true ? kDone : kDoesNotHold);
 }
 
@@ -181,7 +203,7 @@ struct WarmUpRequest {
   }
 };
 
-std::string_view side_of(Approach approach) {
+std::string_view side_word(Approach approach) {
   return approach == Approach::forward ? "forward" : approach == Approach::reverse ? "reverse" : "";
 }
 
@@ -204,7 +226,7 @@ Cell settling_cell(const std::optional<laser::Settling>& settling) {
 AnswerFields curve_fields(const laser::WarmUpCurve& curve) {
   return described("sense"_is(name_of(curve.sense)),
                    "position_mm"_is(curve.position_mm, fmt::format("{:g}", curve.position_mm)),
-                   "approach"_is(static_cast<int>(curve.approach)), "side"_shown(side_of(curve.approach)),
+                   "approach"_is(static_cast<int>(curve.approach)), "side"_shown(side_word(curve.approach)),
                    "range"_is(curve.range, 2), "first_range"_is(curve.first_range, 2),
                    "last_range"_is(curve.last_range, 2), "settled"_is(curve.settled),
                    "settling"_is(settling_cell(curve.settling)), "words"_shown(settling_in_words(curve)));
@@ -219,7 +241,7 @@ Cell warm_up_difference_cell(const laser::WarmUpDifference& difference) {
   AnswerFields fields = curve_fields(difference.curve);
   const std::string per_m =
       difference.range_um_per_m > 0.0 ? fmt::format(" ({:.2f} um/m)", difference.range_um_per_m) : std::string();
-  const std::string_view side = side_of(difference.curve.approach);
+  const std::string_view side = side_word(difference.curve.approach);
   append(fields, "on_side"_shown(fmt::format("{}{}", side.empty() ? "" : " ", side)),
          "to_mm"_is(difference.to_mm, fmt::format("{:g}", difference.to_mm)),
          "range_um_per_m"_is(difference.range_um_per_m), "per_m"_shown(per_m));
@@ -234,7 +256,7 @@ PlotFigure warm_up_figure(const laser::WarmUpTest& test) {
     if (figure.panels.empty() || figure.panels.back().title != title)
       figure.panels.push_back(
           {title, "time [h]", fmt::format("{} [{}]", name_of(curve.sense), laser::unit_of(curve.sense)), {}});
-    PlotSeries series{fmt::format("{:g} mm {}", curve.position_mm, side_of(curve.approach)),
+    PlotSeries series{fmt::format("{:g} mm {}", curve.position_mm, side_word(curve.approach)),
                       curve.approach == Approach::reverse ? Mark::reverse : Mark::forward,
                       {}};
     for (std::size_t k = 0; k < curve.value.size(); ++k) series.points.push_back({curve.time_h[k], curve.value[k]});
