@@ -27,6 +27,8 @@ using model::Verdict;
 
 /// Runs in all: a bound, not a plan.
 constexpr std::size_t kMostRuns = 30;
+/// Without a proof, what follows a temperature or the clock is added from this probability on.
+constexpr double kProbable = 0.95;
 /// Of the minutes, kept from looks at lines cold and warm for runs that separate.
 constexpr double kShareToSeparate = 0.15;
 
@@ -62,7 +64,30 @@ bool is_pitch(double period_mm, const params::MachineAxis& facts) {
   return false;
 }
 
-using FoundCause = std::pair<model::EffectInstance, double>;  ///< with its probability
+/// What bends a machine that was switched on cold shows as long as its bodies differ in temperature; what expands it
+/// shows all day.
+void straightness_first(std::vector<InvestigatedLine>& lines) {
+  std::stable_partition(lines.begin(), lines.end(), [](const InvestigatedLine& line) {
+    return !is_rotation(line.sense) && direction_of(line.sense) != line.axis;
+  });
+}
+
+/// A cause that was taken into the model.
+struct FoundCause {
+  model::EffectInstance effect;
+  double probability = 0.0;
+  std::vector<SetMember> set;  ///< with those that these data do not tell from it, likeliest first
+};
+
+/// One effect, of which only the sensor is in question.
+bool is_of_one_effect(const std::vector<SetMember>& set) {
+  return std::all_of(set.begin(), set.end(), [&](const SetMember& member) { return member.name == set.front().name; });
+}
+
+bool predicts_better(const Candidate& candidate) {
+  return candidate.held_out_rms_um && candidate.held_out_rms_before_um &&
+         *candidate.held_out_rms_um < *candidate.held_out_rms_before_um;
+}
 
 class Investigator {
  public:
@@ -70,6 +95,7 @@ class Investigator {
                const InvestigationOptions& options)
       : machine_(machine), workshop_(workshop), options_(options), readings_(model), ball_(machine, options.times) {
     lines_ = lines_of_model(model, machine);
+    if (follows_temperatures(machine)) straightness_first(lines_);
     waiting_ = lines_;
   }
 
@@ -382,7 +408,7 @@ class Investigator {
     readings_.add(std::move(run->set), proposal.set_up_minutes + proposal.wait_minutes, proposal.against_square);
     ECS_DO(diagnose());
     step.verdict = verdict();
-    for (const auto& [effect, probability] : accepted_) step.set.push_back({to_text(effect), probability});
+    for (const FoundCause& cause : accepted_) step.set.push_back({to_text(cause.effect), cause.probability});
     std::ranges::move(members_left(*diagnosis_), std::back_inserter(step.set));
     step.rms_um = diagnosis_->rms_um;
     keep(std::move(step));
@@ -405,7 +431,8 @@ class Investigator {
   }
 
   /// A diagnosis seeks few causes at once; heat brings one and more a line. So what follows the temperatures that the
-  /// unit knows is sought sense by sense, and taken into the model as long as it is proved without a rival there; the
+  /// unit knows is sought sense by sense, and taken into the model as long as it is proved without a rival there, or
+  /// predicts readings left out and only its sensor is in question: two bodies may warm alike. The
   /// rest, clock and other sensors among it, is diagnosed beside that. What a sensor explains is not sought in the
   /// clock: a machine that warms up from the cold does both alike. What it explains but for a delay of the sensor is
   /// told from noise only beside the clock.
@@ -431,10 +458,25 @@ class Investigator {
   void accept_proved(const Diagnosis& diagnosis, bool clock, Model& model) {
     for (const Candidate& candidate : diagnosis.candidates) {
       const bool follows = follows_inputs(candidate.effect);
-      if (!candidate.named || credible_set_of(candidate).size() > 1 || (clock && !follows)) continue;
+      const bool whichever_sensor = !clock && follows && candidate.in_answer() && predicts_better(candidate) &&
+                                    is_of_one_effect(credible_set_of(candidate));
+      if (!whichever_sensor && (!is_proved_alone(candidate) || (clock && !follows))) continue;
       model.effects.push_back(at_its_value(candidate.effect));
-      if (follows) accepted_.emplace_back(model.effects.back(), candidate.probability);
+      if (follows) accepted_.push_back({model.effects.back(), candidate.probability, credible_set_of(candidate)});
     }
+  }
+
+  static bool is_proved_alone(const Candidate& candidate) {
+    return candidate.named && credible_set_of(candidate).size() == 1;
+  }
+
+  /// A row that follows the wrong temperature, or the clock, adds an error as soon as the day takes another course.
+  [[nodiscard]] bool is_added(const Candidate& candidate) const {
+    if (!candidate.in_answer()) return false;
+    const auto& definition = candidate.effect.definition();
+    if (!follows_temperatures(machine_) || (definition.live.empty() && !definition.has_need(model::Need::time)))
+      return true;
+    return is_proved_alone(candidate) || candidate.probability >= kProbable;
   }
 
   /// The unit knows the temperatures that the effect follows.
@@ -448,7 +490,7 @@ class Investigator {
 
   [[nodiscard]] Model model_so_far() const {
     Model model = readings_.model_with_zeros();
-    for (const auto& [effect, probability] : accepted_) model.effects.push_back(effect);
+    for (const FoundCause& cause : accepted_) model.effects.push_back(cause.effect);
     return model;
   }
 
@@ -478,17 +520,24 @@ class Investigator {
     Model whole = model_so_far();
     std::vector<FoundCause> added = accepted_;
     for (const Candidate& candidate : diagnosis_->candidates) {
-      if (!candidate.in_answer()) continue;
+      if (!is_added(candidate)) {
+        if (candidate.in_answer())
+          result_.notes.push_back(
+              fmt::format("{} is not in the model: its probability is {:.0f} %, and what follows a temperature or the "
+                          "clock is added from {:.0f} % on",
+                          to_text(candidate.effect), 100.0 * candidate.probability, 100.0 * kProbable));
+        continue;
+      }
       ECS_TRY(with, model::add_effect(whole, data, model::request_of(candidate.effect), ""));
       whole = std::move(with.model);
       whole.effects.back() = at_its_value(candidate.effect);
-      added.emplace_back(whole.effects.back(), candidate.probability);
+      added.push_back({whole.effects.back(), candidate.probability, credible_set_of(candidate)});
     }
     ECS_TRY(fit, model::fit(whole, data));
-    for (const auto& [effect, probability] : added)
+    for (const FoundCause& cause : added)
       for (const model::EffectFit& one : fit.effects)
-        if (same_candidate(one.effect, effect))
-          result_.causes.push_back({to_text(effect), one.parameters, probability, one.rms_um});
+        if (same_candidate(one.effect, cause.effect))
+          result_.causes.push_back({to_text(cause.effect), one.parameters, cause.probability, one.rms_um, cause.set});
     std::stable_sort(result_.causes.begin(), result_.causes.end(),
                      [](const auto& a, const auto& b) { return a.rms_um > b.rms_um; });
     result_.model = without_zeros(model::with_values(std::move(whole), fit));
@@ -591,7 +640,7 @@ class Investigator {
   std::set<RunKey> made_;
   std::optional<MeasurementProposal> last_;
   std::optional<Diagnosis> diagnosis_;  ///< beside what was accepted
-  std::vector<FoundCause> accepted_;    ///< proved
+  std::vector<FoundCause> accepted_;    ///< what follows inputs, by its sense alone
   bool others_asked_ = false;
   bool loaded_ = false;  ///< a load was put on the machine, and is there still
   Investigation result_;

@@ -165,8 +165,9 @@ struct InvestigationStep {
 struct InvestigatedCause {
   std::string name;  ///< "cyclic:X:EX"
   std::vector<model::ParameterEstimate> parameters;
-  double probability = 0.0;  ///< its share of the set that holds it
-  double rms_um = 0.0;       ///< of its contribution to the readings on which it acts
+  double probability = 0.0;      ///< its share of the set that holds it
+  double rms_um = 0.0;           ///< of its contribution to the readings on which it acts
+  std::vector<SetMember> set{};  ///< that holds it: where there are others, these data do not tell them apart
 };
 
 struct Investigation {

@@ -256,9 +256,16 @@ Cell programme_cell(const IsoProgramme& programme) {
 Cell cause_cell(const InvestigatedCause& cause) {
   Cell parameters{Json::object(), parameters_text(cause.parameters)};
   for (const model::ParameterEstimate& one : cause.parameters) parameters.json[one.name] = number_or_null(one.value);
-  Cell cell =
-      record_cell("{name}, probability {probability}, {rms_um} um rms: {parameters}", "name"_is(cause.name),
-                  "parameters"_is(parameters), "probability"_is(cause.probability, 2), "rms_um"_is(cause.rms_um, 2));
+  Cell set{Json::array(), {}};
+  for (const SetMember& member : cause.set) {
+    const std::string& name = member.place.empty() ? member.name : member.place;
+    set.json.push_back(object_of("name"_is(name), "probability"_is(member.probability)));
+    set.text += fmt::format("{}{} {:.2f}", set.text.empty() ? "; one of " : ", ", name, member.probability);
+  }
+  if (cause.set.size() < 2) set.text.clear();
+  Cell cell = record_cell("{name}, probability {probability}, {rms_um} um rms: {parameters}{set}",
+                          "name"_is(cause.name), "parameters"_is(parameters), "probability"_is(cause.probability, 2),
+                          "rms_um"_is(cause.rms_um, 2), "set"_is(set));
   cell.text = paragraph(cell.text, 2, 4);
   return cell;
 }

@@ -254,7 +254,7 @@ double wave_of_ten(double x_mm, int approach) {
 /// sensors.
 class WarmWorkshop final : public Workshop {
  public:
-  static constexpr double kBed_s = 2700.0, kSpindle_s = 900.0, kRise_degC = 8.0, kNoise_um = 0.2;
+  static constexpr double kBed_s = 2700.0, kColumn_s = 2710.0, kSpindle_s = 900.0, kRise_degC = 8.0, kNoise_um = 0.2;
 
   static params::Machine machine() {
     params::Machine machine = one_axis_machine();
@@ -283,6 +283,8 @@ class WarmWorkshop final : public Workshop {
       reading.sensors_degC = {{"t_material_degC", 20.0 + bed_degC_}, {"t_spindle_degC", 20.0 + spindle_degC_}};
       double um = 0.01 * stop.target_mm + um_per_m_degC[index_of(plan.axis)] * stop.target_mm / 1000.0 * bed_degC_;
       if (plan.axis == Axis::Z) um -= 2.0 * spindle_degC_;
+      if (column_um_per_degC != 0.0) reading.sensors_degC["t_column_degC"] = 20.0 + column_degC_;
+      if (plan.axis == Axis::Y) um += column_um_per_degC * column_degC_;
       um = (run.with_new_map ? 0.0 : um) + kNoise_um * normal_(random_);
       if (set.readings.empty()) zero_um = um;
       reading.error = um - zero_um;
@@ -297,6 +299,7 @@ class WarmWorkshop final : public Workshop {
   void keep(const InvestigationStep&) override {}
 
   Vector3 um_per_m_degC{11.0, 9.0, 7.0};
+  double column_um_per_degC = 0.0;  ///< shift of Y; 0: no sensor at the column
   std::vector<RequestedRun> asked;
   model::Model active;
 
@@ -304,12 +307,13 @@ class WarmWorkshop final : public Workshop {
   void rest(double seconds) {
     time_s_ += seconds;
     bed_degC_ += -bed_degC_ * -std::expm1(-seconds / kBed_s);
+    column_degC_ += -column_degC_ * -std::expm1(-seconds / kColumn_s);
     spindle_degC_ += ((warms_ ? kRise_degC : 0.0) - spindle_degC_) * -std::expm1(-seconds / kSpindle_s);
   }
 
   std::mt19937_64 random_{5};
   NormalDraws normal_;
-  double time_s_ = 0.0, bed_degC_ = -6.0, spindle_degC_ = 0.0;
+  double time_s_ = 0.0, bed_degC_ = -6.0, column_degC_ = -6.0, spindle_degC_ = 0.0;
   bool warms_ = false;
 };
 
@@ -341,6 +345,36 @@ TEST_CASE("where the unit follows temperatures, lines are measured cold and warm
   CHECK(*found.rms_compensated_um < 0.1 * *found.rms_before_um);
   REQUIRE(workshop.active.origin.has_value());  // from which the drift counts
   CHECK(workshop.active.origin->sensors_degC.contains("t_spindle_degC"));
+}
+
+TEST_CASE("where two bodies warm alike, one sensor is taken, and the answer says that the other would do as well") {
+  WarmWorkshop workshop;
+  workshop.column_um_per_degC = 3.0;
+  params::Machine machine = WarmWorkshop::machine();
+  machine.inputs[2] = "t_column_degC";
+  InvestigationOptions options{.minutes = 240.0, .times = workshop_times()};
+  const Investigation found = must(investigate(usual_model_of_three_axes(), machine, workshop, options));
+  const auto shift = std::find_if(found.causes.begin(), found.causes.end(),
+                                  [](const InvestigatedCause& cause) { return cause.name == "thermal_drift:Y:EY"; });
+  REQUIRE(shift != found.causes.end());
+  REQUIRE(shift->set.size() == 2);
+  CHECK(shift->set[0].name == shift->set[1].name);
+  CHECK(contains(shift->set[0].place + shift->set[1].place, "t_column_degC"));
+  CHECK(contains(shift->set[0].place + shift->set[1].place, "t_material_degC"));
+  CHECK(contains(summary_text(found), "one of thermal_drift:Y:EY with "));
+  CHECK(*found.rms_compensated_um < 0.1 * *found.rms_before_um);
+}
+
+TEST_CASE("a machine that warms is looked at for bending first: the differences of temperature vanish with the day") {
+  WarmWorkshop workshop;
+  model::Model model = usual_model_of_three_axes();
+  model.effects.push_back({.id = model::effect_named("offset"), .axis = Axis::Z, .sense = Sense::EX});
+  InvestigationOptions options{.minutes = 240.0, .times = workshop_times()};
+  must(investigate(model, WarmWorkshop::machine(), workshop, options));
+  CHECK(workshop.asked.front().proposal.axis == Axis::Z);
+  CHECK(workshop.asked.front().proposal.sense == Sense::EX);
+  CHECK(workshop.asked[1].proposal.sense == Sense::EX);
+  CHECK(workshop.asked[1].proposal.axis == Axis::X);
 }
 
 TEST_CASE("too few minutes for the warm machine are said; a unit without sensors is not measured warm") {
