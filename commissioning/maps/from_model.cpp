@@ -16,6 +16,7 @@
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/unit/transfer.hpp"
+#include "model/effects/components.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
 #include "model/fit/compiled_model.hpp"
@@ -91,6 +92,10 @@ void add_source(MapFromModel& built, Component component, const std::string& fil
 std::vector<Component> places_of(const EffectInstance& effect, const std::vector<model::OwnLever>& levers) {
   std::vector<Component> places;
   if (const auto component = component_for(effect)) places.push_back(*component);
+  for (const model::ComponentTerm& term : components_of(effect.definition()))
+    for (const auto* values : {&effect.parameters, &effect.fitted})
+      if (const auto size = values->find(std::string(term.parameter)); size != values->end() && size->second != 0.0)
+        places.push_back(term.component);
   for (const model::OwnLever& lever : levers)
     if (lever.effect == to_text(effect)) places.push_back(lever.table);
   return places;

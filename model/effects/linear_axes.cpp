@@ -1,6 +1,28 @@
 // Scale of X, Y and Z and their squareness as readings of a ball show them: an axis moves as far as the ball is from
 // the pivots, while the ball stays (ISO 230-1; ISO 10791-6, BK1 to BK4, which ask for linear axes without such errors).
+#include <array>
+
 #include "model/effects/artefact_place.hpp"
+#include "model/effects/components.hpp"
+
+namespace ecs::model {
+namespace {
+
+constexpr std::array<ComponentTerm, 6> kLinearAxes{{{"x_um_per_m", Component::EXX},
+                                                    {"y_um_per_m", Component::EYY},
+                                                    {"z_um_per_m", Component::EZZ},
+                                                    {"c0y_um_per_m", Component::C0Y},
+                                                    {"b0z_um_per_m", Component::B0Z},
+                                                    {"a0z_um_per_m", Component::A0Z}}};
+
+}  // namespace
+
+std::span<const ComponentTerm> components_of(const EffectDefinition& effect) {
+  if (effect.place != Place::artefact || effect.carrier != Carrier::error_map) return {};
+  return kLinearAxes;
+}
+
+}  // namespace ecs::model
 
 namespace ecs::model::effects {
 
@@ -19,8 +41,8 @@ EffectDefinition linear_axes() {
                      {"c0y_um_per_m", "um/m", "squareness C0Y of X and Y"},
                      {"b0z_um_per_m", "um/m", "squareness B0Z of X and Z"},
                      {"a0z_um_per_m", "um/m", "squareness A0Z of Y and Z"}},
-      .carrier = Carrier::none,
-      .how = "measure the linear axes on their own, compensate them, then measure the ball again",
+      .carrier = Carrier::error_map,
+      .how = "tables of the error map and squareness among the unit's parameters; measure the ball again with them",
       .separated_by =
           {94,
            "Measure the ball at a second place that differs in one linear axis, and with a second length of "

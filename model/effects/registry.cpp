@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "model/effects/components.hpp"
 #include "model/effects/definition.hpp"
 
 // In the order in which lists of effects are printed; the effects of the user last.
@@ -89,6 +90,11 @@ std::optional<Axis> missing_axis(const EffectInstance& effect, const params::Mac
   return machine.axes[index_of(direction)] ? std::nullopt : std::optional(direction);
 }
 
+/// Readings of a ball are those of rotary axes, and may show errors of the linear ones.
+bool acts_on_rotary_axes(const EffectInstance& effect) {
+  return effect.rotary && components_of(effect.definition()).empty();
+}
+
 /// Why no row of the unit on that machine follows the effect's conditions; empty: there can be rows.
 std::string missing_input(const EffectInstance& effect, const params::Machine& machine) {
   for (const LiveTerm& term : effect.definition().live) {
@@ -117,12 +123,12 @@ std::optional<Axis> live_motion_of(const EffectInstance& effect, const params::M
 }
 
 bool is_carried(const EffectInstance& effect, const params::Machine& machine) {
-  return !effect.rotary && effect.definition().is_carried() && !missing_axis(effect, machine) &&
+  return !acts_on_rotary_axes(effect) && effect.definition().is_carried() && !missing_axis(effect, machine) &&
          missing_input(effect, machine).empty();
 }
 
 std::string how_compensated(const EffectInstance& effect, const params::Machine& machine) {
-  if (effect.rotary && effect.definition().is_carried())
+  if (acts_on_rotary_axes(effect) && effect.definition().is_carried())
     return "unless the map contains the rotary axes: `ecs model fit --rotary`, then `ecs map build --rotary`; or use "
            "a table of the control for this axis";
   if (const auto axis = missing_axis(effect, machine))

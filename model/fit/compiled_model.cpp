@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "core/terms.hpp"
+#include "model/effects/components.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
 #include "model/fit/fit.hpp"
@@ -23,10 +24,22 @@ std::optional<Component> table_of_effect(const EffectInstance& effect) {
   return curve_of(*effect.sense, *effect.axis);
 }
 
-/// What the effect adds along its own axis at these positions; of a rotation the angle itself.
-Result<std::vector<double>> along_axis(const Model& fitted, const EffectInstance& effect,
+std::optional<double> size_of(const EffectInstance& effect, std::string_view parameter) {
+  for (const auto* values : {&effect.parameters, &effect.fitted})
+    if (const auto found = values->find(std::string(parameter)); found != values->end()) return found->second;
+  return std::nullopt;
+}
+
+/// What the effect adds to a component along its axis at these positions; of a rotation the angle itself.
+Result<std::vector<double>> along_axis(const Model& fitted, const EffectInstance& effect, Component component,
                                        const params::Machine& machine, const std::vector<double>& grid, int approach) {
   std::vector<double> values;
+  for (const ComponentTerm& term : components_of(effect.definition())) {
+    if (term.component != component) continue;
+    const double datum_mm = machine.axes[index_of(moving_axis(component))]->datum_mm;
+    for (const double p : grid) values.push_back(*size_of(effect, term.parameter) * (p - datum_mm) / 1000.0);
+    return values;
+  }
   if (effect.definition().place == Place::rotation) {
     if (effect.curve.empty())
       return problem(ProblemKind::bad_input,
@@ -87,12 +100,6 @@ std::vector<Problem> undetermined_beside_others(const Model& fitted,
             .value());
   }
   return problems;
-}
-
-std::optional<double> size_of(const EffectInstance& effect, std::string_view parameter) {
-  for (const auto* values : {&effect.parameters, &effect.fitted})
-    if (const auto found = values->find(std::string(parameter)); found != values->end()) return found->second;
-  return std::nullopt;
 }
 
 /// What a row follows, and where it is zero. @pre is_carried(effect, machine)
@@ -172,6 +179,29 @@ std::optional<std::string> add_live_rows(const EffectInstance& effect, const Mod
   return std::nullopt;
 }
 
+using EffectsOfTables = std::map<Component, std::vector<const EffectInstance*>>;
+
+/// The sizes of the effect that belong to a component: squareness at once, the others as part of their tables.
+void add_components(const EffectInstance& effect, const params::Machine& machine, CompiledModel& out,
+                    EffectsOfTables& tables) {
+  std::vector<std::string> places;
+  for (const ComponentTerm& term : components_of(effect.definition())) {
+    const double size = size_of(effect, term.parameter).value_or(0.0);
+    if (size == 0.0 || (!is_squareness(term.component) && !machine.axes[index_of(moving_axis(term.component))]))
+      continue;
+    if (is_squareness(term.component)) {
+      out.squareness[index_of(term.component)] += size;
+      double& largest = out.largest[to_text(effect)];
+      largest = std::max(largest, std::abs(size));
+    } else {
+      tables[term.component].push_back(&effect);
+    }
+    places.push_back(fmt::format("{} {:.3g} um/m", name_of(term.component), size));
+  }
+  out.carried.push_back(
+      fmt::format("{}: {} in tables and the unit's parameters", to_text(effect), fmt::join(places, ", ")));
+}
+
 bool differs_by_approach(const EffectInstance& effect) {
   return effect.traits().of_approach || effect.approach != ApproachMode::both;
 }
@@ -191,11 +221,16 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
   if (!(increment_mm > 0.0))
     return problem(ProblemKind::usage, fmt::format("expected an increment above 0 mm, got {}", increment_mm));
   CompiledModel out;
-  std::map<Component, std::vector<const EffectInstance*>> tables;
+  EffectsOfTables tables;
   std::vector<const EffectInstance*> carried;
   for (const EffectInstance& effect : fitted.effects) {
     if (effect.undetermined && effect.undetermined->empty()) {
       out.not_carried.push_back(fmt::format("{}: the fitted readings do not determine it", to_text(effect)));
+      continue;
+    }
+    if (!components_of(effect.definition()).empty() && is_carried(effect, machine)) {
+      add_components(effect, machine, out, tables);
+      carried.push_back(&effect);
       continue;
     }
     const auto component = table_of_effect(effect);
@@ -238,7 +273,7 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
       laser::MapTable table{component, approach, grid, std::vector<double>(grid.size(), 0.0)};
       std::vector<double> ranges;
       for (const EffectInstance* effect : effects) {
-        const auto values = along_axis(fitted, *effect, machine, grid, two ? static_cast<int>(approach) : 1);
+        const auto values = along_axis(fitted, *effect, component, machine, grid, two ? static_cast<int>(approach) : 1);
         if (!values) {
           problems.push_back(values.error());
           break;
