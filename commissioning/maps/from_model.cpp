@@ -16,7 +16,7 @@
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/unit/transfer.hpp"
-#include "model/effects/components.hpp"
+#include "model/effects/artefact_place.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
 #include "model/fit/compiled_model.hpp"

@@ -1,10 +1,25 @@
-// What the places of a ball on the table and in the spindle share.
+// What the places of a ball on the table and in the spindle share; which components of the machine its sizes belong to.
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "model/effects/definition.hpp"
+
+namespace ecs::model {
+
+/// The parameter is the slope of a curve along its axis, or a squareness [um/m].
+struct ComponentTerm {
+  std::string_view parameter;
+  Component component = Component::EXX;
+};
+
+/// Of an artefact that shows errors which the unit can carry; empty for all other effects.
+[[nodiscard]] std::span<const ComponentTerm> components_of(const EffectDefinition& effect);
+
+}  // namespace ecs::model
 
 namespace ecs::model::effects {
 

@@ -3,7 +3,6 @@
 #include <array>
 
 #include "model/effects/artefact_place.hpp"
-#include "model/effects/components.hpp"
 
 namespace ecs::model {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "model/effects/components.hpp"
+#include "model/effects/artefact_place.hpp"
 #include "model/effects/definition.hpp"
 
 // In the order in which lists of effects are printed; the effects of the user last.

@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "core/terms.hpp"
-#include "model/effects/components.hpp"
+#include "model/effects/artefact_place.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
 #include "model/fit/fit.hpp"

@@ -522,10 +522,9 @@ class Investigator {
     for (const Candidate& candidate : diagnosis_->candidates) {
       if (!is_added(candidate)) {
         if (candidate.in_answer())
-          result_.notes.push_back(
-              fmt::format("{} is not in the model: its probability is {:.0f} %, and what follows a temperature or the "
-                          "clock is added from {:.0f} % on",
-                          to_text(candidate.effect), 100.0 * candidate.probability, 100.0 * kProbable));
+          result_.notes.push_back(fmt::format(
+              "{} is not in the model: its probability is {:.0f} %; effects of temperature or time need {:.0f} %",
+              to_text(candidate.effect), 100.0 * candidate.probability, 100.0 * kProbable));
         continue;
       }
       ECS_TRY(with, model::add_effect(whole, data, model::request_of(candidate.effect), ""));
