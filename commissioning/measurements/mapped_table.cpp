@@ -142,9 +142,9 @@ std::string summary_text(const LineSummary& line) {
       line.targets < 2
           ? fmt::format("at {:.6g} {}", line.first_mm, laser::target_unit(line.group.rotary))
           : fmt::format("{:.6g} to {:.6g} {}", line.first_mm, line.last_mm, laser::target_unit(line.group.rotary));
-  return fmt::format("{}: {} readings, {} run{}, {}; {}",
-                     laser::curve_name(line.group.sense, line.group.axis, line.group.rotary), line.readings, line.runs,
-                     line.runs == 1 ? "" : "s", approaches, extent);
+  return fmt::format("{}: {} reading{}, {} run{}, {}; {}",
+                     laser::curve_name(line.group.sense, line.group.axis, line.group.rotary), line.readings,
+                     line.readings == 1 ? "" : "s", line.runs, line.runs == 1 ? "" : "s", approaches, extent);
 }
 
 }  // namespace
@@ -484,19 +484,25 @@ std::array<SettingWords, kMappingSettings> MappedTable::settings() const {
   const std::string approach = word_of("approach");
   const bool passes =
       std::ranges::any_of(rules_, [](const ColumnRule& rule) { return laser::role_of(rule.field) == Role::pass; });
-  return {{{"columns", names[static_cast<std::size_t>(source_)], origin()},
-           {"axis", letter.empty() ? "?" : letter, "the axis that moved"},
-           {"sense", shown(kSenses, options_.sense),
-            "direction of the readings: EX EY EZ in length, EA EB EC rotations about X Y Z"},
-           {"values", shown(kValues, options_.values),
-            "meaning of the readings: error = actual - target; of positions reached the target is subtracted"},
-           {"approach",
-            passes && approach.empty() ? "from the columns" : shown(kApproaches, approach == "none" ? "" : approach),
-            "from the motion: rising positions are forward, falling ones reverse"},
-           {"runs", passes && word_of("run").empty() ? "from the columns" : shown(kRuns, word_of("run")),
-            "by repetition: each repeat at a target is a run; there and back: one run"},
-           {"rows", shown(kRows, word_of("rows")), "in motion: only rows at more than half the usual speed"},
-           {"parked", options_.parked, "position of the other axes, as in y=-1400,z=0 [mm]; empty: not known"}}};
+  return {
+      {{"columns", names[static_cast<std::size_t>(source_)], origin()},
+       {"axis", letter.empty() ? "?" : letter, "the axis that moved"},
+       {"sense", shown(kSenses, options_.sense),
+        "direction of the readings: EX EY EZ in length, EA EB EC rotations about X Y Z"},
+       {"values", shown(kValues, options_.values),
+        "meaning of the readings: error = actual - target; if they are positions reached, the target is subtracted"},
+       {"approach",
+        passes && approach.empty() ? "from the columns" : shown(kApproaches, approach == "none" ? "" : approach),
+        approach == "motion" ? "from the motion: rising positions are forward, falling ones reverse"
+                             : "unknown: no approach is assigned. Other choice: from the motion"},
+       {"runs", passes && word_of("run").empty() ? "from the columns" : shown(kRuns, word_of("run")),
+        word_of("run") == "motion" ? "there and back: one run goes there and back"
+                                   : "by repetition: each repeat at a target is a run. Other choice: there and back"},
+       {"rows", shown(kRows, word_of("rows")),
+        word_of("rows").empty() ? "all: every row is read. Other choice: in motion"
+                                : "in motion: only rows at more than half the usual speed"},
+       {"parked", options_.parked,
+        "position of the other axes, as in y=-1400,z=0 [mm]; of this axis too, if it did not move. Empty: not known"}}};
 }
 
 void MappedTable::next_value(MappingSetting setting, int by) {

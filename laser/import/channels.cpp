@@ -143,7 +143,8 @@ Result<JoinedRows> joined_rows(const ChannelLog& log, const Plan& plan, const st
 
 std::string channels_text(const ChannelLog& log) {
   std::vector<std::string> names;
-  for (const auto& [name, samples] : log.channels) names.push_back(fmt::format("{} ({} values)", name, samples.size()));
+  for (const auto& [name, samples] : log.channels)
+    names.push_back(fmt::format("{} ({} value{})", name, samples.size(), samples.size() == 1 ? "" : "s"));
   return fmt::format("{}", fmt::join(names, ", "));
 }
 

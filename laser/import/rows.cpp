@@ -83,7 +83,8 @@ Result<std::string> keep_channel(std::vector<TableRow>& rows, const std::string&
   const std::string channel = only ? std::string(channels.begin()->first) : options.channel;
   if (!only && !channels.contains(channel)) {
     std::vector<std::string> names;
-    for (const auto& [name, count] : channels) names.push_back(fmt::format("{} ({} values)", name, count));
+    for (const auto& [name, count] : channels)
+      names.push_back(fmt::format("{} ({} value{})", name, count, count == 1 ? "" : "s"));
     return tl::unexpected(
         usage(file_name, fmt::format("{}: give one of {}",
                                      channel.empty() ? "the log contains several channels"

@@ -278,6 +278,28 @@ std::optional<TableSuggestion> pair_columns(const Columns& columns) {
   return std::nullopt;
 }
 
+/// Positions by their heading, over some travel: few of them, or in any order.
+bool is_named_travel(const TableColumn& column) {
+  constexpr double kLeast_mm = 1.0;
+  const bool fits = !column.unit || column.unit->kind == UnitKind::length || column.unit->kind == UnitKind::angle;
+  return column.is_number() && fits && column.meaning == Meaning::position &&
+         column.span() * column.as_target() >= kLeast_mm;
+}
+
+/// The only column of positions and the only one of readings by their headings, whatever the values look like.
+std::optional<TableSuggestion> named_pair(const Columns& columns) {
+  const TableColumn *targets = nullptr, *readings = nullptr;
+  for (const TableColumn& column : columns) {
+    const bool travels = is_named_travel(column);
+    const bool reads = column.meaning == Meaning::reading && could_be_readings(column, columns);
+    if ((travels && targets != nullptr) || (reads && readings != nullptr)) return std::nullopt;
+    if (travels) targets = &column;
+    if (reads) readings = &column;
+  }
+  if (targets == nullptr || readings == nullptr) return std::nullopt;
+  return pair_suggestion(*targets, *readings, are_actual(*readings, *targets), columns);
+}
+
 /// One column of readings at one place, over time: the only one, or the only one that is named so.
 std::optional<TableSuggestion> growth_columns(const Columns& columns) {
   std::vector<const TableColumn*> numbers, named;
@@ -286,6 +308,7 @@ std::optional<TableSuggestion> growth_columns(const Columns& columns) {
     if (column.is_number() && column.meaning == Meaning::reading) named.push_back(&column);
   }
   const auto& found = named.empty() ? numbers : named;
+  if (std::ranges::any_of(columns, is_named_travel)) return std::nullopt;
   if (found.size() != 1 || found.front()->span() == 0.0 || found.front()->turns()) return std::nullopt;
   const std::size_t number = found.front()->number;
   const std::string date = date_rule(columns);
@@ -317,6 +340,7 @@ std::string sensor_named(std::string_view heading, std::size_t number) {
 
 std::optional<TableSuggestion> suggestion_for(const Columns& columns, const TableShape& shape) {
   auto found = pair_columns(columns);
+  if (!found) found = named_pair(columns);
   if (!found) found = growth_columns(columns);
   if (found) found->rows = rows_of(shape);
   return found;

@@ -295,6 +295,16 @@ TEST_CASE("a table that nothing else reads is described, with the option that im
                             "--columns", "--skip 2"});
 }
 
+TEST_CASE("a moving column that its heading calls a position is proposed as the targets, however few rows there are") {
+  const auto proposed = [](const std::string& rows) {
+    const auto table = found_table("My gauge\npos;dev\n" + rows);
+    return table && table->suggestion ? table->suggestion->columns + " " + table->suggestion->parked : "";
+  };
+  CHECK(proposed("0;1,5\n10;2,5\n") == "x_mm=1[mm],reading=2[um],approach=motion ");
+  CHECK(proposed("0;1,5\n10;2,5\n10;2,9\n0;1,0\n").starts_with("x_mm=1[mm],reading=2[um],approach=motion"));
+  CHECK(proposed("5;1,5\n5;2,5\n5;2,9\n") == "reading=2[um] x=0");  // it rests
+}
+
 TEST_CASE("a written table is read back whatever delimiter, unit and decimal sign it has") {
   const bool same = rc::check("columns round trip", [](const std::vector<short>& errors) {
     RC_PRE(errors.size() >= 2);
