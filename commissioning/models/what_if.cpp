@@ -135,8 +135,8 @@ void add_parts(const Observations& after, const std::vector<std::size_t>& rows, 
       parts.push_back({shape, sense, axis, taken.size, root_mean(taken.squares, after.size()), text});
   };
   add("constant", constant,
-      fmt::format("a constant {:+.2g} {} of {}: the zero of the laser or the datum has changed", constant.size, unit,
-                  of));
+      fmt::format("a constant shift of {} by {:+.2g} {}: the zero of the laser or the datum has changed", of,
+                  constant.size, unit));
   add("slope", slope,
       fmt::format("a slope of {:+.2g} {}/{} of {}: {}", slope.size, unit, after.rotary ? "deg" : "m", of,
                   !after.rotary && !is_rotation(sense) && direction_of(sense) != axis
@@ -222,7 +222,7 @@ Cell directions_cell(const WhatIfAnswer& answer) {
   return directions;
 }
 
-/// "Part of it, over all readings: 0.33 um rms from a constant -0.5 um of Z positions: the zero …"
+/// "Part of it, over all readings: 0.33 um rms from a constant shift of Z positions by -0.5 um: the zero …"
 Cell rest_cell(const WhatIfAnswer& answer) {
   Cell list{Json::array(), ""};
   std::vector<std::string> parts;

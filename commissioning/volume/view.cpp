@@ -139,14 +139,13 @@ std::string bound_text(const VolumeWork& work) {
     if (shares.size() < 3)
       shares.push_back(
           fmt::format("{} {:.0f} %", one.rotary.empty() ? name_of(one.component) : one.rotary, 100.0 * one.share));
-  return paragraph(
-      fmt::format("From the uncertainty of the map{} alone the remaining error is, with 95 % confidence, at most "
-                  "{:.1f} um anywhere "
-                  "and {:.1f} um rms. With 50 % confidence it is at most {:.1f} and {:.1f} um. Errors that the map "
-                  "lacks add to it. "
-                  "Largest contribution: {}.",
-                  work.prepared.machine.rotary ? " and of the rotary axes" : "", u.largest_95_um, u.rms_95_um,
-                  u.largest_50_um, u.rms_50_um, fmt::join(shares, ", ")));
+  return paragraph(fmt::format(
+      "With 95 % confidence the remaining error is at most {:.1f} um anywhere and {:.1f} um rms, with 50 % "
+      "confidence {:.1f} and {:.1f} um. This contains the errors that the map is known to leave, the "
+      "uncertainty of the map{}, and the uncertainty assumed for components that were not measured. Errors "
+      "beyond these assumptions (short periods, heat, load) add to it. Largest contributions to this uncertainty: {}.",
+      u.largest_95_um, u.rms_95_um, u.largest_50_um, u.rms_50_um,
+      work.prepared.machine.rotary ? " and of the rotary axes" : "", fmt::join(shares, ", ")));
 }
 
 Cell side_of_place_cell(const PlaceAnswer& at, std::size_t side) {

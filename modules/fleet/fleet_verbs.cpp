@@ -86,8 +86,8 @@ Result<Outcome> batch(VerbContext& context, const BatchRequest& request) {
   std::string text = units.text;
   if (request.dry_run)
     text +=
-        "dry run: files, checks, images, links and serial numbers were checked, but not the arming codes; no unit was "
-        "changed\n";
+        "dry run: files, images and links were checked, and the serial numbers that the plan states; not the arming "
+        "codes. No unit was changed\n";
   return Outcome{text, one_line(object), exit_code};
 }
 

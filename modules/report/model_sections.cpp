@@ -23,6 +23,10 @@ constexpr const char* kByTheMap =
     "By the map: the compensation that the unit outputs at each position and approach, computed by the same core as in "
     "the unit, is added to the readings taken before; the sum is the predicted error. Scatter is part of both. ";
 
+constexpr const char* kAboutMean =
+    "The rms values are those after removal of the mean of each line, so that a shift of the laser's zero or of the "
+    "datum does not count. In the table by the error model it counts.";
+
 /// A map that was made from these readings holds their noise; with means of n runs noise alone gives √((n + 1)/(n −
 /// 1)).
 std::string noise_ratio_text(const std::vector<TableRow>& rows) {
@@ -54,7 +58,8 @@ Markup map_prediction(const ReportContent& content) {
                text(unit_text(laser::unit_of(row.planned.sense)))});
   }
   if (table.empty()) return {};
-  return paragraph_of(kByTheMap + noise_ratio_text(content.rows), "class=\"small intro\"") + table.markup();
+  return paragraph_of(kByTheMap + noise_ratio_text(content.rows), "class=\"small intro\"") + table.markup() +
+         paragraph_of(kAboutMean, "class=\"small\"");
 }
 
 Markup directions_table(const ReportedModel& model) {

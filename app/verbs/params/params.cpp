@@ -261,7 +261,7 @@ struct AdjustRequest {
             {"--over-mm", &R::over_mm,
              "distance over which it shows this, in the positive direction of Y for C0Y, of Z for B0Z and A0Z [mm]",
              Range{1.0, 1e5}, Need::required},
-            {"--nothing-um", &R::nothing_um, "reading that counts as nothing [um]", Range{0.0, 1e3}},
+            {"--nothing-um", &R::nothing_um, "largest reading that counts as zero [um]", Range{0.0, 1e3}},
             {"--trial", &R::trial,
              "only try the value: the unit keeps compensating, and stores the value when the command is given without "
              "--trial"}};
@@ -303,7 +303,7 @@ struct Adjusted {
 };
 Adjusted adjusted(const AdjustRequest& request, bool shows_nothing, bool tried, bool compensated) {
   if (shows_nothing && (request.trial || !tried))
-    return {"{component}: {before} um/m stays: the indicator shows nothing above {nothing_um} um\n",
+    return {"{component}: {before} um/m stays: the indicator reads zero within {nothing_um} um\n",
             tried ? "it is only tried: give the command without --trial to store it\n" : ""};
   if (request.trial)
     return {"{component}: {before} -> {after} um/m, tried\n{then}",
@@ -451,7 +451,7 @@ extern const std::vector<Action> kParameters{
            {.link = Link::reads, .logged = Logged::when_written, .kind = "transfer"}),
     action("params scale", "compute the travel per position count from encoder, screw and gear",
            "ecs params scale --lines 2500 --pitch-mm 10", scale),
-    action("params adjust", "adjust a squareness value in the unit until the indicator shows nothing",
+    action("params adjust", "adjust a squareness value in the unit until the indicator reads zero",
            "ecs params adjust C0Y 4.5 --over-mm 300 --link rtu:/dev/ttyUSB0:115200", adjust, {.link = Link::writes})};
 
 }  // namespace ecs::app

@@ -33,7 +33,9 @@ Cell events_cell(const std::vector<DatumEvent>& events) {
       list.json.push_back(event.json);
       continue;
     }
-    if (left_out > 0) list.text += fmt::format("{:>8} {:>12} {:>15}  {} more markers\n", "", "", "", left_out);
+    if (left_out > 0)
+      list.text +=
+          fmt::format("{:>8} {:>12} {:>15}  {} more marker{}\n", "", "", "", left_out, left_out == 1 ? "" : "s");
     left_out = 0;
     list.add(event);
   }
