@@ -96,9 +96,9 @@ ecs_folder(app/screens/files app/ui commissioning/files commissioning/link commi
 ecs_folder(app/screens/forms app/cli app/screens/files app/ui app/verbs base commissioning/files commissioning/link
            commissioning/plot commissioning/session commissioning/unit commissioning/utility commissioning/volume core
            protocol/client fmt::fmt)
-ecs_folder(app/screens/laser app/plot app/screens/files app/ui base commissioning/laser_session commissioning/maps
-           commissioning/measurements commissioning/plot commissioning/session commissioning/utility laser/map params
-           fmt::fmt)
+ecs_folder(app/screens/laser app/plot app/screens/files app/ui base commissioning/files commissioning/laser_session
+           commissioning/maps commissioning/measurements commissioning/plot commissioning/session
+           commissioning/utility laser/map params fmt::fmt)
 ecs_folder(app/screens/memory app/screens/files app/ui base commissioning/link commissioning/memory
            commissioning/session commissioning/utility fmt::fmt)
 ecs_folder(app/screens/model app/cli app/plot app/screens/files app/ui base commissioning/files commissioning/link
@@ -107,9 +107,9 @@ ecs_folder(app/screens/parameters app/screens/files app/ui base commissioning/li
            commissioning/session fmt::fmt)
 ecs_folder(app/screens/unit app/cli app/plot app/screens/files app/screens/utility app/ui base commissioning/link
            commissioning/plot commissioning/session commissioning/unit core params fmt::fmt)
-ecs_folder(app/screens/utility app/plot app/screens/files app/screens/forms app/ui base commissioning/link
-           commissioning/memory commissioning/plot commissioning/session commissioning/unit commissioning/utility core
-           params fmt::fmt)
+ecs_folder(app/screens/utility app/plot app/screens/files app/screens/forms app/ui base commissioning/files
+           commissioning/link commissioning/memory commissioning/plot commissioning/session commissioning/unit
+           commissioning/utility core params fmt::fmt)
 ecs_folder(app/ui app/names base commissioning/plot commissioning/session PkgConfig::ncursesw PkgConfig::utf8proc
            fmt::fmt)
 ecs_folder(app/verbs app/cli app/plot base base/cli commissioning/link commissioning/measurements commissioning/unit

@@ -73,7 +73,7 @@ class LineDialogue {
   static std::string question_for(const ShownArgument& argument) {
     std::string question = fmt::format("{}, {}", argument.names.back(), argument.help);
     if (!argument.choices.empty()) question += fmt::format(" ({})", fmt::join(argument.choices, ", "));
-    if (argument.many) question += ", several separated by blanks";
+    if (argument.many) question += ", several separated by spaces";
     if (argument.flag) question += " (y for yes)";
     if (!argument.required)
       question += argument.preset.empty() ? " (Enter: omit)" : " (Enter: " + argument.preset + ")";

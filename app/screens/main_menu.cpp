@@ -210,8 +210,9 @@ constexpr const char* kFindHelp =
 std::unique_ptr<Screen> main_menu(const Connection& connection) {
   return std::make_unique<MenuScreen>(
       "ECS",
-      "The menus of the integration software (thesis figure 5.4). To find an action by name, type / and a part of the "
-      "name; F3 does the same on every screen. The same actions exist as verbs for scripts: `ecs --help`.",
+      "The menus of the integration software. \"Thesis\" is the work that defined the original unit (docs/thesis.md); "
+      "its figure 5.4 shows these menus. To find an action by name, type / and a part of the name; F3 does the same on "
+      "every screen. The same actions exist as verbs for scripts: `ecs --help`.",
       all_choices(connection));
 }
 

@@ -214,7 +214,7 @@ std::string copied_words(const std::string& text) {
 }
 
 std::string idle_key_words(const Screen& screen, char32_t letter) {
-  const std::string key = utf8_of(std::u32string(1, letter));
+  const std::string key = letter == U' ' ? "Space" : utf8_of(std::u32string(1, letter));
   for (const KeyHelp& help : screen.keys())
     for (const std::string_view name : split(help.keys, ' '))
       if (name == key) return fmt::format("{} ({}): not possible now", key, help.does);

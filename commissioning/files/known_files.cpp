@@ -50,11 +50,31 @@ FileLook look_at_measurements(const fs::path& path) {
   else
     look.what = file.wants_columns   ? "table: select it to assign its columns"
                 : file.wants_answers ? "incomplete: select it, then press Enter to add data"
-                                     : "not read";
+                                     : "unknown kind";
   return look;
 }
 
 }  // namespace
+
+namespace {
+
+/// "this is a machine file, not a parameter file: verbs that use one …" up to the colon: what verbs do is of no help
+/// where a file is chosen.
+std::string without_advice(const std::string& message) { return message.substr(0, message.find(": ")); }
+
+}  // namespace
+
+std::string refusal_as(FileKind wanted, const fs::path& path) {
+  std::error_code error;
+  if (path.empty()) return {};
+  if (!fs::is_regular_file(path, error)) return fmt::format("There is no file {}.", path.string());
+  const FileLook look = looked_at(path);
+  if (look.kind == wanted) return {};
+  const std::string name = path.filename().string();
+  if (const auto wrong = wrong_kind(wanted, beginning_of(path), name))
+    return name + without_advice(wrong->message).substr(std::string_view("this").size()) + ".";
+  return fmt::format("{}: expected {}, found {}.", name, name_of(wanted), look.what);
+}
 
 FileLook looked_at(const fs::path& path) {
   const std::string beginning = beginning_of(path);
@@ -67,6 +87,9 @@ FileLook looked_at(const fs::path& path) {
   if (fs::file_size(path, fault) > kMostLookedAt)
     return {FileKind::measurements, "large: read when selected", false, {}};
   look = look_at_measurements(path);
+  if (const auto known = wrong_kind(FileKind::other, beginning, ""); known && look.kind == FileKind::other)
+    look.what = without_advice(known->message).substr(std::string_view("this is ").size());
+  if (beginning.starts_with("time_s,mode,fault,axis,position_mm,")) look.what = "a recording of the monitor";
   if (look.kind != FileKind::other || beginning.find('\0') == std::string::npos) return look;
   if (read_dump(path)) return {FileKind::memory, "memory image", false, {}};
   return look;

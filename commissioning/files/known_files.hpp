@@ -20,6 +20,9 @@ struct FileLook {
 /// Reads it as far as needed; what is too large is taken for what its beginning says.
 [[nodiscard]] FileLook looked_at(const std::filesystem::path& path);
 
+/// Why a file is of no use where one of this kind is asked for; empty: it is of this kind. "" is accepted.
+[[nodiscard]] std::string refusal_as(FileKind wanted, const std::filesystem::path& path);
+
 /// Empty: none was found.
 struct FilesBeside {
   std::string machine;

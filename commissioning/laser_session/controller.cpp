@@ -1,18 +1,26 @@
 #include "commissioning/laser_session/controller.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <utility>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 
 #include "base/file.hpp"
+#include "base/json.hpp"
+#include "commissioning/link/not_armed.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/maps/unit_work.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::commissioning {
 namespace {
+
+// What became of the map of a draft, in its words.
+constexpr const char* kSavedKey = "saved";
+constexpr const char* kSentTo = ", sent to unit ";
 
 /// As the time of a draft: "2026-05-04 14:05".
 std::string written_at(const std::string& file) {
@@ -88,16 +96,26 @@ void LaserController::stepped(const char* how, const std::optional<std::string>&
 void LaserController::keep() {
   changed_ = true;
   ready_.reset();
+  sent_earlier_.clear();
+  keep_as("");
+}
+
+void LaserController::keep_as(const std::string& saved) {
   LaserChoices whole = choices();  // the draft may be taken up from another folder
   for (std::string* path : {&whole.params_file, &whole.map_file, &whole.opened_map}) *path = absolute(*path);
   for (LaserFileChoice& file : whole.files) file.path = absolute(file.path);
-  if (const auto kept = edited_.keep(choices_text(whole)); !kept) message_.say(kept.error());
+  Json draft = Json::parse(choices_text(whole));
+  if (!saved.empty()) draft[kSavedKey] = saved;
+  if (const auto kept = edited_.keep(one_line(draft)); !kept) message_.say(kept.error());
 }
 
 void LaserController::take_up_offered() {
   if (!offered_) return;
   edited_.take_up(choices_in(offered_->text).value_or(LaserChoices{}), {});
   message_.say("restored: work of " + offered_->kept);
+  if (const std::size_t sent = offered_saved_.find(kSentTo); sent != std::string::npos)
+    sent_earlier_ = offered_saved_.substr(sent + std::string_view(kSentTo).size());
+  if (!offered_saved_.empty()) saved_earlier_csv_ = read_file(choices().map_file).value_or("");
   warn_of_newer_files(offered_->kept);
   offered_.reset();
   changed_ = true;
@@ -108,6 +126,7 @@ void LaserController::offer(std::optional<Draft> draft) {
   const auto choices = draft ? choices_in(draft->text) : std::nullopt;
   offered_ = choices ? std::move(draft) : std::nullopt;
   offered_of_ = choices ? owner_of(*choices) : "";
+  offered_saved_ = choices ? Json::parse(offered_->text).value(kSavedKey, "") : "";
 }
 
 void LaserController::drop_offered() {
@@ -155,11 +174,21 @@ void LaserController::work_out() {
   };
   working_out_.start("computing", work, [this](LaserWorkPtr done) {
     work_ = std::move(done);
+    take_saved_earlier();
     const auto& parameters = work_->map.parameters;
     mismatch_ = parameters ? mismatch_of(*parameters, work_->lines) : "";
     other_unit_ = parameters ? other_unit_for(parameters->parameters, unit_->snapshot()) : "";
     if (pending_) work_out();
   });
+}
+
+/// A map that was saved before the work was continued counts as saved where its file is still the same.
+void LaserController::take_saved_earlier() {
+  const std::string csv = std::exchange(saved_earlier_csv_, {});
+  if (csv.empty() || csv != work_->map.csv) return;
+  saved_csv_ = csv;
+  saved_file_ = choices().map_file;
+  changed_ = false;
 }
 
 // --- how the steps stand --------------------------------------------------------------------------------------------
@@ -254,7 +283,9 @@ void LaserController::take_saved(const SavedMap& saved, const LaserChoices& choi
   if (saved_csv_ != saved.csv || saved_file_ != saved.files.map) note_saved_map(saved, choices, work.lines);
   saved_csv_ = saved.csv;
   saved_file_ = saved.files.map;
-  if (work_->map.csv == saved.csv) changed_ = false;
+  if (work_->map.csv != saved.csv) return;
+  changed_ = false;
+  keep_as(fmt::format("saved in {}", std::filesystem::path(saved_file_).filename().string()));
 }
 
 void LaserController::save_and(bool check) {
@@ -333,6 +364,9 @@ void LaserController::take_sent(const SendAttempt& attempt, const ReadyMap& read
     sent_ = *attempt.sent;
     sent_csv_ = saved_csv_;
     note_sent_map(*unit_, ready.files);
+    if (saved() && !changed_)
+      keep_as(fmt::format("saved in {}{}{}", std::filesystem::path(saved_file_).filename().string(), kSentTo,
+                          sent_->identity.serial_number));
     message_.say(sent_text(*sent_));
     return;
   }
@@ -342,7 +376,10 @@ void LaserController::take_sent(const SendAttempt& attempt, const ReadyMap& read
       attempt.begun
           ? "The unit keeps its old map until a new one is complete. As soon as it answers, the active map is checked."
           : "Not sent: the unit keeps its old map.";
-  say_failed("not sent", attempt.sent.error());
+  if (is_not_armed(attempt.sent.error()))
+    message_.say(std::string(kNotArmed) + " Press Enter in step 8 to try again.", Tone::bad);
+  else
+    say_failed("not sent", attempt.sent.error());
 }
 
 void LaserController::look_after_failure() {
@@ -413,7 +450,7 @@ void LaserController::compensate() {
     note_on_unit(*unit_, {"utility", "mode", "compensate", "--wait", "0"});
     message_.say(
         "reference every axis at the control now; the unit is waiting. ECS UTILITY, DISPLAY ECS STATUS shows the "
-        "progress (emulator: press g there)");
+        "progress (bundled emulator: press g there)");
   });
 }
 

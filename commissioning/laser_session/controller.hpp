@@ -54,6 +54,8 @@ class LaserController {
   [[nodiscard]] const std::optional<Draft>& offered() const { return offered_; }
   /// Of which machine it is, "moving column mill"; where nothing names one, "files of FOLDER"; empty: not known.
   [[nodiscard]] const std::string& offered_of() const { return offered_of_; }
+  /// What became of its map: "saved in map.csv, sent to unit INV-1"; empty: it was not saved.
+  [[nodiscard]] const std::string& offered_saved() const { return offered_saved_; }
   void take_up_offered();
   void drop_offered();
   /// New work is started; what was offered is kept and offered again when there is no other.
@@ -95,6 +97,8 @@ class LaserController {
   [[nodiscard]] bool would_overwrite() const;
   [[nodiscard]] bool saved() const { return !saved_csv_.empty() && saved_csv_ == work_->map.csv; }
   [[nodiscard]] const std::optional<SentMap>& sent() const { return sent_; }
+  /// The unit to which the saved map was sent before this work was continued; empty: to none, as far as is known.
+  [[nodiscard]] const std::string& sent_earlier() const { return sent_earlier_; }
   [[nodiscard]] bool sent_is_current() const { return sent_ && sent_csv_ == work_->map.csv; }
   /// Null: nothing was compared.
   [[nodiscard]] const MapVerdict* verdict() const { return found_ ? &found_->verdict : nullptr; }
@@ -114,11 +118,14 @@ class LaserController {
   void stepped(const char* how, const std::optional<std::string>& what, const char* nothing);
   void work_out();
   void keep();
+  /// With what became of the map. @param saved  empty: it was not saved with these choices
+  void keep_as(const std::string& saved);
   [[nodiscard]] bool idle();
   [[nodiscard]] bool can_save();
   void save_and(bool check);
   /// @param choices, lines  as they were then
   void take_saved(const SavedMap& saved, const LaserChoices& choices, const LaserWork& work);
+  void take_saved_earlier();
   void take_sent(const SendAttempt& attempt, const ReadyMap& ready);
   void look_after_failure();
   void take_active_after_failure(const std::optional<std::uint32_t>& active);
@@ -135,8 +142,10 @@ class LaserController {
   Editor<LaserChoices> edited_;
   void offer(std::optional<Draft> draft);
   std::optional<Draft> offered_;
-  std::string offered_of_;
-  bool changed_ = false;  ///< since the map was saved last
+  std::string offered_of_, offered_saved_;
+  std::string saved_earlier_csv_;  ///< of the map file, until the map of the continued work is known
+  std::string sent_earlier_;       ///< the work that was continued was sent with these choices: to which unit
+  bool changed_ = false;           ///< since the map was saved last
   LaserWorkPtr work_;
   bool pending_ = false;  ///< the choices went on while work was done
   std::string saved_csv_, saved_file_, sent_csv_;

@@ -164,7 +164,8 @@ void add_image(const DecodedImage& image, const DumpRegion& region, std::vector<
 }
 
 std::string text_of(const DecodedImage& image, const DecodedMemory& memory) {
-  std::string text = fmt::format("{}map of {} bytes", image.active ? "ACTIVE " : "", image.bytes);
+  std::string text = fmt::format("{}: {} bytes, {}", image.active ? "ACTIVE" : "not active", image.bytes,
+                                 image.tables.empty() ? "parameters only" : "map");
   for (const CommitSlot& slot : memory.commits)
     if (slot.active && image.active && slot.commit) text += fmt::format(", commit {}", slot.commit->sequence);
   return text;
@@ -198,6 +199,7 @@ MemoryNames::MemoryNames(const MemoryBytes& memory) {
     if (region == nullptr) continue;
     add_image(image, *region, stretches_);
     contents_.push_back({image.address, text_of(image, meaning)});
+    if (image.active) active_ = image.address;
   }
   for (const MemoryRegion& region : memory.regions()) {
     const bool is_bank = region.first == kBankA.first || region.first == kBankB.first;

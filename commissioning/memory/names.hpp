@@ -54,6 +54,8 @@ class MemoryNames {
   [[nodiscard]] const NamedStretch* stretch_at(Address address) const;
   /// What a region holds, in words: "active map of 12,345 bytes, commit 3"; empty: nothing known.
   [[nodiscard]] std::string content_of(const MemoryRegion& region) const;
+  /// Where the image begins that the unit uses; nothing: there is none, or it is not known yet.
+  [[nodiscard]] std::optional<Address> active_image() const { return active_; }
   /// The bytes that the names come from.
   [[nodiscard]] static std::vector<Stretch> structure(const MemoryBytes& memory);
 
@@ -64,6 +66,7 @@ class MemoryNames {
   };
   std::vector<NamedStretch> stretches_;  ///< by address
   std::vector<Content> contents_;
+  std::optional<Address> active_;
 };
 
 /// The number under the cursor as the unit could mean it: "u8 69  s16 17731  u32 1162695753  f64 1.5".

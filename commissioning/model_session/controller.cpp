@@ -31,12 +31,31 @@ std::string draft_name_of(const std::string& model_file) {
   return "model-" + sha256_hex(path.string()).substr(0, 16);
 }
 
+/// "fits (p = 0.3)", "DOES NOT FIT": at most 18 columns.
+std::string short_verdict(const std::optional<model::LackOfFit>& test) {
+  if (!test) return "too few repeats";
+  if (test->fails()) return "DOES NOT FIT";
+  return fmt::format(fmt::runtime(test->is_in_doubt() ? "doubtful p={:.1g}" : "fits (p = {:.1g})"), test->p);
+}
+
+/// With verdicts that a table of 80 columns has room for: the sentences of the verb would be cut.
+std::vector<std::string> lines_of_comparison(const model::Comparison& comparison, std::size_t readings) {
+  auto lines = owned_lines_of(comparison_cell(comparison, readings).text);
+  for (std::string& line : lines)
+    for (const model::DirectionSummary& one : comparison.directions)
+      if (const std::string verdict = "   " + lack_of_fit_cell(one.lack_of_fit).text; line.ends_with(verdict)) {
+        line.replace(line.size() - verdict.size(), verdict.size(), "   " + short_verdict(one.lack_of_fit));
+        break;
+      }
+  return lines;
+}
+
 }  // namespace
 
 Result<ModelController::Fitted> ModelController::fitted(model::Model model, const Observations& data,
                                                         std::string said) {
   ECS_TRY(fit, model::fit(model, data));
-  auto comparison = owned_lines_of(comparison_cell(model::compare(fit, data), data.size()).text);
+  auto comparison = lines_of_comparison(model::compare(fit, data), data.size());
   return Fitted{std::move(model), std::move(fit), std::move(comparison), std::move(said)};
 }
 
@@ -142,11 +161,12 @@ void ModelController::start_adding_formula() {
   start_adding(model::request_of(diagnosis_->formula->effect), "formula", {});
 }
 
-void ModelController::start_adding(const std::string& effect) {
-  if (busy()) return;
+std::string ModelController::start_adding(const std::string& effect) {
+  if (busy()) return {};
   const auto request = model::parse_add_request(effect);
-  if (!request) return message_.say(request.error());
+  if (!request) return to_text(request.error());
   start_adding(*request, effect, {});
+  return {};
 }
 
 void ModelController::decide(std::size_t effect) {
@@ -187,8 +207,7 @@ void ModelController::start_removing(std::size_t effect) {
       "removing " + name,
       [model = model(), work = work_, before = fit_, effect, name, words = commands_.remove(name)]() -> Result<Fitted> {
         ECS_TRY(without, without_effect(model, work->data, effect, before, work->data_name));
-        auto comparison =
-            owned_lines_of(comparison_cell(model::compare(without.fit, work->data), work->data.size()).text);
+        auto comparison = lines_of_comparison(model::compare(without.fit, work->data), work->data.size());
         Fitted now{
             std::move(without.model), std::move(without.fit), std::move(comparison), {}, "removed " + name, words};
         now.said = fmt::format("removed {}: {:.3f} -> {:.3f} {} rms; press u to undo", name, before.rms_um,
@@ -259,8 +278,8 @@ void ModelController::save() {
   record_saved_model(files_, model());
   saved_ = true;
   values_kept_ = true;
-  message_.say("written to " + files_.model + " with its fitted values" +
-               (beside.empty() ? "" : "; as it was: " + beside));
+  message_.say("saved in " + files_.model + " with the fitted values" +
+               (beside.empty() ? "" : "; the earlier version is in " + beside));
 }
 
 void ModelController::start_after(const std::vector<std::string>& measured_again) {

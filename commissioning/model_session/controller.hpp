@@ -70,7 +70,8 @@ class ModelController {
   /// The formula that the diagnosis proposes of what is left.
   void start_adding_formula();
   /// "cyclic:X:EX" and what its place leaves open, from the best fit.
-  void start_adding(const std::string& effect);
+  /// @return why it is none; empty: it is being added
+  [[nodiscard]] std::string start_adding(const std::string& effect);
   /// It is this one, and none of its alternatives. @param effect  place in the model
   void decide(std::size_t effect);
   /// @param effect  place in the model

@@ -22,6 +22,14 @@ std::vector<std::string> all_keys() {
 
 std::string shown(const std::string& value) { return value.empty() ? "nothing" : value; }
 
+/// "X deadband: 0.5 um -> 25 um" as what holds after undo: "X deadband is 0.5 um again (was 25 um)".
+std::string taken_back(const std::string& what) {
+  const std::size_t colon = what.find(": "), arrow = what.find(" -> ");
+  if (colon == std::string::npos || arrow == std::string::npos) return what;
+  return fmt::format("{} is {} again (was {})", what.substr(0, colon), what.substr(colon + 2, arrow - colon - 2),
+                     what.substr(arrow + 4));
+}
+
 /// A draft may be taken up from another folder.
 std::string absolute(const std::string& path) {
   std::error_code fault;
@@ -132,7 +140,8 @@ void ParametersController::edit(ParameterSet after, std::string what) {
 Result<void> ParametersController::change(const std::string& key, const std::string& text) {
   ParameterSet after = set();
   if (auto changed = set_value(key, after, text); !changed) return changed;
-  edit(after, fmt::format("{}: {} > {}", full_label_of(key), shown(value_of(key, set())), shown(value_of(key, after))));
+  edit(after, fmt::format("{}: {} -> {}", full_label_of(key), shown(value_with_unit(key, value_of(key, set()))),
+                          shown(value_with_unit(key, value_of(key, after)))));
   return {};
 }
 
@@ -156,7 +165,7 @@ bool ParametersController::take_from_unit(const std::string& key) {
   return change(key, value_of(key, {*unit_->parameters, {}})).has_value();
 }
 
-std::string ParametersController::undo() { return stepped(edited_.undo()); }
+std::string ParametersController::undo() { return taken_back(stepped(edited_.undo())); }
 std::string ParametersController::redo() { return stepped(edited_.redo()); }
 
 std::string ParametersController::stepped(std::optional<std::string> what) {

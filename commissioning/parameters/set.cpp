@@ -55,6 +55,7 @@ std::string in_words(std::string_view own, const std::string& unit) {
 }
 
 std::string label_of(const params::Field& field) {
+  if (field.key.ends_with(".datum.kind")) return "datum type";
   return in_words(own_part(field.key, field.axis.has_value()), field.unit);
 }
 

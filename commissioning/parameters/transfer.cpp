@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "commissioning/link/not_armed.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/parameters/controller.hpp"
 #include "commissioning/unit/transfer.hpp"
@@ -68,7 +69,7 @@ constexpr std::size_t kWarned = 2;
 
 std::string value_or_nothing(const std::string& value) { return value.empty() ? "nothing" : value; }
 
-/// "7 parameters of the unit are overwritten: X deadband 5 > 2.5, … and 3 more."
+/// "7 parameters of the unit are overwritten: X deadband: 5 -> 2.5, … and 3 more."
 std::string overwritten(const ParametersController& controller) {
   if (!controller.has_unit_values())
     return fmt::format("No parameters will be overwritten: {}.", controller.unit()->none_because);
@@ -76,7 +77,7 @@ std::string overwritten(const ParametersController& controller) {
   std::string text =
       fmt::format("{} parameter{} will be overwritten:", differing.size(), differing.size() == 1 ? "" : "s");
   for (std::size_t k = 0; k < std::min(kNamed, differing.size()); ++k)
-    text += fmt::format("\n- {}: {} > {}", full_label_of(differing[k].key), value_or_nothing(differing[k].unit),
+    text += fmt::format("\n- {}: {} -> {}", full_label_of(differing[k].key), value_or_nothing(differing[k].unit),
                         value_with_unit(differing[k].key, differing[k].screen));
   if (differing.size() > kNamed) text += fmt::format("\n- and {} more (page Compare)", differing.size() - kNamed);
   return text;
@@ -230,7 +231,9 @@ void ParametersTransfer::take_sent(Result<SentParameters> sent) {
   }
   const Problem& why = sent.error();
   if (!refused_for_map(why)) {
-    message_->say("The parameters here are unchanged: " + to_text(why), Tone::bad);
+    message_->say(is_not_armed(why) ? std::string(kNotArmed) + " Press t to try again."
+                                    : "The parameters here are unchanged: " + to_text(why),
+                  Tone::bad);
     look();
     return;
   }

@@ -18,6 +18,7 @@ void export_picture(TaskRunner& task, PlotFigure figure, const std::string& stem
       if (auto written = write(name + extension, figure); !written) return written;
     return {};
   };
+  message.say("writing the picture ...", Tone::warning);
   task.start("drawing", draw, [&message, name, drawn = std::move(drawn)](const Result<void>& written) {
     if (!written) return message.say(written.error());
     message.say("written: " + name + ".svg and .png");

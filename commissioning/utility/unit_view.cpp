@@ -25,12 +25,10 @@ int shown_age(double age_s) { return age_s < 1.0 ? 0 : static_cast<int>(age_s); 
 
 }  // namespace
 
-std::string refusal_in(UnitMode mode) {
+std::string refusal_in(UnitMode mode, std::string_view what, std::string_view how) {
   if (mode == UnitMode::integration) return {};
   if (mode == UnitMode::halted) return "The unit is halted after a fatal fault: switch it off and on.";
-  return fmt::format(
-      "The unit is {}. This is possible in integration mode only: press m in DISPLAY ECS STATUS (F3) to switch.",
-      ecs::name_of(mode));
+  return fmt::format("{} in integration mode only; the unit is {}. {}", what, ecs::name_of(mode), how);
 }
 
 bool UnitView::look(const UnitConnection& connection) {

@@ -18,7 +18,8 @@
 namespace ecs::commissioning {
 
 /// Why a unit in this mode refuses what needs integration mode, and what to do; empty: it does not.
-[[nodiscard]] std::string refusal_in(UnitMode mode);
+[[nodiscard]] std::string refusal_in(UnitMode mode, std::string_view what = "This is possible",
+                                     std::string_view how = "Press m in DISPLAY ECS STATUS (F3) to switch.");
 
 /// The unit as it was seen last, and how long ago.
 struct UnitView {

@@ -218,7 +218,8 @@ void ask_investigation(InvestigationController& investigation, Prompt& prompt) {
   };
   prompt
       .ask("workshop socket, or folder for readings:", Prompt::Kind::path, before == emulated ? "" : before, take,
-           emulated.empty() ? "" : "empty: the emulated machine of this link")
+           std::string(emulated.empty() ? "" : "empty: the emulated machine; else the ") +
+               "socket of `ecs-emulator serve --workshop`, or a folder to which you copy the file of each measurement")
       .or_nothing();
 }
 

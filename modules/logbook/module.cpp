@@ -52,7 +52,7 @@ class LogbookScreen final : public ListScreen {
     return "The actions of verbs and screens on a machine, recorded automatically: measurements, maps, parameters, "
            "transfers, diagnoses, reports. Each entry contains its files and the hash of the previous entry. Press v "
            "to check every entry; the first changed entry is shown. Press r to derive the active map again from the "
-           "raw readings and compare it bit for bit. `ecs log` does the same, compares two years and writes a "
+           "raw readings and compare it bit for bit. `ecs log` does the same, compares two days and writes a "
            "calibration certificate (modules/logbook/README.md). ECS_LOGBOOK=off disables the logbook.";
   }
   [[nodiscard]] bool advance() override {

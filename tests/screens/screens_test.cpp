@@ -176,6 +176,11 @@ TEST_CASE("the model screen finds the missing effect, adds it on one key, and th
   const ModelCase one;
   ModelScreen screen = one.screen();
   CHECK(contains(picture(screen), "residual"));
+  CHECK(contains(after(screen, "2"), "   DOES NOT FIT\n"));
+  CHECK(reads(after(screen, "x"), "press 4 for the page Ladder"));
+  type(screen, "nno_such_effect:\n");
+  CHECK(screen.typing());  // refused, and open for correction
+  (void)press(screen, Key::Name::escape);
   CHECK(contains(after(screen, "d"), "looking for missing effects"));
   finish(screen);
   CHECK(contains(picture(screen), "> cyclic:X:EX"));
@@ -251,6 +256,15 @@ TEST_CASE("the model screen fits any size and any terminal") {
       const std::string text = picture_of(screen, "MODEL", {}, Canvas(rows, columns, Glyphs::ascii), true).plain_text();
       CHECK(std::count(text.begin(), text.end(), '\n') == rows);
     }
+}
+
+TEST_CASE("the form of the model screen names the kind of a file that is no machine file") {
+  const ModelCase one;
+  const auto form_made = model_form(no_link(), {one.files.model, "samples/mill/parameters.toml", one.files.data});
+  enter(*form_made, "");
+  enter(*form_made, "");
+  enter(*form_made, "");
+  CHECK(contains(picture(*form_made), "parameters.toml is a parameter file, not a machine file."));
 }
 
 TEST_CASE("the form of the model screen says what is wrong with a file and keeps what was typed") {

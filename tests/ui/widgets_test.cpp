@@ -255,6 +255,7 @@ TEST_CASE("a key that does nothing says whether it ever does") {
   CHECK(idle_key_words(screen, U'd') == "d (diagnose): not possible now");
   CHECK(idle_key_words(screen, U'-') == "- (zoom): not possible now");
   CHECK(idle_key_words(screen, U'k') == "k has no function here; ? lists the keys");
+  CHECK(idle_key_words(screen, U' ') == "Space has no function here; ? lists the keys");
 }
 
 }  // namespace

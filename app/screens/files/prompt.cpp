@@ -381,7 +381,7 @@ void Prompt::begin(std::string label, Kind kind, const std::string& text, Take t
   chooser_.reset();
   label_ = std::move(label);
   kind_ = kind;
-  line_.set(text);
+  line_.propose(text);
   help_ = std::move(hint);
   hint_.clear();
   refused_ = false;

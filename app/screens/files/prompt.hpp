@@ -117,7 +117,9 @@ class Prompt {
     begin_choosing(std::move(label), std::move(wish),
                    [take = std::move(take)](const std::vector<std::string>& paths) -> std::string {
                      std::string refusal;
-                     if constexpr (std::is_invocable_v<F, const std::vector<std::string>&>)
+                     if constexpr (std::is_invocable_r_v<std::string, F, const std::vector<std::string>&>)
+                       refusal = take(paths);
+                     else if constexpr (std::is_invocable_v<F, const std::vector<std::string>&>)
                        take(paths);
                      else
                        for (const std::string& path : paths)

@@ -161,7 +161,7 @@ class FormScreen final : public Screen {
   [[nodiscard]] std::string help() const override {
     return (row_.about.empty() ? verb().help + "." : row_.about) + " The fields are the options of the verb `ecs " +
            verb().name() +
-           "`; those with * are needed. Tab in an empty field chooses a file. Several files are separated by blanks. "
+           "`; those with * are needed. Tab in an empty field chooses a file. Several files are separated by spaces. "
            "Measurements, machine file and parameters in the folder of the model are filled in. Typing replaces "
            "them. " +
            verb().example +

@@ -25,8 +25,12 @@ class LeaveOutPage final : public LaserPage {
     const auto lines = [this] { return !in_tree_; };
     const auto tree = [this] { return in_tree_; };
     const auto change_side = [this] { in_tree_ = !in_tree_; };
+    const auto to_runs_first = [this] {
+      controller().message().say("Press Enter first to go to the runs of this line.", Tone::warning);
+    };
     rows_ = {{"up/down", "line", {}, lines},
              {"Enter", "its runs", change_side, lines},
+             {"Space w", "", to_runs_first, lines},
              {"Space", "out or in", [this] { toggle(line(), row()); }, tree},
              {"Enter", "readings of a run", [this] { open_or_close(row()); }, tree},
              {"w", "why", [this] { ask_reason(line(), row()); }, tree},
@@ -138,8 +142,8 @@ class LeaveOutPage final : public LaserPage {
       const auto out = choice.runs.find(row.run);
       const bool suspect = std::any_of(line.suspects.begin(), line.suspects.end(),
                                        [&](std::size_t i) { return line.set->readings[i].run == row.run; });
-      return {fmt::format("[{}]{}run {} {}", out == choice.runs.end() ? 'x' : ' ', suspect ? '?' : ' ', row.run,
-                          out == choice.runs.end() ? "" : "out " + out->second),
+      return {fmt::format("{} {}run {} {}", out == choice.runs.end() ? "in " : "OUT", suspect ? '?' : ' ', row.run,
+                          out == choice.runs.end() ? "" : out->second),
               out == choice.runs.end() ? Tone::plain : Tone::warning};
     }
     const laser::Reading& reading = line.set->readings[*row.reading];
@@ -147,7 +151,7 @@ class LeaveOutPage final : public LaserPage {
     const bool suspect = std::binary_search(line.suspects.begin(), line.suspects.end(), *row.reading);
     const char* way =
         reading.approach == Approach::forward ? "fwd" : (reading.approach == Approach::reverse ? "rev" : "");
-    return {fmt::format(" [{}]{}{:>7.6g} {:<3}{:>7.2f}", out ? ' ' : 'x', suspect ? '?' : ' ',
+    return {fmt::format(" {}{}{:>7.6g} {:<3}{:>7.2f}", out ? "OUT" : "in ", suspect ? '?' : ' ',
                         laser::target_mm(reading), way, reading.error),
             out ? Tone::warning : Tone::plain};
   }
@@ -402,7 +406,8 @@ class CurvesPage final : public LaserPage {
     const laser::ComponentRecipe now = choice_of(curve);
     const auto number = [](double value) { return value > 0.0 ? shortest(value) : std::string(); };
     std::vector<LaserField> fields{
-        {"smoothing [mm]", "width of the local parabola; empty: none", number(now.smoothing_mm)},
+        {"smoothing [mm]", "length over which a parabola is fitted to smooth the curve; empty: no smoothing",
+         number(now.smoothing_mm)},
         {"slope",
          fmt::format("empty: as recommended, {}", laser::name_of(curve.recommended)),
          now.slope ? std::string(laser::name_of(*now.slope)) : "",

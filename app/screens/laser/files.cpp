@@ -178,7 +178,7 @@ class FilesPage final : public LaserPage {
       return {fmt::format("{:<28} {}", name,
                           file->wants_columns   ? "table: press Enter to assign its columns"
                           : file->wants_answers ? "incomplete: press Enter to add data"
-                                                : "not read"),
+                                                : "cannot be read"),
               Tone::bad};
     return {fmt::format("{:<28} {:<26} {}", name, file->format, file->summary), Tone::plain};
   }
@@ -195,7 +195,7 @@ class FilesPage final : public LaserPage {
     const Area text{area.row, area.column, area.rows - 1, area.columns};
     const LaserFile* file = file_read(controller().work().files, choice);
     if (file != nullptr && !file->problem.empty()) {
-      canvas.paragraph(text, 0, file->problem, Tone::bad);
+      canvas.paragraph(text, 0, problem_on_screen(file->problem), Tone::bad);
       return;
     }
     const int row = canvas.paragraph(text, 0, choice.path, Tone::faint);

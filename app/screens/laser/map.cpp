@@ -80,6 +80,10 @@ class MapPage final : public LaserPage {
   bool on_key(const Key& key) override {
     const LaserMapWork& map = controller().work().map;
     if (!map.parameters || map.components.empty()) return false;
+    if (in_findings_ && (is_letter(key, U'z') || key.name == Key::Name::enter)) {
+      controller().message().say("Press Tab first, then choose the component to declare zero.", Tone::warning);
+      return true;
+    }
     if (in_findings_ && key.name != Key::Name::tab && key.name != Key::Name::back_tab) return scroll_.on_key(key, 5);
     if (act_on(rows_, key)) return true;
     if (place_.on_key(key, static_cast<int>(map.components.size()))) {
@@ -175,7 +179,7 @@ class MapPage final : public LaserPage {
     };
     for (const std::string& refusal : map.refusals) add("refused: " + refusal);
     for (const laser::MapFinding& finding : map.findings())
-      add((finding.objection ? "prevents sending: " : "remark: ") + finding.message);
+      add((finding.objection ? "prevents sending: " : "remark: ") + finding_on_screen(finding.message));
     if (map.made)
       for (const std::string& note : map.made->map.notes) add("note: " + note);
     for (const std::string& unused : map.suggested.unused) add("not used: " + unused);

@@ -11,13 +11,54 @@
 #include "app/ui/chart.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "commissioning/files/known_files.hpp"
+#include "commissioning/maps/findings.hpp"
 #include "params/fields.hpp"
 
 namespace ecs::app {
 
 LaserForm::LaserForm(std::string title, std::vector<LaserField> fields, Take take)
     : title_(std::move(title)), fields_(std::move(fields)), take_(std::move(take)) {
-  for (const LaserField& field : fields_) lines_.emplace_back(field.value);
+  for (const LaserField& field : fields_) lines_.emplace_back().propose(field.value);
+}
+
+std::vector<std::string> fields_needed(const std::string& problem) {
+  if (problem.find("does not state the sense") != std::string::npos) return {"sense"};
+  std::vector<std::string> needed;
+  for (std::size_t at = problem.find("--"); at != std::string::npos; at = problem.find("--", at + 2)) {
+    const std::size_t end = problem.find_first_not_of("abcdefghijklmnopqrstuvwxyz-", at + 2);
+    std::string name = problem.substr(at + 2, end == std::string::npos ? end : end - at - 2);
+    if (std::find(needed.begin(), needed.end(), name) == needed.end()) needed.push_back(std::move(name));
+  }
+  return needed;
+}
+
+namespace {
+
+/// Up to the options of a verb that would help; npos: it names none.
+std::size_t end_before_options(const std::string& problem) {
+  return std::min(problem.find(" (--"), problem.find(", for example --"));
+}
+
+}  // namespace
+
+std::string problem_on_screen(const std::string& problem) {
+  const std::size_t options = end_before_options(problem);
+  if (options == std::string::npos) return problem;
+  return fmt::format("{}. Press Enter and set {}.", problem.substr(0, options),
+                     fmt::join(fields_needed(problem), " and "));
+}
+
+std::string finding_on_screen(std::string message) {
+  const std::size_t at = message.find(kEvenly);
+  if (at != std::string::npos)
+    message.replace(at, std::string_view(kEvenly).size(), "choose a grid in step 4, or send the map as it is");
+  return message;
+}
+
+void LaserForm::say(const std::string& problem) {
+  hint_ = problem;
+  refused_ = !problem.empty();
 }
 
 void LaserForm::go_to(const std::string& field) {
@@ -419,8 +460,13 @@ void LaserHost::fill_answers(const std::string& path, const ImportArguments& kno
     set_answers(path, answers);
     return std::string();
   };
-  LaserForm form("what " + name + " does not state", fields, take);
-  if (!field.empty()) form.go_to(field);
+  const LaserFile* const file = file_read(controller.work().files, {path, known});
+  const std::vector<std::string> needed = fields_needed(file == nullptr ? "" : file->problem);
+  LaserForm form(needed.empty() ? "import options of " + name
+                                : fmt::format("import options of {} (needed: {})", name, fmt::join(needed, ", ")),
+                 fields, take);
+  if (file != nullptr) form.say(file->problem.substr(0, end_before_options(file->problem)));
+  if (!field.empty() || !needed.empty()) form.go_to(field.empty() ? needed.front() : field);
   fill(std::move(form));
 }
 
@@ -501,8 +547,8 @@ void LaserHost::ask_parameters() {
       controller.receive_parameters(unit_file);
       return std::string();
     }
-    std::error_code fault;
-    if (!std::filesystem::is_regular_file(v[0], fault)) return fmt::format("there is no file {}", v[0]);
+    if (std::string refusal = refusal_as(FileKind::parameters, v[0]); !refusal.empty())
+      return refusal + " Tab completes the path.";
     controller.change("the parameters", [&](LaserChoices& c) {
       c.params_file = v[0];
       c.scope = v[1];

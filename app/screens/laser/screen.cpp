@@ -30,7 +30,7 @@ const LaserStepRow kLaserStepRows[kLaserSteps] = {
      "far outside "
      "are drawn at the edge of the chart with their value. ? marks readings that differ from their repeats by more "
      "than five times the usual scatter: a suggestion only. Press w to note the reason. Marks before a line: - "
-     "readings are excluded, ? readings differ from their repeats, ! no curve results.",
+     "readings are excluded, ? readings differ from their repeats, ! no curve can be computed.",
      laser_leave_out_page},
     {"Slope", "slope and smoothing, before and after",
      "Step 4: processing of each curve before it becomes part of the map. The slope of a straightness curve comes from "
@@ -77,13 +77,22 @@ Tone tone_of(LaserMark mark) {
   return mark == LaserMark::doubtful ? Tone::warning : Tone::faint;
 }
 
+/// The first file that gives nothing, and what helps.
+std::string unread_file(const std::vector<LaserFile>& files) {
+  const auto unread = std::ranges::find_if(files, [](const LaserFile& file) { return !file.set; });
+  if (unread == files.end()) return {};
+  const bool can_be_completed = unread->wants_columns || unread->wants_answers;
+  return fmt::format("Step 1: {} {}", std::filesystem::path(unread->choice.path).filename().string(),
+                     can_be_completed ? "is incomplete: press Enter on it to add data, or x to remove it."
+                                      : "cannot be read: press x to remove it.");
+}
+
 /// What to do next, in one line; empty: everything is done.
 std::string next_to_do(const LaserController& controller) {
   const auto is = [&](LaserStep step, LaserMark mark) { return controller.mark(step) == mark; };
   const LaserMapWork& map = controller.work().map;
   if (is(LaserStep::files, LaserMark::open)) return {};
-  if (is(LaserStep::files, LaserMark::doubtful))
-    return "Step 1: a file was not read. Press 1, then Enter to add data or x to remove it.";
+  if (is(LaserStep::files, LaserMark::doubtful)) return unread_file(controller.work().files);
   if (!controller.mismatch().empty())
     return controller.mismatch() + " Press p to choose the parameters of this machine.";
   if (is(LaserStep::map, LaserMark::open)) return "Next: choose the parameters of the unit: p in step 1, 4 or 6.";
@@ -196,8 +205,10 @@ void LaserScreen::draw(Canvas& canvas, const Area& area) const {
   if (const auto& draft = host_->controller.offered(); draft && !host_->asking_.active()) {
     const std::size_t aside = host_->controller.drafts_aside();
     const std::string& of = host_->controller.offered_of();
+    const std::string& saved = host_->controller.offered_saved();
     draw_question(canvas, area,
-                  {fmt::format("Unsaved work of {} found{}{}", draft->kept, of.empty() ? "" : ": ", of),
+                  {fmt::format("{} of {} found{}{}{}", saved.empty() ? "Unsaved work" : "Work", draft->kept,
+                               of.empty() ? "" : ": ", of, saved.empty() ? "" : fmt::format(" ({})", saved)),
                    "It contains the files, exclusions, slopes, smoothing and header. Press b to begin new work: this "
                    "work is kept and offered again later." +
                        (aside == 0 ? "" : fmt::format(" Press o for another one: {} more.", aside)),

@@ -41,6 +41,8 @@ class LaserForm {
 
   /// Begins at this field rather than at the first.
   void go_to(const std::string& field);
+  /// In place of the help of the field, until a key is pressed.
+  void say(const std::string& problem);
 
   /// A box in the middle of `area`.
   void draw(Canvas& canvas, const Area& area) const;
@@ -68,6 +70,12 @@ class LaserForm {
   std::string hint_;
   bool refused_ = false;
 };
+
+/// The import options that the problem of a file asks for: "axis", "sense".
+[[nodiscard]] std::vector<std::string> fields_needed(const std::string& problem);
+/// What helps as a key of this screen in place of options of a verb.
+[[nodiscard]] std::string problem_on_screen(const std::string& problem);
+[[nodiscard]] std::string finding_on_screen(std::string message);
 
 /// What of the readings left out is seen: those no farther from the others than the others spread, the rest is beyond.
 struct LeftOutSeen {

@@ -54,7 +54,8 @@ class SendPage final : public LaserPage {
     lines.skip();
     lines.say("map", map_text(map), map.complete() && map.findings().empty() ? Tone::good : Tone::warning);
     if (map.complete())
-      for (const std::string& remark : remarks_shown(map)) lines.say("remark", remark, Tone::warning);
+      for (const std::string& remark : remarks_shown(map))
+        lines.say("remark", finding_on_screen(remark), Tone::warning);
     const char* not_saved = map.made ? "no, or changed since: press s to save, Enter to save and send" : "no";
     lines.say("saved", d.saved() ? "yes, in its present state" : not_saved, d.saved() ? Tone::good : Tone::plain);
     lines.say("sent", sent_text(), d.sent_is_current() ? Tone::good : Tone::plain);
@@ -64,9 +65,11 @@ class SendPage final : public LaserPage {
     if (!map.complete() && map.parameters) lines.say("lacking", lacking_of(map), Tone::warning);
     if (d.sent_is_current() && !d.busy()) lines.say("next", "step 9 reads it back and compares it.");
     if (map.parameters && (!map.complete() || d.sent_is_current())) lines.skip();
-    lines.say("also written",
-              fmt::format("{} (with the measured squareness) and {} (`ecs map build` makes the same map)",
-                          files.parameters, files.recipe),
+    lines.say("with it",
+              d.choices().opened_map.empty()
+                  ? fmt::format("{} (parameters) and {} (`ecs map build` makes the same map of it)", files.parameters,
+                                files.recipe)
+                  : fmt::format("{} (parameters)", files.parameters),
               Tone::faint);
   }
 
@@ -134,6 +137,8 @@ class SendPage final : public LaserPage {
   std::string sent_text() const {
     const auto& sent = controller().sent();
     if (!sent && !controller().after_failure().empty()) return "not confirmed: sending was interrupted";
+    if (!sent && controller().saved() && !controller().sent_earlier().empty())
+      return fmt::format("to unit {}, before this work was continued: step 9 compares it", controller().sent_earlier());
     if (!sent) return "no";
     return fmt::format(
         "{}unit {}, {} bytes in {:.1f} s, {}, made active as no. {}",

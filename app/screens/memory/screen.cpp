@@ -122,6 +122,7 @@ std::vector<MemoryScreen::Target> MemoryScreen::targets() const {
 }
 
 void MemoryScreen::on_edit_key(const Key& key) {
+  refused_place_.clear();
   const auto found = targets();
   const int count = static_cast<int>(found.size());
   if (key.name == Key::Name::up || key.name == Key::Name::down) {
@@ -129,9 +130,12 @@ void MemoryScreen::on_edit_key(const Key& key) {
   } else if (key.name == Key::Name::escape) {
     placing_ = false;
   } else if (key.name == Key::Name::enter) {
+    if (found.empty()) {
+      refused_place_ = fmt::format("no such address or name: \"{}\"", trimmed(text_.text()));
+      return;
+    }
     placing_ = false;
-    if (!found.empty()) return go(found[static_cast<std::size_t>(std::clamp(target_.selected, 0, count - 1))].address);
-    message_.say(fmt::format("no such memory or name: \"{}\"", trimmed(text_.text())), Tone::bad);
+    go(found[static_cast<std::size_t>(std::clamp(target_.selected, 0, count - 1))].address);
   } else if (text_.on_key(key)) {
     target_ = {};
   }

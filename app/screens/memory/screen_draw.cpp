@@ -112,7 +112,7 @@ std::string text_of(const DifferenceRow& row) {
 }
 
 std::string text_of(const ByteWrite& write) {
-  return fmt::format("{}  {}  {} > {}{}  {}", write.when, hex_address(write.address), short_hex(write.before, 4),
+  return fmt::format("{}  {}  {} -> {}{}  {}", write.when, hex_address(write.address), short_hex(write.before, 4),
                      short_hex(write.after, 4), write.taken_back ? "  UNDONE" : "", write.where);
 }
 
@@ -272,8 +272,11 @@ void MemoryScreen::draw_bottom(Canvas& canvas, const Area& area) const {
   if (placing_) {
     canvas.text(area, 0, 0, "go to:", Tone::strong);
     text_.draw(canvas, area, 0, kPlaceColumn, std::max(1, area.columns - kPlaceColumn), true);
-    canvas.text(area, 1, 0, "hexadecimal address, or part of a name; up and down choose, Enter goes there",
-                Tone::faint);
+    const bool refused = !refused_place_.empty();
+    canvas.text(
+        area, 1, 0,
+        refused ? refused_place_ : "hexadecimal address, or part of a name; up and down choose, Enter goes there",
+        refused ? Tone::bad : Tone::faint);
     return;
   }
   const std::string working = working_on();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <ctime>
 #include <filesystem>
+#include <utility>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -229,6 +230,8 @@ void MemoryScreen::step_search() {
 // --- comparing
 void MemoryScreen::decode_again() {
   names_ = MemoryNames(memory_);
+  if (cursor_ == kBankA.first && !std::exchange(opened_at_active_, true))
+    if (const auto active = names_.active_image()) go(*active);
   compare_again();
 }
 

@@ -26,7 +26,7 @@ constexpr std::array<const char*, 3> kNames{"model", "data", "machine"};
 constexpr std::array<const char*, 3> kHelp{
     "Model file (.toml): the effects assumed so far. For a new file name, or none, a new model is created from the "
     "measurements.",
-    "Measured files, separated by blanks: any format that PROCESS LASER DATA reads.",
+    "Measured files, separated by spaces: any format that PROCESS LASER DATA reads.",
     "Machine file (.toml): datum, travels, lever arms, pitches. May be empty."};
 constexpr int kColumn = 12;
 constexpr const char* kHeading = "Choose the model and the measurements to compare.";
@@ -146,13 +146,18 @@ class ModelForm final : public Screen {
       field_ = 1;
       return;
     }
+    std::error_code error;
+    if (std::filesystem::is_regular_file(named.machine, error))
+      if (hint_ = commissioning::refusal_as(FileKind::machine, named.machine); !hint_.empty()) {
+        problem_ = true;
+        return;
+      }
     const bool proposed = named.model.empty();
     if (proposed) {
       const std::filesystem::path data(named.data.front());
       named.model = (data.parent_path() / (data.stem().string() + ".model.toml")).string();
       fields_[0].set(named.model);
     }
-    std::error_code error;
     if (std::filesystem::exists(named.model, error)) {
       if (!proposed) return start(false);
       hint_ = fmt::format("{} exists: Enter opens it; another name creates a new model", named.model);

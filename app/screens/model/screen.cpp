@@ -10,6 +10,7 @@
 #include "app/cli/module.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "app/ui/widgets.hpp"
+#include "commissioning/files/known_files.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::app {
@@ -107,8 +108,9 @@ void ModelScreen::ask_effect() {
   prompt_
       .ask("effect to add:", Prompt::Kind::text, "",
            [this](const std::string& effect) {
-             page_ = Page::ladder;
-             controller_->start_adding(effect);
+             std::string refusal = controller_->start_adding(effect);
+             if (refusal.empty()) page_ = Page::ladder;
+             return refusal;
            })
       .completed_by(completed_effect);
 }
@@ -191,7 +193,11 @@ void ModelScreen::begin_map() {
       prompt_
           .ask(
               "parameters of the unit:", Prompt::Kind::path, controller_->params_proposed(),
-              [this, map](const std::string& params) { controller_->plan_map(map, params); },
+              [this, map](const std::string& params) {
+                std::string refusal = refusal_as(FileKind::parameters, params);
+                if (refusal.empty()) controller_->plan_map(map, params);
+                return refusal;
+              },
               "empty: received from the unit, else those of the machine")
           .or_nothing();
     });
@@ -291,7 +297,13 @@ std::vector<KeyRow> ModelScreen::key_table() {
   };
   const auto measured_again = [this] {
     prompt_.choose("Files measured again with compensation", {{FileKind::measurements}, true},
-                   [this](const std::vector<std::string>& paths) { controller_->start_after(paths); });
+                   [this](const std::vector<std::string>& paths) {
+                     for (const std::string& path : paths)
+                       if (std::string refusal = refusal_as(FileKind::measurements, path); !refusal.empty())
+                         return refusal;
+                     controller_->start_after(paths);
+                     return std::string();
+                   });
   };
   const auto candidates = [this] {
     return page_ != Page::after && controller_->diagnosis() && !controller_->diagnosis()->candidates.empty();
@@ -322,6 +334,11 @@ std::vector<KeyRow> ModelScreen::key_table() {
           {"c", "compensate", after(compensate), on(Page::after), true},
           {"o", "measured again", after(measured_again), on(Page::after), true},
           {"x Del", "remove", [this] { controller_->start_removing(chosen_effect()); }, on(Page::ladder)},
+          {"x Del", "",
+           [this] {
+             controller_->message().say("To remove an effect, press 4 for the page Ladder, choose it and press x.",
+                                        Tone::warning);
+           }},
           {"Tab", "page", [this] { turn_page(1); }},
           {"Shift-Tab", "", [this] { turn_page(-1); }},
           {"up/down", "line", {}, on(Page::curves)},

@@ -16,20 +16,25 @@
 namespace ecs::app {
 namespace {
 
-constexpr const char* kTitles[] = {"Curves", "Fails", "Missing", "Ladder", "Next", "After"};
+constexpr const char* kTitles[] = {"Curves", "Compare", "Missing", "Ladder", "Next", "After"};
 
-constexpr int kCauseNumbers = 38;  ///< columns behind the name of a cause
+constexpr int kCauseNumbers = 39;  ///< columns behind the name of a cause
 
-/// "cyclic:X:EX    4.81 > 0.55   98.7 %   < 0.5 %   1 rival"
+/// "cyclic:X:EX    4.81 -> 0.55   98.7 %   < 0.5 %   1 rival"
 ListRow cause_row(const model::Candidate& candidate, const model::Diagnosis& diagnosis, int name_columns) {
   const std::string rivals = candidate.rivals.empty() ? ""
                                                       : fmt::format("{} rival{}", candidate.rivals.size(),
                                                                     candidate.rivals.size() == 1 ? "" : "s");
-  return {fmt::format("{} {:>7.3f} > {:<7.3f} {:>5.1f} %  {}", in_columns(place_text(candidate.effect), name_columns),
+  return {fmt::format("{} {:>7.3f} -> {:<7.3f} {:>5.1f} %  {}", in_columns(place_text(candidate.effect), name_columns),
                       diagnosis.rms_um, candidate.rms_after_um, 100.0 * candidate.shown_explained(), rivals),
           candidate.named         ? Tone::strong
           : candidate.in_answer() ? Tone::warning
                                   : Tone::plain};
+}
+
+/// Nothing is missing, and nothing is held against that.
+bool is_adequate(const model::Diagnosis& diagnosis) {
+  return diagnosis.verdict == model::Verdict::adequate && diagnosis.reservation.empty();
 }
 
 std::string rung_text(const model::Model& model, const model::LadderStep& step) {
@@ -195,7 +200,7 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
                   fact_lines(details ? details_of(opened) : evidence_of(opened, d), text.columns), scroll_);
     return;
   }
-  const Tone tone = d.verdict == model::Verdict::adequate && d.reservation.empty() ? Tone::good : Tone::warning;
+  const Tone tone = is_adequate(d) ? Tone::good : Tone::warning;
   int row = canvas.paragraph(text, 0, d.headline, tone);
   if (d.candidates.empty()) {
     const Area wide{area.row + row, area.column, area.rows - row, area.columns};  // its lines are made for 80 columns
@@ -207,7 +212,7 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
     names = std::max(names, width_of(place_text(candidate.effect)));
   names = std::clamp(text.columns - 2 - kCauseNumbers, 12, names);
   canvas.text(text, row++, 2,
-              fmt::format("{:<{}} {:>17} explained", "effect:axis:sense", names,
+              fmt::format("{:<{}} {:>18} explained", "effect:axis:sense", names,
                           fmt::format("rms {}", d.noise.unit == "um/m" ? "um/m" : "um")),
               Tone::faint);
   std::vector<ListRow> rows;
@@ -228,14 +233,17 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
   if (!rivals.empty())
     at += canvas.paragraph(
         detail, at, fmt::format("These data cannot distinguish it from: {}.", fmt::join(rivals, ", ")), Tone::warning);
-  at += canvas.paragraph(detail, at, "Next: " + candidate.next_measurement, Tone::faint);
+  at += canvas.paragraph(
+      detail, at,
+      (d.verdict == model::Verdict::adequate ? "To test this effect: " : "Next: ") + candidate.next_measurement,
+      Tone::faint);
   std::vector<std::string> left;
   for (const model::LeftProperty& one : d.left)
     if (!one.is.empty()) left.push_back(one.property + " " + one.is);
   if (!left.empty()) at += canvas.paragraph(detail, at, fmt::format("Residual: {}.", fmt::join(left, ", ")));
   if (d.formula)
     canvas.paragraph(detail, at,
-                     fmt::format("Press f to add it as a formula: {:.3g} > {:.3g} {} rms of held-out readings.",
+                     fmt::format("Press f to add it as a formula: {:.3g} -> {:.3g} {} rms of held-out readings.",
                                  d.formula->held_out_rms_before_um, d.formula->held_out_rms_um, d.noise.unit));
 }
 
@@ -320,7 +328,12 @@ std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
     lines.emplace_back();
   };
   std::size_t number = 0;
-  if (!controller_->next()->rivals.empty())
+  const auto& diagnosis = controller_->diagnosis();
+  if (diagnosis && diagnosis->verdict == model::Verdict::adequate && !controller_->next()->proposals.empty())
+    add(is_adequate(*diagnosis)
+            ? "The model is adequate: no further measurement is needed. These measurements would show smaller causes:"
+            : "The model is adequate with the reservation on page 3. These measurements would show other causes:");
+  else if (!controller_->next()->rivals.empty())
     add(fmt::format("To distinguish: {}", fmt::join(controller_->next()->rivals, ", ")));
   for (const model::MeasurementProposal& proposal : controller_->next()->proposals) {
     add(fmt::format("{}. {}", ++number, proposal.tells));

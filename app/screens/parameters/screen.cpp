@@ -201,7 +201,7 @@ std::vector<KeyRow> ParametersScreen::key_table() {
     if (const std::string here = compared_here(); !here.empty()) go_to(here);
   };
   return {{"Enter", "edit", {}, fields},
-          {"Space", "next", {}, fields},
+          {"Space", "next value", {}, fields},
           {"Enter", "go to field", [this] { go_to_finding(); }, findings},
           {"Enter", "go to field", to_compared, compare},
           {"f", "use file's", [this] { take_compared(true); }, compare},
@@ -314,9 +314,9 @@ void ParametersScreen::unless_lost(const std::string& title, std::function<void(
   if (!controller_.unsaved()) return what();
   asking_.ask(
       {title,
-       fmt::format("{} change{} here neither saved nor sent. {} kept as a draft, which is offered again later. Press "
+       fmt::format("{} change{} been neither saved nor sent. {} kept as a draft, which is offered again later. Press "
                    "n, then s, to save {} first.",
-                   controller_.changes(), controller_.changes() == 1 ? " is" : "s are",
+                   controller_.changes(), controller_.changes() == 1 ? " has" : "s have",
                    controller_.changes() == 1 ? "It is" : "They are", controller_.changes() == 1 ? "it" : "them"),
        "continue, keep the draft", "stay"},
       std::move(what));
@@ -343,8 +343,8 @@ Result<void> ParametersScreen::begun_from(const std::string& machine) {
   if (!begun) return begun;
   turn_page(0);
   message_.say(
-      "new parameters: look through pages 1 to 3, above all datum type, output scale and polarity " +
-      std::string(controller_.findings().empty() ? "of the control" : "of the control; page 4 shows missing values"));
+      "new parameters: look through pages 1 to 3, above all datum type, output scale and compensation polarity" +
+      std::string(controller_.findings().empty() ? "" : "; page 4 shows missing values"));
   return {};
 }
 
@@ -394,7 +394,7 @@ void ParametersScreen::ask_where_to_save(const std::string& proposed) {
             again);
         return std::string();
       },
-      "the old file is kept until the new one is on disc");
+      "Ctrl-U clears the name");
 }
 
 Result<void> ParametersScreen::save_to(const std::string& path) {

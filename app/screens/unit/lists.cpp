@@ -85,7 +85,7 @@ class LogScreen final : public ListScreen {
   [[nodiscard]] std::string heading() const override {
     const std::size_t count = shown().size();
     return fmt::format("{} message{}{}{}", count, count == 1 ? "" : "s", only_errors_ ? ", errors only" : "",
-                       following_ ? ", following" : "");
+                       following_ ? ", new ones are shown as they come" : "");
   }
   [[nodiscard]] std::string below_heading() const override {
     return file_.empty() ? "no file: the state folder cannot be written" : "file " + file_.string();

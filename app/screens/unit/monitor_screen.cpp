@@ -29,7 +29,7 @@ using protocol::AxisSample;
 using protocol::MonitorSample;
 
 constexpr double kOld_s = 1.0;  ///< what is older is called old
-constexpr int kBarColumns = 11;
+constexpr int kBarColumns = 7;
 constexpr double kStrip_s = 40.0;                      ///< of the unit's time
 constexpr double kStripGap_s = 2.5;                    ///< the strip is not joined over a longer time without samples
 constexpr std::chrono::milliseconds kStrip{150};       ///< between two pictures of the strip
@@ -56,11 +56,11 @@ double largest_compensation(const SampledUnit& unit) {
 }
 
 constexpr int kReferenceColumn = 26;
-constexpr int kBarColumn = 59;
+constexpr int kBarColumn = 64;
 
 std::string heading(const params::PositionUnit& unit) {
-  return fmt::format("{:>13} {:>9}  {:<4}{:<4}{:<6}{:<9}{:>8}  {:^11}  {}", fmt::format("position {}", unit.length),
-                     unit.speed, "ref", "sw", "mark", "approach", "comp. um", "as a bar", "relay");
+  return fmt::format("{:>13} {:>9}  {:<5}{:<7}{:<7}{:<9}{:>8}  {:^7}  {}", fmt::format("position {}", unit.length),
+                     unit.speed, "refd", "switch", "marker", "approach", "comp. um", "bar", "relay");
 }
 
 /// @param sound  the unit has no fault: a reference counts for something
@@ -68,7 +68,7 @@ void draw_axis(Canvas& canvas, const Area& area, int row, Axis axis, const AxisS
                const params::PositionUnit& unit) {
   canvas.text(
       area, row, 1,
-      fmt::format("{} {:>11} {:>9}  {:<4}{:<4}{:<6}{:<9}{:>8.2f}", letter_of(axis), unit.position(a.position_mm),
+      fmt::format("{} {:>11} {:>9}  {:<5}{:<7}{:<7}{:<9}{:>8.2f}", letter_of(axis), unit.position(a.position_mm),
                   unit.speed_of(a.speed_mm_min), a.referenced ? "yes" : "no", a.switch_active ? "on" : "off",
                   a.marker ? "seen" : "-", name_of(a.approach), a.compensation_um),
       Tone::strong);
@@ -172,7 +172,7 @@ class MonitorScreen final : public KeyedScreen {
         {"r", "record to CSV", record, [this] { return !recording_; }},
         {"r", "end recording", record, [this] { return recording_.has_value(); }},
         {"x y z", "axis of the strip"},
-        {"v", "position, speed, um", [this] { show_next(); }},
+        {"v", "position, speed, compensation", [this] { show_next(); }},
         {"t", "thermometer", thermometer, [this] { return !environment_; }},
         {"t", "no thermometer", thermometer, [this] { return environment_ != nullptr; }},
         {"e", "picture",

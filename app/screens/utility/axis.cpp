@@ -20,8 +20,9 @@ constexpr double kLargest_mm = 1e6;  ///< as the unit takes them
 constexpr const char* kPositionExplained =
     "The unit counts the pulses of an axis's transducer. This screen sets the displayed position of an axis to any "
     "value, from which counting continues. Set an axis to 0, move it by a known distance and compare. If the sign is "
-    "wrong, check the wiring or the sign of the position feedback scaling factor. If the length is wrong, check the "
-    "size of that factor. If the position does not change, check the transducer or its module. Nothing moves, and no "
+    "wrong, check the wiring or the sign of the position scale (E.C.S. PARAMETERS, page 1). If the length is wrong, "
+    "check the size of the position scale. If the position does not change, check the transducer or its module. "
+    "Nothing moves, and no "
     "axis becomes referenced.";
 
 /// A position that was preset; positions as the unit showed them.
@@ -105,11 +106,11 @@ class PositionScreen final : public AxesScreen {
     const std::string reference =
         now != nullptr && now->referenced
             ? " The axis stays marked as referenced, but its positions are no longer machine coordinates: reference "
-              "the machine again (compensation mode does) before relying on them."
+              "the machine again before relying on them (compensation mode waits for this)."
             : " The axis does not become referenced by this: only its reference sequence does that.";
     return {fmt::format("Show {} for axis {}?", shown_in().with_unit(position_mm), letter_of(axis)),
-            "Nothing moves: only the number changes, and the unit counts on from there." + shown + reference, "set it",
-            "cancel"};
+            "Nothing moves: only the number changes, and the unit continues counting from there." + shown + reference,
+            "set it", "cancel"};
   }
 
   void undo() {

@@ -125,7 +125,8 @@ class DatumScreen : public AxesScreen {
 
 constexpr const char* kRecordExplained =
     "Records speed, reference switch and marker of one axis for ten seconds. The unit only records: reference the "
-    "machine at its control while the bar runs. Start a short distance away from the switch, so that switch and "
+    "machine at its control while the progress bar runs. Start a short distance away from the switch, so that switch "
+    "and "
     "marker are passed within the ten seconds. The graph opens at the end and shows the datuming "
     "parameters.";
 
@@ -159,8 +160,8 @@ class DatumRecordScreen final : public DatumScreen {
       draw_progress(canvas, inside, kCallRow, fmt::format("recording axis {}", letter_of(axis)), task_.part(),
                     (1.0 - task_.part()) * kDatumRecord_s);
       canvas.text(inside, kCallRow + 1, 0,
-                  fmt::format("so far: switch {}, marker {} (the record contains all samples)",
-                              switch_seen_ ? "seen" : "not yet", marker_seen_ ? "seen" : "not yet"));
+                  fmt::format("so far: {}, {} (the record contains all samples)", switch_seen_ ? "switch" : "no switch",
+                              marker_seen_ ? "marker" : "no marker"));
       row += 2 + canvas.paragraph(
                      inside, row + 1,
                      reference_.running() ? "The emulated machine is being referenced ..." : call_to_reference(axis),
@@ -178,11 +179,12 @@ class DatumRecordScreen final : public DatumScreen {
     const std::string unsaved = unsaved_record_of();
     return {
         fmt::format("Record axis {} for {:.0f} seconds?", letter_of(chosen()), kDatumRecord_s),
-        fmt::format("The unit opens its relays and only records. Reference axis {} at the machine's control as soon as "
-                    "the bar runs: the whole sequence must fit into the {:.0f} seconds. Start some distance away from "
-                    "the reference switch.{}{}",
-                    letter_of(chosen()), kDatumRecord_s, hint_of_emulator(),
-                    unsaved.empty() ? "" : " The record of " + unsaved + " has not been saved: this one replaces it."),
+        fmt::format(
+            "The unit opens its relays and only records. Reference axis {} at the machine's control as soon as "
+            "the progress bar runs: the whole sequence must fit into the {:.0f} seconds. Start some distance away from "
+            "the reference switch.{}{}",
+            letter_of(chosen()), kDatumRecord_s, hint_of_emulator(),
+            unsaved.empty() ? "" : " The record of " + unsaved + " has not been saved: this one replaces it."),
         "record", "not now"};
   }
 

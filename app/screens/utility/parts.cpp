@@ -17,7 +17,8 @@ std::optional<Axis> axis_of_key(const Key& key) {
 
 void MachineDriver::ask(Prompt& prompt, const WatchedUnit& unit, Message& message) {
   if (!can_drive(unit))
-    return message.say("This is a real unit: move the axes at the machine's control.", Tone::warning);
+    return message.say("Only the machine of the bundled emulator can be driven here. Move the axes at the control.",
+                       Tone::warning);
   if (task_.running()) return message.say("The emulated machine is moving: press Esc to stop.", Tone::warning);
   prompt.ask(
       "Drive to:", Prompt::Kind::text, "",

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,7 @@
 #include "app/screens/utility/screens.hpp"
 #include "base/answer_table.hpp"
 #include "base/text.hpp"
+#include "commissioning/files/known_files.hpp"
 #include "commissioning/memory/decode.hpp"
 #include "commissioning/session/commands.hpp"
 #include "commissioning/unit/utility_work.hpp"
@@ -43,6 +45,14 @@ constexpr const char* kMeanings[] = {"the unit has just been switched on and wai
 std::string_view meaning_of(UnitMode mode) {
   const auto k = static_cast<std::size_t>(mode);
   return k < std::size(kMeanings) ? kMeanings[k] : "a mode this program does not know: update ecs";
+}
+
+/// Why a file shows no state; empty: as far as a look at it says, it does.
+std::string neither_status_nor_dump(const std::string& path) {
+  const FileKind kind = looked_at(path).kind;
+  if (kind == FileKind::status || kind == FileKind::memory) return {};
+  return fmt::format("{} is neither a saved status nor a memory dump.",
+                     std::filesystem::path(path).filename().string());
 }
 
 class StatusScreen final : public KeyedScreen {
@@ -241,9 +251,9 @@ class StatusScreen final : public KeyedScreen {
     return false;
   }
   /// The unit is in integration mode too; says why not.
-  [[nodiscard]] bool may_change() {
+  [[nodiscard]] bool may_change(std::string_view what) {
     if (!may_act()) return false;
-    const std::string why = refusal_in(read_->snapshot.status.mode);
+    const std::string why = refusal_in(read_->snapshot.status.mode, what, "Press m to switch.");
     if (!why.empty()) message_.say(why, Tone::warning);
     return why.empty();
   }
@@ -274,7 +284,7 @@ class StatusScreen final : public KeyedScreen {
   }
 
   void test_memory() {
-    if (!may_change()) return;
+    if (!may_change("The memory can be tested")) return;
     start("memory test", {"utility", "ramtest"}, [](UnitLink& link, JobControl& control) -> Result<std::string> {
       ECS_TRY(result, link.client().run_ram_test(
                           [&control](const protocol::CommandResult& busy) { control.part = busy.per_mille / 1000.0; }));
@@ -287,7 +297,9 @@ class StatusScreen final : public KeyedScreen {
   }
 
   void ask_to_clear() {
-    if (!may_change()) return;
+    if (!may_act()) return;
+    if (read_->snapshot.status.fault == Fault::none) return message_.say("There is no fault to clear.", Tone::warning);
+    if (!may_change("A fault can be cleared")) return;
     asking_.ask({"Clear the fault of the unit?",
                  "Fault, axis and address will be lost; press s first to save them in a file. The cause is not "
                  "removed, and the mode does not change.",
@@ -356,7 +368,11 @@ class StatusScreen final : public KeyedScreen {
   // --- files
   void choose_file() {
     prompt_.choose("Open the saved state of a unit, or a dump of its memory", {{FileKind::status, FileKind::memory}},
-                   [this](const std::string& path) { open(path); });
+                   [this](const std::string& path) {
+                     std::string refusal = neither_status_nor_dump(path);
+                     if (refusal.empty()) open(path);
+                     return refusal;
+                   });
   }
 
   void open(const std::string& path) {

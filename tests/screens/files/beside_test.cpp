@@ -1,5 +1,6 @@
 // Which files of a folder belong to the model in it.
 #include "commissioning/files/known_files.hpp"
+#include "commissioning/unit/monitor_record.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/test.hpp"
 
@@ -24,6 +25,26 @@ TEST_CASE("machine.toml, parameters.toml and the measured file that is alone bes
   CHECK(found.parameters == parameters);
   CHECK(found.data == std::vector<std::string>{readings});
   CHECK(files_beside(folder / "not_yet.toml").machine == machine);
+}
+
+TEST_CASE("a file of another kind is refused by its name and both kinds, without options of a verb") {
+  const Folder folder;
+  const std::string machine = folder.with("machine.toml", kMachineText);
+  CHECK(refusal_as(FileKind::parameters, machine) == "machine.toml is a machine file, not a parameter file.");
+  CHECK(refusal_as(FileKind::parameters, folder.with("notes.txt", "cold\n")) ==
+        "notes.txt: expected parameters, found unknown kind.");
+  CHECK(refusal_as(FileKind::machine, machine).empty());
+  CHECK(refusal_as(FileKind::machine, "").empty());
+  CHECK(refusal_as(FileKind::machine, folder / "none.toml").starts_with("There is no file "));
+}
+
+TEST_CASE("files that ECS wrote and no chooser opens are named for what they are") {
+  const Folder folder;
+  CHECK(looked_at(folder.with("recipe.toml", "[[component]]\ncode = \"EXX\"\n")).what == "a recipe of a map");
+  auto recording = must(MonitorRecording::begun(folder / "monitor.csv"));
+  REQUIRE(recording.add({}, {}));
+  REQUIRE(recording.end());
+  CHECK(looked_at(folder / "monitor.csv").what == "a recording of the monitor");
 }
 
 TEST_CASE("of two measured files the one is taken that the model was fitted to, else data.csv, else none") {

@@ -29,6 +29,25 @@ std::string title_for(const std::vector<std::string>& files) {
   return screen ? screen->title() : "";
 }
 
+TEST_CASE("the first letter typed replaces a proposed name, any other key keeps it for editing") {
+  std::string taken;
+  const auto asked = [&] {
+    Prompt prompt;
+    prompt.ask("save as:", Prompt::Kind::path, "old.toml", [&](const std::string& name) { taken = name; });
+    return prompt;
+  };
+  const auto given = [&](std::initializer_list<Key> keys) {
+    Prompt prompt = asked();
+    for (const Key& key : keys) CHECK(prompt.on_key(key));
+    CHECK(prompt.on_key({Key::Name::enter}));
+    return taken;
+  };
+  CHECK(given({}) == "old.toml");
+  CHECK(given({{Key::Name::letter, U'n'}, {Key::Name::letter, U'1'}}) == "n1");
+  CHECK(given({{Key::Name::home}, {Key::Name::letter, U'n'}}) == "nold.toml");
+  CHECK(given({{Key::Name::backspace}}) == "old.tom");
+}
+
 TEST_CASE("files of the kind that is asked for come first, with the cursor on the first of them") {
   const StateFolder folder;
   (void)folder.with("work/a_note.txt", "nothing");

@@ -138,7 +138,7 @@ TEST_CASE("a file that does not say where the other axes stood is asked for it f
                      "Y ?, Z ?: Enter   10..30           10    3    1 ?",
                      "parked position of Y and Z not in the file: 0 until set (press Enter)"});
   CHECK(driver.controller().mark(LaserStep::lines) == LaserMark::doubtful);
-  CHECK(contains(driver.after("\n"), "what plain.csv does not state"));
+  CHECK(contains(driver.after("\n"), "import options of plain.csv"));
   REQUIRE(driver.settles_after("y=-1400,z=0\n"));
   CHECK(contains(driver.seen(), "Y -1400, Z 0 "));
   CHECK(!contains(driver.seen(), "Y ?"));

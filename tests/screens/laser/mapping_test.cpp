@@ -101,7 +101,7 @@ TEST_CASE("a mapping is offered for the next file with these headings, and Esc l
   REQUIRE(later.settles_after("\x1b"));
   CHECK(contains(later.seen(), "table: press Enter to assign its columns"));
   CHECK(contains(later.after("\n"), "as monday.txt was read"));
-  CHECK(contains(later.after("\t"), "what tuesday.txt does not state"));
+  CHECK(contains(later.after("\t"), "import options of tuesday.txt"));
   CHECK(contains(later.seen(), "y_mm=1[mm],reading=2[um],approach=motion"));
   REQUIRE(later.settles_after("\n"));
   CHECK(only(later.controller().work().lines).component == Component::EYY);
@@ -113,7 +113,7 @@ TEST_CASE("files that hold no table keep the form of all options and their messa
   add(driver, folder.with("one.txt", "1\n2\n3\n4\n"));
   REQUIRE(driver.settled());
   CHECK_FALSE(contains(driver.seen(), "Columns of"));
-  CHECK(contains(driver.after("\n"), "what one.txt does not state"));
+  CHECK(contains(driver.after("\n"), "import options of one.txt"));
 }
 
 }  // namespace

@@ -129,6 +129,19 @@ TEST_CASE("after a crash the work is offered again and restored completely; d dr
     REQUIRE(again.settles_after("\n"));
     CHECK(choices_text(again.controller().choices()) == choices);
     CHECK(again.controller().work().map.complete());
+    CHECK_FALSE(again.controller().saved());
+    again.controller().change("folder", [&](LaserChoices& c) { c.map_file = (folder.path / "kept.csv").string(); });
+    REQUIRE(again.settled());
+    REQUIRE(again.shows_after("s", "saved: "));
+  }
+  {
+    LaserScreenDriver again;
+    CHECK(reads(again.seen(), "(saved in kept.csv)"));
+    CHECK_FALSE(contains(again.seen(), "Unsaved work"));
+    REQUIRE(again.settles_after("\n"));
+    CHECK(again.controller().saved());
+    CHECK(again.controller().unsaved().empty());
+    CHECK_FALSE(again.controller().would_overwrite());
   }
   {
     LaserScreenDriver again;

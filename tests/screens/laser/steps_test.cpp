@@ -37,13 +37,35 @@ TEST_CASE("a folder's files are named for what they are, taken at once, and unkn
   REQUIRE(driver.shows_after("a" + folder.path.string() + "/da\t", "[all 2 measurement files here]"));
   check_holds(driver.seen(), {"EXX, 54 readings", "EYX, 54 readings"});
   driver.press(Key::Name::down, 2);
-  check_holds(driver.seen(), {"notes.txt", "not read"});
+  check_holds(driver.seen(), {"notes.txt", "unknown kind"});
   driver.press(Key::Name::home);
   driver.press(Key::Name::down);
   REQUIRE(driver.settles_after("\n"));
   CHECK(driver.controller().work().lines.size() == 2);
   CHECK(driver.controller().mark(LaserStep::files) == LaserMark::done);
   CHECK(contains(driver.seen(), "straight.csv"));
+}
+
+TEST_CASE("what a file does not state is named in the form, with the cursor there") {
+  CHECK(fields_needed("the file does not state the sense of its readings: give EY or EZ across the axis X (--axis X, "
+                      "--sense EY)") == std::vector<std::string>{"sense"});
+  CHECK(fields_needed("give one of A, B (--channel NAME)") == std::vector<std::string>{"channel"});
+  CHECK(problem_on_screen("a.log: give one of A, B (--channel NAME)") ==
+        "a.log: give one of A, B. Press Enter and set channel.");
+  const StateFolder folder;
+  LaserScreenDriver driver;
+  driver.take_files({"samples/laser/pitch.rta"});
+  CHECK(reads(driver.seen(), "give EA, EB or EC. Press Enter and set sense."));
+  driver.type("\n");
+  check_holds(driver.seen(), {"import options of pitch.rta (needed: sense)", "> sense", "give EA, EB or EC"});
+}
+
+TEST_CASE("a parameter file of another kind keeps the form open") {
+  const StateFolder folder;
+  LaserScreenDriver driver;
+  driver.type("psamples/mill/machine.toml\n");
+  CHECK(contains(driver.seen(), "machine.toml is a machine file, not a parameter file."));
+  CHECK(driver.controller().choices().params_file.empty());
 }
 
 TEST_CASE("marks choose single files, and a typed path is completed") {
@@ -75,8 +97,7 @@ TEST_CASE("a file that does not say what was measured is asked, and the answers 
     REQUIRE(driver.settled());
     CHECK(driver.controller().mark(LaserStep::files) == LaserMark::doubtful);
     CHECK(contains(driver.seen(), "incomplete: press Enter to add data"));
-    CHECK(contains(driver.after("\n"), "what pitch.rta does not state"));
-    driver.press(Key::Name::down);
+    CHECK(contains(driver.after("\n"), "import options of pitch.rta (needed: sense)"));
     driver.type("c");  // the next word with this letter
     CHECK(contains(driver.seen(), "EC"));
     REQUIRE(driver.settles_after("\n"));
@@ -119,9 +140,10 @@ TEST_CASE("a run left out changes every later step at once, and undo restores th
   driver.take_files({folder.with("x.csv", measured_csv(kPositioning, [](double p) { return 0.01 * p; }))});
   const double before = result_of(driver.controller().work(), kExx).iso->R_forward.value();
   const auto mean = result_of(driver.controller().work(), kExx).curve->points.front().forward;
-  driver.type("3\n");  // into the runs
+  CHECK(contains(driver.after("3 "), "Press Enter first to go to the runs of this line."));
+  driver.type("\n");  // into the runs
   driver.press(Key::Name::down, 2);
-  CHECK(contains(driver.after(" "), "[ ] run 3 out"));
+  CHECK(contains(driver.after(" "), "OUT  run 3"));
   REQUIRE(driver.settled());
   const LaserLineResult& without = result_of(driver.controller().work(), kExx);
   CHECK(without.chosen.readings.size() == 36);
@@ -148,7 +170,7 @@ TEST_CASE("a reading far from its repeats is suggested, never left out on its ow
   CHECK(line.set->readings[line.suspects.front()].error == 47.5);
   CHECK(result_of(driver.controller().work(), kExx).chosen.readings.size() == 54);
   CHECK(driver.controller().mark(LaserStep::leave_out) == LaserMark::doubtful);
-  CHECK(contains(driver.after("3o"), "[x]?   -200"));
+  CHECK(contains(driver.after("3o"), "in ?   -200"));
   REQUIRE(driver.settles_after(" wbeam broken\n"));
   CHECK(result_of(driver.controller().work(), kExx).chosen.readings.size() == 53);
   CHECK(driver.controller().mark(LaserStep::leave_out) == LaserMark::done);

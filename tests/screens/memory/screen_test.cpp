@@ -18,7 +18,7 @@ struct MemoryCase : StateFolder {
     REQUIRE(until(screen, [&] {  // names are there when they are read
       type(screen, "g");
       replace_line(screen, where);
-      return !contains(picture(screen), "no such memory or name");
+      return !contains(picture(screen), "no such address or name");
     }));
     REQUIRE(until(screen, [this] { return !contains(picture(screen), " .. "); }));
   }
@@ -32,7 +32,7 @@ TEST_CASE("the unit's memory is shown page by page with the names of its content
   MemoryCase one;
   give_map(*one.unit, one);
   REQUIRE(shows(one.screen, "[45]43 53 49"));
-  REQUIRE(shows(one.screen, "ACTIVE map of"));
+  REQUIRE(shows(one.screen, "ACTIVE: "));
   check_holds(picture(one.screen), {"prefix.magic = ECSI", "unit MCM-0107"});
   one.go("axis.X.deadband_um");
   CHECK(contains(picture(one.screen), "axis.X.deadband_um"));
@@ -42,8 +42,11 @@ TEST_CASE("the unit's memory is shown page by page with the names of its content
   CHECK(contains(picture(one.screen), "um ("));
   one.go("EPROM");
   REQUIRE(shows(one.screen, "PROTECTED"));
-  type(one.screen, "gaxis");
-  (void)press(one.screen, Key::Name::escape);
+  type(one.screen, "gzzz\n");  // stays open
+  CHECK(one.screen.typing());
+  CHECK(contains(picture(one.screen), "no such address or name: \"zzz\""));
+  replace_line(one.screen, "axis.X.deadband_um");
+  CHECK_FALSE(one.screen.typing());
   one.go("100000");
 }
 
@@ -62,7 +65,7 @@ TEST_CASE("writing asks with old and new bytes, is read back, and is undone by u
   replace_line(one.screen, "DE AD BE EF");
   REQUIRE(shows_after(one.screen, "y", "4 bytes written at 0x048000, read back the same"));
   CHECK(one.bytes_of_unit(0x48000, 4) == std::vector<std::uint8_t>{0xDE, 0xAD, 0xBE, 0xEF});
-  CHECK(contains(after(one.screen, "3"), "00 00 00 00 > DE AD BE EF"));
+  CHECK(contains(after(one.screen, "3"), "00 00 00 00 -> DE AD BE EF"));
   CHECK(contains(after(one.screen, "1u"), "Write the old bytes back"));
   REQUIRE(shows_after(one.screen, "y", "4 bytes written back at 0x048000"));
   CHECK(one.bytes_of_unit(0x48000, 4) == before);
@@ -85,7 +88,7 @@ TEST_CASE("bytes that changed since they were shown are not overwritten") {
 TEST_CASE("protected memory and a unit that does not integrate refuse writing with the reason") {
   MemoryCase one;
   give_map(*one.unit, one);
-  REQUIRE(shows(one.screen, "ACTIVE map of"));
+  REQUIRE(shows(one.screen, "ACTIVE: "));
   one.go("0");
   CHECK(contains(after(one.screen, "w"), "EPROM is protected"));
   CHECK_FALSE(one.screen.typing());
@@ -105,7 +108,7 @@ TEST_CASE("protected memory and a unit that does not integrate refuse writing wi
 TEST_CASE("a dump is saved, opened, searched and compared with the unit") {
   MemoryCase one;
   give_map(*one.unit, one);
-  REQUIRE(shows(one.screen, "ACTIVE map of"));
+  REQUIRE(shows(one.screen, "ACTIVE: "));
   const std::string file = (one.path / "before.ecsdump").string();
   CHECK(contains(after(one.screen, "S"), "save the active map to"));
   (void)press(one.screen, Key::Name::escape);

@@ -97,7 +97,7 @@ TEST_CASE("every edit is undone by u and redone by y, the default by d among the
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 5.0);
   type(screen, "u");
   CHECK(screen.controller().set().parameters.axes[0].deadband_um == 7.5);
-  CHECK(reads(after(screen, "u"), "undone: X deadband: 4 > 7.5"));
+  CHECK(reads(after(screen, "u"), "undone: X deadband is 4 um again (was 7.5 um)"));
   CHECK(screen.controller().set() == before);
   CHECK(screen.unsaved().empty());
   CHECK(reads(after(screen, "u"), "no more changes"));

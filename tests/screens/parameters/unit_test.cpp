@@ -9,6 +9,7 @@
 #include "app/verbs/registry.hpp"
 #include "base/file.hpp"
 #include "commissioning/link/emulator_process.hpp"
+#include "commissioning/link/not_armed.hpp"
 #include "tests/screens/support/parameters_screen.hpp"
 #include "tests/screens/support/unit_screen.hpp"
 
@@ -46,7 +47,7 @@ TEST_CASE("what is sent is asked first, read back without a difference, and rece
   edit(screen, "9");
   CHECK(reads(picture(screen), "unit 7.5"));
   REQUIRE(shows_after(screen, "t", "1 parameter will be overwritten"));
-  CHECK(reads(picture(screen), "X deadband: 7.5 > 9 um"));
+  CHECK(reads(picture(screen), "X deadband: 7.5 -> 9 um"));
   type(screen, "n");
   CHECK(held_by(*line).axes[0].deadband_um == 7.5);
 
@@ -56,6 +57,12 @@ TEST_CASE("what is sent is asked first, read back without a difference, and rece
   CHECK(another.controller().set().parameters.axes[0].deadband_um == 7.5);
   CHECK(another.controller().set().identity.serial_number == "MCM-0107");
   CHECK(another.unsaved().empty());
+}
+
+TEST_CASE("a refusal because no code was typed is told without options of a verb") {
+  const std::string reason(protocol::text_of(protocol::UnitError::not_armed));
+  CHECK(is_not_armed({ProblemKind::refused, "the unit refuses \"begin staging\": " + reason, "", 0, 0, {}}));
+  CHECK_FALSE(is_not_armed({ProblemKind::refused, "the unit is busy", "", 0, 0, {}}));
 }
 
 TEST_CASE("g takes the unit's value; receiving over edits asks first and can be undone") {

@@ -67,7 +67,7 @@ TEST_CASE("the form is edited, used, and stored only after a question where it h
   CHECK(one.screen.typing());
   replace_line(one.screen, "/dev/no-other-port");
   CHECK_FALSE(one.screen.typing());
-  CHECK(contains(picture(one.screen), "makes rtu:/dev/no-other-port:9600:8N1:1"));
+  CHECK(contains(picture(one.screen), "resulting link  rtu:/dev/no-other-port:9600:8N1:1"));
   CHECK(contains(after(one.screen, "s"), "Store a link that has not answered?"));
   type(one.screen, "n");
   CHECK_FALSE(stored_link().value());

@@ -24,7 +24,7 @@ TEST_CASE("the log follows the newest message and shows a long one completely") 
   REQUIRE(screen.advance());
   CHECK_FALSE(screen.advance());
   const std::string text = picture(screen);
-  check_holds(text, {"parameters sent", "ERROR", "word19", "following"});
+  check_holds(text, {"parameters sent", "ERROR", "word19", "new ones are shown as they come"});
   CHECK(contains(text, (one.path / "state" / "screens.log").string()));
 }
 
@@ -41,17 +41,17 @@ TEST_CASE("errors alone are shown on e, any message is found by a part of it, an
   CHECK(screen.typing());
   replace_line(screen, "quite");
   CHECK(contains(picture(screen), "> "));
-  CHECK_FALSE(contains(picture(screen), "following"));
+  CHECK_FALSE(contains(picture(screen), "new ones are shown as they come"));
   log_event(Tone::good, "a later one");
   (void)screen.advance();
-  CHECK_FALSE(contains(picture(screen), "following"));
+  CHECK_FALSE(contains(picture(screen), "new ones are shown as they come"));
   type(screen, "/");
   replace_line(screen, "no such words at all");
   CHECK(contains(picture(screen), "is in no message"));
   (void)press(screen, Key::Name::end);
-  CHECK(contains(picture(screen), "following"));
+  CHECK(contains(picture(screen), "new ones are shown as they come"));
   (void)screen.on_key({Key::Name::mouse, 0, 0, 3, 10});  // the first row of the list
-  CHECK_FALSE(contains(picture(screen), "following"));
+  CHECK_FALSE(contains(picture(screen), "new ones are shown as they come"));
   type(screen, "s");
   const std::string copy = (one.path / "copy.txt").string();
   replace_line(screen, copy);

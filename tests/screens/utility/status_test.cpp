@@ -51,6 +51,9 @@ TEST_CASE("with a map: datuming with its stages, g references, the unit compensa
   REQUIRE(shows(screen, "press g to reference the emulated machine"));
   REQUIRE(shows_after(screen, "g", "compensating: relays closed"));
   REQUIRE(shows(screen, "The emulated machine was referenced"));
+  CHECK(reads(after(screen, "t"),
+              "The memory can be tested in integration mode only; the unit is compensating. Press m to switch."));
+  CHECK(reads(after(screen, "c"), "There is no fault to clear."));
   const std::string pointers = after(screen, "\t");
   check_holds(pointers, {"EXX", "5.00 um"});
   const auto adds = [&] {  // the controller looks at the unit once a second
@@ -100,6 +103,11 @@ TEST_CASE("a file that is neither says so") {
   REQUIRE(write_file(folder / "x.json", "{\"a\": 1}\n"));
   CHECK_FALSE(read_status_file(folder / "x.json"));
   CHECK_FALSE(read_status_file(folder / "absent"));
+  const auto screen_made = status_screen(no_link());
+  type(*screen_made, "o");
+  replace_line(*screen_made, folder / "x.json");
+  CHECK(reads(picture(*screen_made), "x.json is neither a saved status nor a memory dump."));
+  CHECK(screen_made->typing());
 }
 
 TEST_CASE("kill -9 of the emulator: the age of the values is shown, and they are live again when it is back") {

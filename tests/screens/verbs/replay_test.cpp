@@ -164,7 +164,7 @@ TEST_CASE("effects added, taken back, added by diagnosis and saved") {
   REQUIRE(controller->diagnosis());
   controller->start_adding(std::size_t{0});
   wait_for(*controller);
-  controller->start_adding("progressive:X:EX");
+  CHECK(controller->start_adding("progressive:X:EX").empty());
   wait_for(*controller);
   controller->undo();
   wait_for(*controller);
@@ -190,7 +190,7 @@ TEST_CASE("an effect of the file taken back, one removed, one decided for, saved
   controller->decide(place_of(*controller, "cyclic"));
   controller->save();
   CHECK(session.noted("ecs model decide cyclic:X:EX model.toml"));
-  controller->start_adding("progressive:X:EX");
+  CHECK(controller->start_adding("progressive:X:EX").empty());
   wait_for(*controller);
   controller->save();
   controller->start_removing(place_of(*controller, "cyclic"));
@@ -203,7 +203,7 @@ TEST_CASE("an effect of the file taken back, one removed, one decided for, saved
 TEST_CASE("what no command does to a model is carried as it is") {
   Session session(model_inputs);
   const auto controller = opened_model();
-  controller->start_adding("cyclic:X:EX");
+  CHECK(controller->start_adding("cyclic:X:EX").empty());
   wait_for(*controller);
   controller->save();
   controller->start_removing(place_of(*controller, "cyclic"));
