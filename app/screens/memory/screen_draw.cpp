@@ -237,7 +237,7 @@ void MemoryScreen::draw_written(Canvas& canvas, const Area& area) const {
   std::vector<ListRow> rows;
   for (const ByteWrite& write : written_)
     rows.push_back({text_of(write), write.taken_back ? Tone::faint : Tone::plain});
-  draw_page(canvas, area, rows, write_, "time      address   before > after  where",
+  draw_page(canvas, area, rows, write_, "time      address   before -> after  where",
             "No bytes written yet. On the page of the bytes, press w to write at the cursor, after a confirmation, and "
             "u to restore the old bytes.");
 }

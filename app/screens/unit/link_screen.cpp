@@ -30,25 +30,24 @@ StatisticsRow trouble(const char* name, std::uint64_t n, std::uint64_t of, const
 
 std::vector<StatisticsRow> statistics_rows(const WatchedUnit& unit) {
   const protocol::LinkStatistics& s = unit.statistics;
-  return {
-      {"requests", count(s.requests), "sent since the link was opened", Tone::plain},
-      {"replies", count(s.replies), "valid answers to them", Tone::plain},
-      trouble("retries", s.retries, s.requests, "requests sent again, for one of the causes below"),
-      trouble("time-outs", s.timeouts, s.requests, "requests without an answer: plugs, cable, unit off or busy"),
-      trouble("CRC errors", s.crc_errors, s.requests, "garbled answers: shield, ground, cable length, parity"),
-      trouble("stale replies", s.stale_replies, s.requests, "answers to an earlier request: slow converter or network"),
-      trouble("exceptions", s.exceptions, s.requests, "requests that the unit refused: see LOG"),
-      {"bytes sent", count(s.bytes_sent), "", Tone::plain},
-      {"bytes received", count(s.bytes_received), "", Tone::plain},
-      {"mean round trip", s.replies == 0 ? "-" : fmt::format("{:.1f} ms", s.mean_round_trip_ms()), "", Tone::plain},
-      {"worst round trip", s.replies == 0 ? "-" : fmt::format("{:.1f} ms", s.worst_round_trip_ms),
-       s.replies > 0 && s.worst_round_trip_ms > kFar * s.mean_round_trip_ms()
-           ? "far above the mean: retries or a busy computer"
-           : "",
-       Tone::plain},
-      {"samples a second", fmt::format("{:.1f}", unit.per_second), "while this page is open, at the highest rate",
-       Tone::plain},
-      trouble("times lost", unit.times_lost, 0, "link lost and reopened: unit off or plug pulled?")};
+  return {{"requests", count(s.requests), "sent since the link was opened", Tone::plain},
+          {"replies", count(s.replies), "valid answers to them", Tone::plain},
+          trouble("retries", s.retries, s.requests, "requests sent again, for a cause below"),
+          trouble("time-outs", s.timeouts, s.requests, "no answer: plugs, cable, unit off or busy"),
+          trouble("CRC errors", s.crc_errors, s.requests, "garbled answers: shield, ground, length, parity"),
+          trouble("stale replies", s.stale_replies, s.requests, "answers to an earlier request: slow converter"),
+          trouble("exceptions", s.exceptions, s.requests, "requests that the unit refused: see LOG"),
+          {"bytes sent", count(s.bytes_sent), "", Tone::plain},
+          {"bytes received", count(s.bytes_received), "", Tone::plain},
+          {"mean round trip", s.replies == 0 ? "-" : fmt::format("{:.1f} ms", s.mean_round_trip_ms()), "", Tone::plain},
+          {"worst round trip", s.replies == 0 ? "-" : fmt::format("{:.1f} ms", s.worst_round_trip_ms),
+           s.replies > 0 && s.worst_round_trip_ms > kFar * s.mean_round_trip_ms()
+               ? "far above the mean: retries or a busy computer"
+               : "",
+           Tone::plain},
+          {"samples a second", fmt::format("{:.1f}", unit.per_second), "while this page is open, at the highest rate",
+           Tone::plain},
+          trouble("times lost", unit.times_lost, 0, "lost and reopened: unit off or plug pulled?")};
 }
 
 StatisticsRow judgement(const WatchedUnit& unit) {
@@ -299,7 +298,7 @@ class LinkScreen final : public KeyedScreen {
     const Area text = area.right_of(2);
     row += canvas.paragraph(text, row, help_here(), Tone::faint);
     const std::string made = form_.text();
-    row += canvas.paragraph(text, row, fmt::format("resulting link  {}{}", made, stored_ == made ? " (stored)" : ""),
+    row += canvas.paragraph(text, row, fmt::format("resulting link: {}{}", made, stored_ == made ? " (stored)" : ""),
                             Tone::strong);
     row += canvas.paragraph(
         text, row, stored_.empty() ? "stored: none; without --link the bundled emulator is used" : "stored: " + stored_,

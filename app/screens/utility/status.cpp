@@ -277,6 +277,7 @@ class StatusScreen final : public KeyedScreen {
 
   void say_done(const Result<std::string>& done, bool given_up) {
     at_once_ = true;
+    acted_at_ = Clock::now();
     if (done)
       message_.say(*done);
     else
@@ -298,7 +299,9 @@ class StatusScreen final : public KeyedScreen {
 
   void ask_to_clear() {
     if (!may_act()) return;
-    if (read_->snapshot.status.fault == Fault::none) return message_.say("There is no fault to clear.", Tone::warning);
+    const bool is_read_since = read_begun_at_ >= acted_at_;  // a command may just have brought a fault
+    if (is_read_since && read_->snapshot.status.fault == Fault::none)
+      return message_.say("There is no fault to clear.", Tone::warning);
     if (!may_change("A fault can be cleared")) return;
     asking_.ask({"Clear the fault of the unit?",
                  "Fault, axis and address will be lost; press s first to save them in a file. The cause is not "
@@ -424,6 +427,7 @@ class StatusScreen final : public KeyedScreen {
       if (!read) return;
       read_ = std::move(*read);
       read_at_ = Clock::now();
+      read_begun_at_ = asked_at_;
     });
   }
 
@@ -442,7 +446,8 @@ class StatusScreen final : public KeyedScreen {
   std::shared_ptr<UnitConnection> connection_;
   WatchedUnit watched_;
   std::optional<Read> read_;
-  Clock::time_point read_at_{};
+  Clock::time_point read_at_{}, read_begun_at_{};
+  Clock::time_point acted_at_{};  ///< the last command ended
   Clock::time_point asked_at_{};
   Clock::duration took_{};
   int shown_age_ = 0;

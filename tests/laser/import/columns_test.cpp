@@ -200,9 +200,9 @@ TEST_CASE("rows of one channel: lines between them state the targets, other line
       "B 2024-05-06 09:10:09 7\nA 2024-05-06 09:10:13 OPEN\nA *** not connected\n6 MM\nA 2024-05-06 09:10:14.5 5.9\n";
   ImportOptions options = channel_log();
   CHECK(contains(refused_table(text, options),
-                 "the log contains several channels: give one of A (5 values), B (1 values)"));
+                 "the log contains several channels: give one of A (5 values), B (1 value)"));
   options.channel = "C";
-  CHECK(contains(refused_table(text, options), "no channel \"C\" in the log: give one of A (5 values), B (1 values)"));
+  CHECK(contains(refused_table(text, options), "no channel \"C\" in the log: give one of A (5 values), B (1 value)"));
   options.channel = "A";
   const auto set = read_table(text, options);
   REQUIRE(set.readings.size() == 4);

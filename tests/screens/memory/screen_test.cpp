@@ -189,7 +189,7 @@ TEST_CASE("a write while the unit dies either is confirmed or is in the list as 
   type(one.screen, "w");
   replace_line(one.screen, "01 02");
   REQUIRE(kill_emulators() == 1);
-  REQUIRE(shows_after(one.screen, "y3", "00 00 > 01 02"));
+  REQUIRE(shows_after(one.screen, "y3", "00 00 -> 01 02"));
   const bool confirmed = !contains(picture(one.screen), "NOT CONFIRMED");
   REQUIRE(until(one.screen, [&] { return one.unit->newest().has_value(); }));
   CHECK(one.bytes_of_unit(0x48000, 2) ==

@@ -67,7 +67,7 @@ TEST_CASE("the form is edited, used, and stored only after a question where it h
   CHECK(one.screen.typing());
   replace_line(one.screen, "/dev/no-other-port");
   CHECK_FALSE(one.screen.typing());
-  CHECK(contains(picture(one.screen), "resulting link  rtu:/dev/no-other-port:9600:8N1:1"));
+  CHECK(contains(picture(one.screen), "resulting link: rtu:/dev/no-other-port:9600:8N1:1"));
   CHECK(contains(after(one.screen, "s"), "Store a link that has not answered?"));
   type(one.screen, "n");
   CHECK_FALSE(stored_link().value());
@@ -166,7 +166,7 @@ TEST_CASE("the link screen reports a killed emulator and its return") {
   REQUIRE(kill_emulators() == 1);
   REQUIRE(until(one.screen, [&] { return one.unit->snapshot().times_lost > 0; }));
   REQUIRE(shows(one.screen, "unit MCM-0107 answers"));
-  REQUIRE(shows_after(one.screen, "3", "was reopened"));
+  REQUIRE(shows_after(one.screen, "3", "lost and reopened"));
 }
 
 TEST_CASE("an emulator that a thread started outlives the thread, and goes with the last that holds it") {
