@@ -210,9 +210,9 @@ constexpr const char* kFindHelp =
 std::unique_ptr<Screen> main_menu(const Connection& connection) {
   return std::make_unique<MenuScreen>(
       "ECS",
-      "The menus of the integration software. \"Thesis\" is the work that defined the original unit (docs/thesis.md); "
-      "its figure 5.4 shows these menus. To find an action by name, type / and a part of the name; F3 does the same on "
-      "every screen. The same actions exist as verbs for scripts: `ecs --help`.",
+      "The menus of figure 5.4 of the thesis, which defined the original unit (docs/thesis.md). To find an action, "
+      "type "
+      "/ and a part of its name; F3 does so everywhere. `ecs --help` lists the actions as verbs.",
       all_choices(connection));
 }
 
