@@ -104,7 +104,7 @@ TEST_CASE("a bed that follows a sensor late is found from readings, built into t
   CHECK(contains(found.headline, "following it with a time constant of"));
 
   const model::Model late = must(model::add_effect(start, data, model::request_of(first.effect), "x.csv")).model;
-  CHECK(late.effects.back().parameters.at("lag_s") == Approx(2400.0).epsilon(0.1));
+  CHECK(late.effects.back().fitted.at("lag_s") == Approx(2400.0).epsilon(0.1));
   model::Model at_once = start;
   at_once.effects.push_back(late.effects.back());
   at_once.effects.back().parameters = {{"lag_s", 0.0}};

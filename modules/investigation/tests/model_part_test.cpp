@@ -13,7 +13,7 @@ TEST_CASE("an empty place investigates on the emulated machine of the link, over
   (void)letter(screen, '5');
   REQUIRE(until(screen, [&] {
     (void)letter(screen, 'i');
-    const bool offered = reads(picture(screen), "empty: the emulated machine of this link");
+    const bool offered = reads(picture(screen), "empty: the emulated machine");
     if (!offered) (void)press(screen, Key::Name::escape);
     return offered;
   }));

@@ -129,7 +129,7 @@ TEST_CASE("what a diagonal test lacks is said in words") {
   CHECK(contains(diagonal_refusal(file_of({"PPP", "NPP", "PNP", "PPN", "NNP"}, nothing_wrong)),
                  "diagonal: NNP is PPN from its other end"));
   CHECK(contains(diagonal_refusal("# x_mm: 800\ndiagonal,position_mm,deviation_um\nPP0,0,0\nPN0,0,0\n"),
-                 "diagonal PP0: expected `# y_mm: ` with the edge of the volume along Y, found none"));
+                 "diagonal PP0: expected `# y_mm: ` with the length of the volume along Y [mm], found none"));
   CHECK(contains(diagonal_refusal(kVolume + "diagonal,position_mm,deviation_um\nXY,0,0\n"),
                  "expected P, N or 0 for each of X, Y and Z, such as PPN or PN0, found \"XY\""));
   CHECK(contains(diagonal_refusal(kVolume + "# kind: step\ndiagonal,position_mm,deviation_um\nPPP,0,0\n"),

@@ -25,7 +25,7 @@ inline void check_sentences(const Diagnosis& found) {
     const double before = candidate.kept_rms_before_um, after = candidate.kept_rms_after_um;
     check_falls(because);
     if (contains(because, "none of ")) CHECK_MESSAGE(1.0 - after * after / (before * before) >= 0.01, because);
-    if (contains(because, "Together with")) CHECK(candidate.named);
+    if (contains(because, "Together with")) CHECK(candidate.in_answer());
     if (!candidate.named) continue;
     const std::string place = place_text(candidate.effect);
     CHECK_MESSAGE(contains(found.headline, "(" + place), found.headline);

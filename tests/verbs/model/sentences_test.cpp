@@ -59,7 +59,14 @@ void check_next(const Answer& next, const Answer& diagnosis) {
     if (!candidate["named"].get<bool>()) continue;
     if (settled) CHECK(contains(candidate["next_measurement"].get<std::string>(), "No further measurement is needed"));
     if (!candidate["indistinguishable_from"].empty() && !next["proposals"].empty()) {
-      CHECK(candidate["next_measurement"] == next["proposals"][0]["sentence"]);
+      const Answer& first = next["proposals"][0];
+      const bool tells_it_apart = std::any_of(first["pairs"].begin(), first["pairs"].end(), [&](const Answer& pair) {
+        const auto of = [&](const char* key) {
+          return pair[key].get<std::string>().starts_with(candidate["name"].get<std::string>());
+        };
+        return pair["sigma"].get<double>() >= 3.0 && (of("truth") || of("rival"));
+      });
+      if (tells_it_apart || first["pairs"].empty()) CHECK(candidate["next_measurement"] == first["sentence"]);
       break;  // the first group of rivals
     }
   }
