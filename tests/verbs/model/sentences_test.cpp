@@ -62,7 +62,8 @@ void check_next(const Answer& next, const Answer& diagnosis) {
       const Answer& first = next["proposals"][0];
       const bool tells_it_apart = std::any_of(first["pairs"].begin(), first["pairs"].end(), [&](const Answer& pair) {
         const auto of = [&](const char* key) {
-          return pair[key].get<std::string>().starts_with(candidate["name"].get<std::string>());
+          return pair[key].is_string() &&
+                 pair[key].get<std::string>().starts_with(candidate["name"].get<std::string>());
         };
         return pair["sigma"].get<double>() >= 3.0 && (of("truth") || of("rival"));
       });
