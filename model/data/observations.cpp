@@ -71,7 +71,7 @@ auto line_of(const MeasurementSet& set, const Paths& paths, std::size_t k) {
 
 enum class Clock { none, common, of_each_run };
 
-/// One instrument does not begin two runs of a line at the same time: the clock then begins anew with each run.
+/// One instrument cannot start two runs of a line at the same time: the clock then restarts with each run.
 Clock clock_of(const MeasurementSet& set, const Paths& paths) {
   if (!std::ranges::all_of(set.readings, [](const Reading& r) { return r.time_s.has_value(); })) return Clock::none;
   std::map<decltype(std::make_pair(line_of(set, paths, 0), 0)), double> first_s;
@@ -80,11 +80,11 @@ Clock clock_of(const MeasurementSet& set, const Paths& paths) {
     double& first = first_s.try_emplace({line_of(set, paths, k), r.run}, *r.time_s).first->second;
     first = std::min(first, *r.time_s);
   }
-  std::set<decltype(std::make_pair(line_of(set, paths, 0), 0.0))> begun;
-  const bool anew = std::ranges::any_of(first_s, [&](const auto& one) {
-    return !begun.insert({one.first.first, one.second}).second;
+  std::set<decltype(std::make_pair(line_of(set, paths, 0), 0.0))> starts;
+  const bool restarts = std::ranges::any_of(first_s, [&](const auto& one) {
+    return !starts.insert({one.first.first, one.second}).second;
   });
-  return anew ? Clock::of_each_run : Clock::common;
+  return restarts ? Clock::of_each_run : Clock::common;
 }
 
 /// Everything a reading is, in an order of its own: two readings that compare equal are interchangeable. Readings at

@@ -87,7 +87,7 @@ struct Motions;
 using Channel = int;
 inline constexpr Channel kSenseChannels = static_cast<Channel>(kSenseNames.size());
 
-/// Readings in canonical order: by time where every row has one (by run and time where the clock begins anew with each
+/// Readings in canonical order: by time where every row has one (by run and time where the clock restarts with each
 /// run), else by axis, sense, parked place, run, approach and the way travelled; those along paths behind the others.
 /// All columns have `size()` entries or none.
 struct Observations {

@@ -17,7 +17,7 @@ constexpr double kFreedomOfReplicates = 0.7;
 /// Any number: the same data always give the same replicates.
 constexpr std::uint64_t kSeed = 7;
 
-/// What correlated noise keeps from one reading of an instrument to its next: nothing where the clock begins anew,
+/// What correlated noise keeps from one reading of an instrument to its next: nothing where the clock restarts,
 /// where a time is unknown, and between passes where there is no time.
 double memory_of(const Observations& data, const NoiseModel& noise, const std::vector<std::size_t>& pass,
                  double correlation_time, std::size_t before, std::size_t k) {

@@ -279,7 +279,7 @@ TEST_CASE("whitened noise has size one and no memory") {
   CHECK(raw > 0.3);
 }
 
-TEST_CASE("where the clock begins anew with each run, the noise of one run knows nothing of that of another") {
+TEST_CASE("where the clock restarts with each run, the noise of the runs is independent") {
   laser::MeasurementSet anew = measured({.runs = 3}, kWhite_um, nothing);
   std::map<int, double> first_s;
   for (const Reading& r : anew.readings) first_s.try_emplace(r.run, *r.time_s);
