@@ -368,11 +368,14 @@ Cell event_cell(const protocol::HostEvent& event) {
   const bool writes = event.code == protocol::CommandCode::none;
   const bool failed = event.error != protocol::UnitError::none;
   const std::string_view why = kErrorNames[static_cast<std::size_t>(event.error)];
+  const bool is_end = event.code == protocol::CommandCode::arm && event.error == protocol::UnitError::time_out;
   return record_cell(
-      "{number:>4}  {time:<20}  {host:<16}  unit clock {unit_time_s} s{times}\n      {what}{arguments}: "
-      "{result}{error}\n",
+      is_end ? "{number:>4}  {time:<20}  {host:<16}  unit clock {unit_time_s} s{times}\n      write access ended: its "
+               "time was over; `ecs unit arm` grants it again\n"
+             : "{number:>4}  {time:<20}  {host:<16}  unit clock {unit_time_s} s{times}\n      {what}{arguments}: "
+               "{result}{error}\n",
       "number"_is(event.number),
-      "time"_is(event.unix_time_s == 0 ? null_cell("unknown") : cell_of(utc_of(event.unix_time_s))),
+      "time"_is(event.unix_time_s == 0 ? null_cell("time of day unknown") : cell_of(utc_of(event.unix_time_s))),
       "unit_time_s"_is(event.unit_time_s), "starts"_is(event.starts), "host"_is(text_cell(event.host)),
       "what"_is(writes ? "write memory" : protocol::name_of(event.code)),
       "arguments"_is(event.text.empty() ? null_cell() : Cell{event.text, " " + event.text}),

@@ -239,13 +239,20 @@ void RegisterServer::act_on(const Block& block, std::span<const std::uint16_t> w
   }
 }
 
+/// The host's time when the unit's clock was 0, so that events long after the opening tell theirs; 0 stays unknown.
+std::uint32_t RegisterServer::at_zero_of_clock(std::uint32_t unix_time_s) const {
+  return unix_time_s == 0 ? 0 : unix_time_s - static_cast<std::uint32_t>(unit_->clock().ms / 1000);
+}
+
 void RegisterServer::open_session(const SessionOpen& host) {
   opened_ = {};
   if (host.protocol_version != kProtocolVersion) {
     opened_.error = UnitError::other_version;
     return;
   }
-  opened_.session = sessions_.open(host, origin_).id;
+  HostSession& session = sessions_.open(host, origin_);
+  session.host.unix_time_s = at_zero_of_clock(host.unix_time_s);
+  opened_.session = session.id;
   asker_ = {opened_.session, host.challenge};
 }
 
@@ -311,7 +318,7 @@ void RegisterServer::note_window(const HostSession& session, const WindowOpen& w
 
 std::uint32_t RegisterServer::note(const SessionOpen& host, std::uint64_t at_ms, HostEvent event, bool armed) {
   event.unit_time_s = static_cast<std::uint32_t>(at_ms / 1000);
-  event.unix_time_s = host.unix_time_s;
+  event.unix_time_s = host.unix_time_s == 0 ? 0 : host.unix_time_s + event.unit_time_s;
   event.starts = static_cast<std::uint16_t>(unit_->clock().starts);
   event.host = host.host;
   return events_.add(std::move(event), armed);

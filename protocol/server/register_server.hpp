@@ -122,6 +122,7 @@ class RegisterServer : public RegisterHandler {
   void act_on(const Block& block, std::span<const std::uint16_t> whole);
   void forget_hosts_of_another_start();
   void open_session(const SessionOpen& host);
+  [[nodiscard]] std::uint32_t at_zero_of_clock(std::uint32_t unix_time_s) const;
   void open_window(const WindowOpen& window, std::span<const std::uint16_t> whole);
   [[nodiscard]] UnitError refusal_of(const WindowOpen& window, const HostSession* session,
                                      std::span<const std::uint16_t> whole);

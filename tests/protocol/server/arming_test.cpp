@@ -379,6 +379,26 @@ TEST_CASE("a table of tools is one event: what replaces it, not what gathers it;
   CHECK(events_of(server).size() == before + 2);
 }
 
+TEST_CASE_FIXTURE(GuardedHost, "an event long after its host made itself known has the time of day of the event") {
+  model.unit_clock.ms = 5'000;
+  SessionOpen open;
+  open.key = 7;
+  open.unix_time_s = 1'700'000'000;
+  (void)server.write(kSessionOpen.first, registers_of(open, 0));
+  const auto session = value_in<SessionState>(server.read(kSession.first, kSession.count).value()).value().session;
+  for (const std::uint32_t later_s : {0U, 600U}) {
+    model.unit_clock.ms = 5'000 + 1000 * later_s;
+    Command command;
+    command.asker = {session, 1};
+    command.sequence = 1 + later_s;
+    command.code = CommandCode::begin_staging;
+    (void)server.write(kCommand.first, registers_of(command, 0));
+    const HostEvent newest = events_of(server).back();
+    CHECK(newest.unix_time_s == 1'700'000'000 + later_s);
+    CHECK(newest.unit_time_s == 5 + later_s);
+  }
+}
+
 TEST_CASE("outputs are switched off and the mode is left while a command takes time, which ends as stopped") {
   for (const CommandCode code : {CommandCode::output_off, CommandCode::enter_integration, CommandCode::stop}) {
     UnitModel model;
