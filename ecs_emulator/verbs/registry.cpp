@@ -1,6 +1,6 @@
 // The list of all verbs, and `completion` and `manual`, which are written from it. A verb is defined in another file of
 // this folder; here it gets its row.
-#include "base/cli/documents.hpp"
+#include "base/cli/document_verbs.hpp"
 #include "ecs_emulator/verbs/module.hpp"
 #include "ecs_emulator/verbs/verb.hpp"
 
@@ -35,36 +35,13 @@ cli::ShownProgram program(VerbContext& context) {
   return cli::shown_program("ecs-emulator", kProgramHelp, all_verbs(context));
 }
 
-struct CompletionRequest {
-  std::string shell;
-  static Fields<CompletionRequest> fields() {
-    return {{"SHELL", &CompletionRequest::shell, "shell to write the completion script for", Need::required,
-             Words{"bash", "zsh", "fish"}}};
-  }
-};
-
-Result<Outcome> completion(VerbContext& context, const CompletionRequest& arguments) {
-  const cli::ShownProgram shown = program(context);
-  return Outcome{arguments.shell == "bash"  ? cli::bash_completion(shown)
-                 : arguments.shell == "zsh" ? cli::zsh_completion(shown)
-                                            : cli::fish_completion(shown),
-                 {}};
+Result<Outcome> completion(VerbContext& context, const cli::CompletionRequest& request) {
+  return Outcome{completion_script(program(context), request), {}};
 }
 
-struct ManualRequest {
-  std::string folder;
-  bool force = false;
-  static Fields<ManualRequest> fields() {
-    using R = ManualRequest;
-    return {{"-o,--output", &R::folder, "folder for the pages; created if missing", Need::required},
-            {"--force", &R::force, "overwrite existing pages"}};
-  }
-};
-
-Result<Outcome> manual(VerbContext& context, const ManualRequest& arguments) {
-  const std::vector<cli::ManualPage> pages = manual_pages(program(context));
-  ECS_DO(cli::write_pages(pages, arguments.folder, arguments.force));
-  return Outcome{std::to_string(pages.size()) + " manual pages in " + arguments.folder, {}};
+Result<Outcome> manual(VerbContext& context, const cli::ManualRequest& request) {
+  ECS_TRY(pages, write_manual(program(context), request));
+  return Outcome{std::to_string(pages) + " manual pages in " + request.folder, {}};
 }
 
 }  // namespace
