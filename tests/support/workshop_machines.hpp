@@ -44,6 +44,24 @@ inline std::string ideal_machine(const std::string& configuration = "TXYZ") {
   return text;
 }
 
+/// A table that tilts and turns.
+inline constexpr const char* kTrunnion = R"(
+name = "trunnion"
+configuration = "XYACTZ"
+[axis.X]
+travel_mm = [0.0, 1200.0]
+[axis.Y]
+travel_mm = [0.0, 600.0]
+[axis.Z]
+travel_mm = [-600.0, 0.0]
+[axis.A]
+travel_deg = [-110.0, 30.0]
+pivot_mm = [600.0, 300.0, -560.0]
+[axis.C]
+travel_deg = [0.0, 360.0]
+pivot_mm = [600.0, 300.0, -560.0]
+)";
+
 inline WorkshopMachine machine_of(const std::string& text) {
   return must(parse_workshop_machine(text, "machine.toml", "."));
 }

@@ -296,23 +296,6 @@ Shown turned_over(const std::string& id, const std::string& errors, const Line& 
 
 // A ball on the table of a machine with rotary axes.
 
-constexpr const char* kTrunnion = R"(
-name = "trunnion"
-configuration = "XYACTZ"
-[axis.X]
-travel_mm = [0.0, 1200.0]
-[axis.Y]
-travel_mm = [0.0, 600.0]
-[axis.Z]
-travel_mm = [-600.0, 0.0]
-[axis.A]
-travel_deg = [-110.0, 30.0]
-pivot_mm = [600.0, 300.0, -560.0]
-[axis.C]
-travel_deg = [0.0, 360.0]
-pivot_mm = [600.0, 300.0, -560.0]
-)";
-
 /// A head B on a head C; the tool is as far from their axes as it is long.
 constexpr const char* kHead = R"(
 name = "head"

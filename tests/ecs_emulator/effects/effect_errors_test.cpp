@@ -319,9 +319,7 @@ TEST_CASE("a turned set-up gives each axis of the plane a straightness in the di
 }
 
 TEST_CASE("a turned set-up has a code EA, EB or EC and no place besides") {
-  const auto refusal = [](const std::string& keys) {
-    return to_text(must_fail(TrueErrors::parse(turned(keys), "errors.toml", ".")));
-  };
+  const auto refusal = [](const std::string& keys) { return refused_errors(turned(keys)); };
   CHECK(contains(refusal("code = 'ECX'"), "code: expected EA, EB or EC"));
   CHECK(contains(refusal(""), "code: expected EA, EB or EC"));
   CHECK(contains(refusal("code = 'EC'\naxis = 'X'"), "axis: set_up_rotation has a code alone"));
@@ -334,8 +332,6 @@ const std::string kTemperatures = "[temperature]\ntop = '26 + t/3600'\nfoot = '2
 std::string bend(const std::string& keys) {
   return "[[effect]]\nid = 'thermal_bend'\n" + keys + "\nparameters = { um_per_m2_degC = 2 }\n" + kTemperatures;
 }
-
-std::string refusal(const std::string& text) { return to_text(must_fail(TrueErrors::parse(text, "errors.toml", "."))); }
 
 }  // namespace
 
@@ -354,8 +350,10 @@ TEST_CASE("a bed bends with the square of the position and the difference of two
 
 TEST_CASE("a thermal bend needs a sense across its axis and two sensors") {
   const std::string sensors = "\nsensor = 'top'\nsensor2 = 'foot'";
-  CHECK(contains(refusal(bend("axis = 'X'\nsense = 'EX'" + sensors)), "sense: thermal_bend acts across its axis"));
-  CHECK(contains(refusal(bend("axis = 'X'\nsense = 'EB'" + sensors)), "sense: thermal_bend acts across its axis"));
-  CHECK(contains(refusal(bend("sense = 'EY'" + sensors)), "axis: expected X, Y or Z"));
-  CHECK(contains(refusal(bend("axis = 'X'\nsense = 'EY'\nsensor = 'top'")), "sensor2: expected a sensor"));
+  CHECK(
+      contains(refused_errors(bend("axis = 'X'\nsense = 'EX'" + sensors)), "sense: thermal_bend acts across its axis"));
+  CHECK(
+      contains(refused_errors(bend("axis = 'X'\nsense = 'EB'" + sensors)), "sense: thermal_bend acts across its axis"));
+  CHECK(contains(refused_errors(bend("sense = 'EY'" + sensors)), "axis: expected X, Y or Z"));
+  CHECK(contains(refused_errors(bend("axis = 'X'\nsense = 'EY'\nsensor = 'top'")), "sensor2: expected a sensor"));
 }
