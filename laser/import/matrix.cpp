@@ -159,6 +159,7 @@ Result<MeasurementSet> read_matrix(std::string_view text, const std::string& fil
   if (contents.rows.size() < rows->count)
     findings.add(0, 0, "expected {} rows ({}), found {}: the file is truncated", rows->count, along_rows.count,
                  contents.rows.size());
+  std::size_t absent = 0;
   const double factor = options.reading_unit ? options.reading_unit->factor * kUmPerMm : 1.0;
   for (std::size_t r = 0; r < std::min(rows->count, contents.rows.size()); ++r) {
     const MatrixRow& row = contents.rows[r];
@@ -167,7 +168,10 @@ Result<MeasurementSet> read_matrix(std::string_view text, const std::string& fil
       continue;
     }
     for (std::size_t c = 0; c < cells->count; ++c) {
-      if (row.cells[c] == layout.absent) continue;
+      if (row.cells[c] == layout.absent) {
+        ++absent;
+        continue;
+      }
       const auto value = number_in(row.cells[c]);
       if (!value) {
         findings.add(row.text_line, column_of(row.whole, row.cells[c]),
@@ -187,6 +191,11 @@ Result<MeasurementSet> read_matrix(std::string_view text, const std::string& fil
   }
   if (findings.empty() && set.readings.empty()) findings.add(0, 0, "expected values, found none");
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
+  if (absent > 0)
+    set.notes.push_back(
+        fmt::format("{} cell{} \"{}\" left out: the file writes it for a position without a value (a "
+                    "reading of zero has decimals, as in 0.000)",
+                    absent, absent == 1 ? "" : "s", layout.absent));
   number_rows(set);
   return set;
 }

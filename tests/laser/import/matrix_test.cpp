@@ -39,6 +39,8 @@ TEST_CASE("places of a height map that were not probed are left out, in every ve
     REQUIRE(set.readings.size() == 5);
     CHECK(set.readings[1].position_mm == Vector3{75.0, 10.0, 0.0});
     CHECK(set.readings[3].error == 0.0);
+    REQUIRE(set.notes.size() == 1);
+    CHECK(contains(set.notes[0], "1 cell \"0\" left out"));
   }
   CHECK(refusal("RepRapFirmware height map file v1\nxmin,xmax,ymin,ymax,radius,spacing,xnum,ynum\n"
                 "25,75,10,35,-1,25,3,2\n1,2,3\n",
