@@ -504,6 +504,21 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
   return {};
 }
 
+/// Before all others where a line has readings at one target only: nothing is known of the rest of its travel.
+void take_line_over_travel(NextMeasurement& next, const Setting& in) {
+  for (const PresentLine& line : present_lines(without_paths(in.data), in.times)) {
+    if (line.now.targets_mm.size() > 1) continue;
+    if (auto over = over_the_travel(in.data, line, in.times))
+      next.proposals.insert(next.proposals.begin(), std::move(*over));
+    else
+      next.notes.push_back(fmt::format(
+          "all readings along {} are at one target. Measure the line over the travel, at five targets or more; with "
+          "--machine and its travel_mm this is planned",
+          in.data.letter(line.axis)));
+    return;
+  }
+}
+
 /// The step after a proof: compensate and confirm, or why the unit cannot.
 std::string step_after_proof(const EffectInstance& effect, const params::Machine& machine) {
   if (is_carried(effect, machine))
@@ -609,6 +624,7 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
     asked = ask_structure(next, setting, diagnosis);
   else
     asked = ask_power(next, setting, few);
+  if (!is_named && !is_of_ball(present)) take_line_over_travel(next, setting);
   if (!asked) next.notes.push_back(to_text(asked.error()));
   return next;
 }

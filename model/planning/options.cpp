@@ -326,6 +326,27 @@ std::vector<double> off_equal_steps(const std::vector<double>& present_mm, std::
   return moved;
 }
 
+std::optional<MeasurementProposal> over_the_travel(const Observations& data, const PresentLine& line,
+                                                   const MeasuringTimes& times) {
+  constexpr int kTwice = 2;  // what repeats is the machine's
+  const Range range = range_of(data, line.axis);
+  if (line.now.targets_mm.size() > 1 || range[1] - range[0] < kLeastTravel_mm) return std::nullopt;
+  MeasurementProposal over = line.now;
+  const double room = (range[1] - range[0] - 2.0 * over.overrun_mm) / static_cast<double>(kFewTargets - 1);
+  over.targets_mm.clear();
+  for (std::size_t i = 0; i < kFewTargets; ++i)
+    over.targets_mm.push_back(readable_mm(range[0] + over.overrun_mm + room * static_cast<double>(i), room));
+  over.targets_mm = off_equal_steps(over.targets_mm, with_room(over.targets_mm, range, over.overrun_mm));
+  over.condition = "over the travel";
+  over.bidirectional = true;
+  over.runs = kTwice;
+  over.minutes = minutes_of(over, times);
+  over.tells =
+      fmt::format("would show errors over the position, which readings at one target cannot: {:.0f} min", over.minutes);
+  over.sentence = sentence_of(over);
+  return over;
+}
+
 std::vector<MeasurementProposal> measuring_options(const Observations& data, const PresentLine& line,
                                                    const MeasuringTimes& times, bool of_approach, bool on_the_fly) {
   std::vector<MeasurementProposal> options;

@@ -77,6 +77,11 @@ struct PresentLine {
 /// Most readings first.
 [[nodiscard]] std::vector<PresentLine> present_lines(const Observations& data, const MeasuringTimes& times);
 
+/// The same line over the travel of its axis, where all its readings are at one target; nothing: there are more
+/// targets, or no travel is known.
+[[nodiscard]] std::optional<MeasurementProposal> over_the_travel(const Observations& data, const PresentLine& line,
+                                                                 const MeasuringTimes& times);
+
 /// The way that an axis may take: its travel, else what was measured.
 [[nodiscard]] Range range_of(const Observations& data, Axis axis);
 

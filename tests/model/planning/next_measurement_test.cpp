@@ -110,6 +110,29 @@ TEST_CASE("a model with too few readings says what it could not have seen, and w
   CHECK(next.proposals.front().separation_sigma >= 3.0);
 }
 
+TEST_CASE(
+    "after readings at one target the first proposal is the line over the travel; without a travel a note says so") {
+  auto set = measured({}, kNoise_um, nothing);
+  const double target_mm = p(set.readings.front());
+  std::erase_if(set.readings, [&](const Reading& r) { return p(r) != target_mm; });
+  Model model;
+  model.effects = {effect(offset, Axis::X, Sense::EX)};
+  for (const bool with_machine : {true, false}) {
+    const Observations data = observations_of(set, model, with_machine ? std::optional(mill()) : std::nullopt);
+    const NextMeasurement next = next_measurement(model, data, must(diagnose(model, data)));
+    if (!with_machine) {
+      CHECK(std::ranges::any_of(next.notes, [](const auto& note) { return contains(note, "are at one target"); }));
+      continue;
+    }
+    REQUIRE_FALSE(next.proposals.empty());
+    const MeasurementProposal& first = next.proposals.front();
+    CHECK(first.targets_mm.size() >= 5);
+    CHECK(first.targets_mm.back() - first.targets_mm.front() > 900.0);
+    CHECK(contains(first.sentence, "Measure X positions over the travel: 7 targets"));
+    CHECK(contains(first.tells, "errors over the position"));
+  }
+}
+
 TEST_CASE("an adequate model with many readings asks for nothing") {
   auto set = measured({}, kNoise_um, [](const Reading& r) { return 9.0 * p(r) / 1000.0; });
   for (auto& r : set.readings) {
