@@ -319,9 +319,7 @@ void judge_map(ReportContent& content) {
 }
 
 Result<ReportedVolume> reported_volume(PreparedVolume prepared) {
-  std::size_t axes = 0;
-  for (const auto& travel : prepared.machine.travel_mm) axes += travel ? 1u : 0u;
-  const std::size_t places = axes > 2 ? 11 * 11 * 11 : axes == 2 ? 21 * 21 : 21;
+  constexpr std::size_t places = kUsualPlaces;  // as `ecs volume`, so that both state the same figures
   ECS_TRY(answer, evaluated(prepared.machine, places));
   const volume::UncertaintySettings settings;
   ECS_TRY(uncertainty, uncertainty_of(prepared.machine, budget_of(prepared.machine, settings), settings, places));
