@@ -227,8 +227,8 @@ void add_compensation(std::vector<Field>& table) {
   table.push_back(plane_field());
   table.push_back(choice(
       {"compensation.interpolation", group,
-       "Between two values of the map: nearest steps half an increment before the next one, as in the original unit; "
-       "linear interpolates along a straight line.",
+       "nearest: the output changes halfway between two values of the map, as in the original unit; linear: it follows "
+       "the straight line between them.",
        ""},
       {"nearest", "linear"}, [](auto& p) -> auto& { return p.interpolation; }));
   table.push_back(choice(

@@ -175,4 +175,16 @@ Cell change_cell(const MapChange& change) {
                                "at [mm]", "", "rms", "mean", "slope/m", "reversal", "residual"));
 }
 
+bool is_without_change(const MapChange& change) {
+  constexpr double kResolution = 0.0005;  // half of the last digit of a map file
+  return std::ranges::all_of(
+      change.curves, [](const CurveChange& curve) { return std::abs(figures_of(curve).largest) < kResolution; });
+}
+
+std::string closing_text(const MapChange& change, const std::string& first, const std::string& second) {
+  if (is_without_change(change)) return fmt::format("No compared curve of {} differs from {}.\n", second, first);
+  return "The files do not show which map is better. Measure with each of them active, and compare the residual errors "
+         "with `ecs laser stats`.\n";
+}
+
 }  // namespace ecs::commissioning

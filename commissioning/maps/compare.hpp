@@ -50,5 +50,9 @@ struct MapChange {
 
 /// A row for each curve.
 [[nodiscard]] Cell change_cell(const MapChange& change);
+/// No curve differs by half of the last digit of a map file.
+[[nodiscard]] bool is_without_change(const MapChange& change);
+/// What the files show, and what they do not.
+[[nodiscard]] std::string closing_text(const MapChange& change, const std::string& first, const std::string& second);
 
 }  // namespace ecs::commissioning

@@ -84,11 +84,29 @@ Cell variable_cell(const model::ResidualView& view) {
                      "share"_is(view.share, fmt::format("{:.1f}", 100.0 * view.share)), "bins"_is(std::move(bins)));
 }
 
+/// "EX", "circle XY": of which the comparison has readings.
+std::vector<std::string> senses_of(const Comparison& c) {
+  std::vector<std::string> senses;
+  for (const model::DirectionSummary& one : c.directions)
+    if (std::string sense = one.path.empty() ? std::string(name_of(one.sense)) : one.path;
+        std::ranges::find(senses, sense) == senses.end())
+      senses.push_back(std::move(sense));
+  return senses;
+}
+
 Cell variables_cell(const Comparison& c) {
   if (c.views.empty()) return {Json::array(), ""};
+  const std::vector<std::string> senses = senses_of(c);
+  const auto is_of_one = [&](const model::ResidualView& view) {
+    return std::ranges::any_of(senses, [&](const auto& sense) { return view.variable.ends_with(" of " + sense); });
+  };
   Cell list{Json::array(), "\nshare of the residual variance that each variable explains, beyond noise\n"};
   const auto views = by_share(c);
-  for (const model::ResidualView* view : views) list.add(variable_cell(*view));
+  for (const model::ResidualView* view : views) {
+    Cell one = variable_cell(*view);
+    if (is_of_one(*view) && view->share < kWorthAShape) one.text.clear();
+    list.add(one);
+  }
   std::size_t shapes = 0;
   for (const model::ResidualView* view : views) {
     if (view->share < kWorthAShape) break;
@@ -96,7 +114,8 @@ Cell variables_cell(const Comparison& c) {
     if (++shapes > kMostShapes) break;
     std::vector<ShapePoint> points;
     for (const model::ResidualBin& bin : view->bins) points.push_back({0.5 * (bin.from + bin.to), bin.mean_um});
-    list.text += "\n" + shape_text(view->variable, points, c.noise.unit);
+    list.text +=
+        "\n" + shape_text(view->variable, points, c.noise.unit, is_of_one(*view) ? std::vector<std::string>() : senses);
   }
   return list;
 }
@@ -227,7 +246,10 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& d) {
   }
   const auto details = [](bool any, const std::string& text) { return any ? paragraph(text, 2, 4) : std::string(); };
   std::vector<std::string> rivals;
-  for (const model::EffectInstance& rival : c.rivals) rivals.push_back(place_text(rival));
+  for (const model::EffectInstance& rival : c.rivals)
+    rivals.push_back(rival.traits().of_measurement
+                         ? fmt::format("{} (error of the measurement: {})", place_text(rival), rival.definition().cause)
+                         : place_text(rival));
   std::vector<std::string> rivals_of_parts;
   for (const model::RivalOfPart& rival : c.in_part) rivals_of_parts.push_back(to_text(rival.other));
   AnswerFields fields = described(
@@ -342,8 +364,9 @@ constexpr double kLeastProbability = 1e-300;  ///< smaller ones are stated as th
 Cell where_cell(const Diagnosis& d) {
   const bool with_answer = std::ranges::any_of(d.candidates, &Candidate::in_answer);
   Cell where{Json::array(), d.where.empty() ? ""
-                            : with_answer   ? "\nvariables on which the present residual depends (share of variance)\n"
-                                            : "\nvariables on which the residual depends (share of its variance)\n"};
+                            : with_answer
+                                ? "\nvariables on which the present residual depends (share of its variance)\n"
+                                : "\nvariables on which the residual depends (share of its variance)\n"};
   for (const model::Dependence& one : d.where)
     where.add(record_cell(
         "  {variable} {strength:>8}  probability in noise alone: {p_value}\n",
@@ -368,8 +391,9 @@ Cell where_cell(const Diagnosis& d) {
   return where;
 }
 
-/// A property of what is left, as an engineer asks for it.
-std::string_view words_for_property(std::string_view property) {
+}  // namespace
+
+std::string words_for_property(const std::string& property) {
   constexpr std::pair<std::string_view, std::string_view> kWords[] = {
       {"direction", "over the directions of approach"},
       {"position", "over the position"},
@@ -381,9 +405,11 @@ std::string_view words_for_property(std::string_view property) {
       {"excitation", "excitation by these readings"},
       {"instrument", "instrument"}};
   for (const auto& [name, words] : kWords)
-    if (name == property) return words;
+    if (name == property) return std::string(words);
   return property;
 }
+
+namespace {
 
 /// "none" beside another change means that this one is not needed once the other is included.
 std::string answer_text(const model::LeftProperty& one, const Diagnosis& d) {
@@ -396,7 +422,9 @@ std::string answer_text(const model::LeftProperty& one, const Diagnosis& d) {
 
 /// What is told, evidence that several share once; then what is not, and what would tell.
 Cell left_cell(const Diagnosis& d) {
-  Cell left{Json::array(), d.left.empty() ? "" : "\nproperties of the residual (shares of its variance above noise)\n"};
+  Cell left{Json::array(), d.left.empty() ? ""
+                                          : "\nproperties of the residual; in brackets the share of its variance above "
+                                            "noise that each description alone explains\n"};
   std::vector<std::string> withheld;
   std::set<std::string> said, measure;
   for (const model::LeftProperty& one : d.left) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <vector>
 
@@ -16,7 +17,7 @@ constexpr double kEnoughSigmas = 3.0;     ///< of a value that differs from zero
 constexpr double kProvingEValue = 100.0;  ///< as the verdict asks
 
 std::string judged(const std::string& text, bool holds) {
-  return fmt::format("{}: {}", text, holds ? "passed" : "failed");
+  return fmt::format("{}: {}", text, holds ? "fulfilled" : "not fulfilled");
 }
 
 std::vector<std::string> places_of(const std::vector<model::EffectInstance>& effects) {
@@ -45,6 +46,20 @@ std::vector<std::pair<std::string, model::EffectInstance>> alternatives_of_measu
 
 }  // namespace
 
+std::string title_of(const model::EffectInstance& effect) {
+  const model::EffectDefinition& definition = effect.definition();
+  const bool along = !effect.sense || !effect.axis ||
+                     (direction_of(*effect.sense) == *effect.axis && is_rotation(*effect.sense) == effect.rotary);
+  if (along || definition.parameters.size() != 1 || !effect.traits().is_usual || effect.traits().of_approach)
+    return std::string(definition.title);
+  std::string meaning(definition.parameters.front().meaning);
+  meaning.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(meaning.front())));
+  if (is_rotation(*effect.sense)) return meaning.substr(0, meaning.find(" ("));
+  constexpr std::string_view kAcross = "across the axis: ";
+  if (const auto at = meaning.find(kAcross); at != std::string::npos) meaning.erase(at, kAcross.size());
+  return meaning;
+}
+
 std::string_view carrier_text(model::Carrier carrier) {
   switch (carrier) {
     case model::Carrier::error_map:
@@ -71,7 +86,8 @@ std::vector<EffectFact> facts_of(const model::EffectDefinition& effect) {
 
 std::vector<EffectFact> details_of(const model::Candidate& candidate) {
   const model::EffectDefinition& definition = candidate.effect.definition();
-  std::vector<EffectFact> facts{{"effect", fmt::format("{} ({})", definition.title, place_text(candidate.effect))}};
+  std::vector<EffectFact> facts{
+      {"effect", fmt::format("{} ({})", title_of(candidate.effect), place_text(candidate.effect))}};
   for (EffectFact& fact : facts_of(definition)) facts.push_back(std::move(fact));
   facts.push_back({"values", parameters_text(candidate.parameters)});
   const auto rivals = places_of(candidate.rivals);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -107,9 +108,29 @@ AnswerFields fields_of(const ParameterEstimate& p) {
                    "held"_is(p.held), "undetermined"_is(p.undetermined));
 }
 
-Cell parameters_cell(const std::vector<ParameterEstimate>& parameters, std::string_view layout) {
+namespace {
+
+/// "period" of "period_mm"; where the name is its unit alone, the title of the effect, or of one of several parameters
+/// its meaning.
+std::string label_text(const ParameterEstimate& parameter, const model::EffectInstance& effect) {
+  std::string words = model::spoken_name(shown_name(parameter), parameter.unit);
+  const auto& all = effect.definition().parameters;
+  const auto found = std::ranges::find(all, parameter.name, &model::ParameterDefinition::name);
+  if (!words.empty() || found == all.end()) return words;
+  words = all.size() == 1 ? title_of(effect) : std::string(found->meaning);
+  words.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(words.front())));
+  return words;
+}
+
+}  // namespace
+
+Cell parameters_cell(const model::EffectFit& effect, std::string_view layout) {
   Cell list{Json::array(), {}};
-  for (const ParameterEstimate& one : parameters) list.add(record_cell(layout, fields_of(one)));
+  for (const ParameterEstimate& one : effect.parameters) {
+    AnswerFields fields = fields_of(one);
+    fields.push_back("label"_shown(label_text(one, effect.effect)));
+    list.add(record_cell(layout, fields));
+  }
   return list;
 }
 

@@ -420,15 +420,23 @@ void add_folded(PlotFigure& figure, const Fit& fit, const Observations& data, st
 void add_variables(PlotFigure& figure, const Fit& fit, const Observations& data, const model::Diagnosis& diagnosis) {
   constexpr double kWorthShowing = 0.1;
   std::size_t added = 0;
-  std::vector<std::size_t> rows(data.size());
-  for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = k;
+  std::map<std::string, std::vector<std::size_t>> rows_by_sense;
+  for (const MeasuredLine& line : measured_lines(data)) {
+    auto& rows = rows_by_sense[line.path.empty() ? std::string(name_of(line.sense)) : line.path];
+    rows.insert(rows.end(), line.rows.begin(), line.rows.end());
+  }
   for (const model::Dependence& one : diagnosis.where) {
     const Values x = column_named(data, one.variable);
     if (x.empty() || one.strength < kWorthShowing || added == 2) continue;
     const std::string label = quantity_label(one.variable);
-    PlotPanel panel{fmt::format("residual against {}", label), label, "residual [µm]", {}};
-    add_readings(panel, {data, rows, x}, fit.residual, "residual");
-    figure.panels.push_back(std::move(panel));
+    for (const auto& [sense, rows] : rows_by_sense) {
+      PlotPanel panel{fmt::format("{}: residual against {}", sense, label),
+                      label,
+                      fmt::format("residual [{}]", unit_label(data.sense[rows.front()])),
+                      {}};
+      add_readings(panel, {data, rows, x}, fit.residual, "residual");
+      if (!panel.series.empty()) figure.panels.push_back(std::move(panel));
+    }
     ++added;
   }
 }

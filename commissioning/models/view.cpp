@@ -140,12 +140,14 @@ std::string value_text(const ParameterEstimate& p) {
 
 std::string parameters_text(const std::vector<ParameterEstimate>& parameters) {
   std::vector<std::string> parts;
+  bool any_sigma = false;
   for (const ParameterEstimate& one : parameters) {
     if (one.value == 0.0 && !one.sigma) continue;
+    any_sigma = any_sigma || value_text(one).find("+-") != std::string::npos;
     const std::string name = model::spoken_name(shown_name(one), one.unit);
     parts.push_back(fmt::format("{}{}{}", name, name.empty() ? "" : " ", value_text(one)));
   }
-  return fmt::format("{}", fmt::join(parts, ", "));
+  return fmt::format("{}{}", fmt::join(parts, ", "), any_sigma ? " (k = 1)" : "");
 }
 
 std::string rms_heading(std::string_view unit) {
@@ -171,8 +173,10 @@ std::string noise_text(const model::PureError& noise) {
   if (noise.is_of_step)
     return fmt::format("{:.3f} {}, the smallest that the step of these readings allows", noise.noise_um, noise.unit);
   if (noise.from_repeats) return fmt::format("{:.3f} {} from repeats", noise.noise_um, noise.unit);
-  return fmt::format("at most {:.3f} {}, from neighbouring readings (no target was repeated under the same conditions)",
-                     noise.noise_um, noise.unit);
+  return fmt::format(
+      "at most {:.3f} {}, from neighbouring readings (no target was repeated under the same conditions; the "
+      "value depends on the effects in the model)",
+      noise.noise_um, noise.unit);
 }
 
 std::string_view direction_text(int approach) {
@@ -181,12 +185,14 @@ std::string_view direction_text(int approach) {
 }
 
 std::string shape_text(const std::string& variable, const std::vector<ShapePoint>& points, std::string_view unit,
-                       std::size_t most_lines) {
-  const std::vector<ShapePoint> few = thinned(points, most_lines);
+                       const std::vector<std::string>& senses) {
+  constexpr std::size_t kMostLines = 12;
+  const std::vector<ShapePoint> few = thinned(points, kMostLines);
   double largest = 0.0;
   for (const ShapePoint& point : few) largest = std::max(largest, std::abs(point.um));
   std::string text =
-      fmt::format("  {:>22}  {:>9}  of the residual near each value\n", variable, fmt::format("mean [{}]", unit));
+      fmt::format("  {:>22}  {:>9}  of the residual{} near each value\n", variable, fmt::format("mean [{}]", unit),
+                  senses.size() > 1 ? fmt::format(" of {} together", fmt::join(senses, ", ")) : "");
   for (const ShapePoint& point : few)
     text += fmt::format("  {:>22}  {:>9.2f}  {}\n", position_text(point.at), point.um, bar(point.um, largest));
   return text;

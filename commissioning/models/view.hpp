@@ -56,7 +56,7 @@ struct MeasuredLine {
 /// these data".
 [[nodiscard]] std::string value_text(const model::ParameterEstimate& parameter);
 
-/// "period 8.0003 +- 0.0012 mm, amplitude 6.51 +- 0.05 um"; without those that are nothing.
+/// "period 8.0003 +- 0.0012 mm, amplitude 6.51 +- 0.05 um (k = 1)"; without those that are nothing.
 [[nodiscard]] std::string parameters_text(const std::vector<model::ParameterEstimate>& parameters);
 
 /// "rms [um]", of other readings "rms um/m", "[um,um/m]": a heading of nine columns at most.
@@ -67,6 +67,13 @@ struct MeasuredLine {
 /// "0.52 um from repeats"
 [[nodiscard]] std::string noise_text(const model::PureError& noise);
 
+/// "Scale error" of positions, "Slope (squareness or alignment)" of straightness, "Slope" of an angle: title of an
+/// effect of one parameter along its own axis, else the meaning of that parameter.
+[[nodiscard]] std::string title_of(const model::EffectInstance& effect);
+
+/// A property of a residual (model::LeftProperty) as an engineer asks for it: "over the position" of "position".
+[[nodiscard]] std::string words_for_property(const std::string& property);
+
 /// "forward", "reverse", "no approach"
 [[nodiscard]] std::string_view direction_text(int approach);
 
@@ -75,10 +82,11 @@ struct ShapePoint {
   double at = 0.0;
   double um = 0.0;
 };
-/// A bar to either side of zero for each point, at most `most_lines` of them (neighbours are averaged).
+/// A bar to either side of zero for each point, at most twelve of them (neighbours are averaged).
 /// @param unit  of the readings
+/// @param senses  of the readings, where there are several: the chart shows their mean
 [[nodiscard]] std::string shape_text(const std::string& variable, const std::vector<ShapePoint>& points,
-                                     std::string_view unit, std::size_t most_lines = 12);
+                                     std::string_view unit, const std::vector<std::string>& senses = {});
 
 /// "3, 17, 250 and 12 more"
 [[nodiscard]] std::string rows_text(const std::vector<int>& rows, std::size_t most = 20);
@@ -118,9 +126,8 @@ inline constexpr std::size_t kMostShapes = 2;
 [[nodiscard]] Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test);
 /// name, unit, value, sigma, held, undetermined; the text of a value has as many digits as its sigma has meaning for.
 [[nodiscard]] AnswerFields fields_of(const model::ParameterEstimate& parameter);
-/// @param layout  of each
-[[nodiscard]] Cell parameters_cell(const std::vector<model::ParameterEstimate>& parameters,
-                                   std::string_view layout = {});
+/// @param layout  of each; {label}: its name in words
+[[nodiscard]] Cell parameters_cell(const model::EffectFit& effect, std::string_view layout = {});
 /// {"p_mm", "value"}
 [[nodiscard]] Json curve_json(const model::FittedCurve& curve);
 /// A number that is not finite is null.

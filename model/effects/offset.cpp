@@ -13,7 +13,7 @@ EffectDefinition offset() {
       .tells_apart = "the same everywhere and always",
       .check = "check where the readout was set to zero, and the repeatability of the datum switch",
       .headline = "{where} all shifted by {um}",
-      .parameters = {{"um", "um", "shift"}},
+      .parameters = {{"um", "um", "constant offset"}},
       .carrier = Carrier::error_map,
       .how = "a constant in the map, or the null offset of the datum (null_offset_mm)",
       .separated_by = separations::kFinerTargets,

@@ -15,7 +15,7 @@ EffectDefinition scale() {
           "along the axis, check the scale factor of the control, and the expansion coefficient and material "
           "temperature entered at the laser; across it, the alignment of the optics, then the squareness",
       .headline = "{where} with a {slope} of {um_per_m}",
-      .parameters = {{"um_per_m", "um/m", "slope"}},
+      .parameters = {{"um_per_m", "um/m", "slope (across the axis: squareness or alignment)"}},
       .carrier = Carrier::error_map,
       .how = "a table of the error map",
       .separated_by = separations::kFinerTargets,

@@ -438,7 +438,7 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
       "{components}{squareness}{without_effect}{not_determined}"
       "  standard deviation of a single reading {residual_um} um{repeated}\n"
       "  it consists of: the reading itself {white_um} um; each stop {stop_um} um and {stop_um_per_m} um per metre of "
-      "length; each pass {pass_um} um and {pass_um_per_m} um per metre of length\n"
+      "length; each pass (one run in one direction) {pass_um} um and {pass_um_per_m} um per metre of length\n"
       "  the map is known to U = {volume_U_um} um (expanded uncertainty, k = 2) of the error vector, root mean square "
       "over the volume; `ecs volume` states the residual error after compensation\n"
       "{set_ups}{outliers}{notes}{map}{params_out}",

@@ -59,7 +59,7 @@ ReportedEffect effect_of(const Json& object) {
   const auto effect = effect_in(object);
   if (effect) {
     out.place = place_text(*effect);
-    out.title = effect->definition().title;
+    out.title = title_of(*effect);
     out.facts = commissioning::facts_of(effect->definition());
   }
   const bool likely = text_at(object, "standing") == name_of(model::Standing::likely);
@@ -109,8 +109,8 @@ std::optional<ReportedDiagnosis> diagnosis_in(const Json& object) {
     if (one.is_object()) out.where.push_back({text_at(one, "variable"), number_at(one, "strength").value_or(0.0)});
   for (const Json& one : member(object, "left"))
     if (one.is_object() && !text_at(one, "is").empty())
-      out.left.push_back(
-          fmt::format("{}: {}. {}.", text_at(one, "property"), text_at(one, "is"), text_at(one, "because")));
+      out.left.push_back(fmt::format("{}: {}. {}.", words_for_property(text_at(one, "property")), text_at(one, "is"),
+                                     text_at(one, "because")));
   if (const Json& formula = member(object, "formula"); formula.is_object() && member(formula, "formula").is_object())
     for (const auto& [sense, text] : member(formula, "formula").items())
       if (text.is_string()) out.formula = fmt::format("{} = {}", sense, text.get<std::string>());

@@ -88,8 +88,10 @@ Markup model_prediction(const ReportedModel& model) {
                                   unit_text(without_commands(what_if_summary(model.what_if, model.model))))) +
          directions_table(model) +
          (any_straightness
-              ? paragraph_of("Straightness is stated here with the slope of each alignment of the straight "
-                             "edge or optics. The summary removes that slope: the two tables differ by it.",
+              ? paragraph_of("The rms values of straightness here include the slope of the deviations over "
+                             "the position (µm/m, positive where the deviation grows with the position): squareness "
+                             "of the axes, or alignment of the straight edge or optics. The summary removes that "
+                             "slope, so the two tables differ by it.",
                              "class=\"small\"")
               : Markup());
 }
@@ -124,7 +126,8 @@ Markup details(const ReportedDiagnosis& d) {
   for (const ReportedEffect& effect : d.effects) {
     if (!effect.named) continue;
     Markup body = element("h3", fmt::format("{}: {}", effect.title, effect.place));
-    if (!effect.parameters.empty()) body += paragraph_of(fmt::format("{}", fmt::join(effect.parameters, ", ")));
+    if (!effect.parameters.empty())
+      body += paragraph_of(fmt::format("{} (±: standard uncertainty, k = 1)", fmt::join(effect.parameters, ", ")));
     if (!effect.because.empty()) body += paragraph_of(unit_text(without_commands(effect.because)));
     if (!effect.but.empty()) body += paragraph_of(fmt::format("Likely, but not proved: {}.", unit_text(effect.but)));
     std::vector<std::string> facts;
@@ -156,7 +159,9 @@ Markup diagnosis_part(const ReportedDiagnosis& d) {
     body += paragraph_of(
         fmt::format("Variables that the residual depends on, share of its variance: {}.", fmt::join(where, ", ")));
   if (!d.left.empty()) {
-    body += paragraph_of("Residual after these effects:");
+    body += paragraph_of(
+        "Residual after these effects; in brackets the share of its variance above noise that each description alone "
+        "explains:");
     body += list_of(d.left);
   }
   if (!d.formula.empty()) body += paragraph_of(fmt::format("As a formula: {}.", d.formula));
@@ -185,14 +190,15 @@ std::string parameters_in_words(const model::EffectFit& fit) {
 }
 
 Markup effects_table(const ReportedModel& model) {
-  TableMarkup table(columns("effect in the model|cause|values|>rms [µm]|compensated by"));
+  TableMarkup table(
+      columns("effect in the model|cause|values (±: standard uncertainty, k = 1)|>rms [µm]|compensated by"));
   for (const model::EffectFit& fit : model.effects) {
     const auto share = std::find_if(model.what_if.shares.begin(), model.what_if.shares.end(),
                                     [&](const auto& s) { return s.effect == to_text(fit.effect); });
     const std::string how = share == model.what_if.shares.end() ? "" : (share->carried ? "" : "not: ") + share->how;
     table.row({element("strong", name_with_alternatives(fit.effect)),
-               text(fit.effect.is_user() ? fit.effect.name : std::string(fit.effect.definition().title)),
-               text(parameters_in_words(fit)), cell(fit.rms_um, 2), text(how)});
+               text(fit.effect.is_user() ? fit.effect.name : title_of(fit.effect)), text(parameters_in_words(fit)),
+               cell(fit.rms_um, 2), text(how)});
   }
   return table.markup();
 }

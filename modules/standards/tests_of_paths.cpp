@@ -73,7 +73,8 @@ Cell fault_cell(const model::CircleFaultFound& fault) {
 Cell diagnosis_cell(const model::CircleDiagnosis& diagnosis) {
   const std::string heading = diagnosis.faults.empty()
                                   ? std::string("  no fault of the library exceeds the noise\n")
-                                  : fmt::format("  {:>8} {:>8} {:>8}  {}\n", "share", "rms [um]", "G [um]", "cause");
+                                  : fmt::format("  {:>8} {:>8} {:>8}  {}\n", "share", "rms [um]", "G [um]",
+                                                "cause, with its size +- standard uncertainty (k = 1)");
   return record_cell(
       "causes: deviations {rms_um} um rms about the centre, noise {noise_um} um{from}, residual {left_um} um "
       "rms\n{faults}{notes}",
@@ -142,7 +143,11 @@ struct DiagonalRequest {
   std::string file;
   static Fields<DiagonalRequest> fields() {
     using R = DiagonalRequest;
-    return {{"FILE", &R::file, "file of deviations along diagonals: diagonal,position_mm,deviation_um,approach,run",
+    return {{"FILE", &R::file,
+             "CSV file with the columns diagonal, position_mm (along the diagonal), deviation_um, approach (1, -1) and "
+             "run; "
+             "diagonal is named by the direction of X, Y and Z along it: P with the axis, N against it, 0 axis at rest "
+             "(PPP, NPP, PNP and PPN of the volume, PP0 and NP0 of the XY face)",
              Need::required}};
   }
 };
@@ -158,7 +163,7 @@ Cell diagonal_cell(const laser::DiagonalValues& values) {
 }
 
 Cell squareness_cell(const laser::DiagonalSquareness& squareness) {
-  return record_cell("  squareness {name}: {um_per_m} +- {sigma} um/m\n", "name"_is(squareness.name),
+  return record_cell("  squareness {name}: {um_per_m} +- {sigma} um/m (k = 1)\n", "name"_is(squareness.name),
                      "um_per_m"_is(squareness.um_per_m, 2), "sigma"_is(squareness.sigma, 2));
 }
 
@@ -191,7 +196,7 @@ Result<Outcome> diagonals(VerbContext&, const DiagonalRequest& request) {
   if (test.steps)
     for (const laser::DiagonalReadings& diagonal : test.diagonals) moving.add(moving_cell(diagonal));
   const std::string heading = fmt::format("  {:<8} {:>10} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9}\n", "diagonal",
-                                          "length mm", "E [um]", "R", "A", "B", "M", "um/m");
+                                          "length mm", "E [um]", "R", "A", "B", "M", "slope um/m (k = 1)");
   return outcome_of(record_cell("{file}: {kind}\n{diagonals}{body}{squareness}{while_moving}{notes}",
                                 "file"_is(request.file), "kind"_is(test.steps ? "step diagonals" : "diagonals"),
                                 "diagonals"_is(list_cell(results.diagonals, diagonal_cell, heading)),
@@ -207,7 +212,8 @@ extern const std::vector<Action> kTestsOfPaths{
     action("test circle", "ISO 230-4: circular deviations G, F and D, and their causes with their shares",
            "ecs test circle circle.csv --machine machine.toml --plot circle.svg", circle,
            {.logged = Logged::always, .kind = "test"}),
-    action("test diagonals", "ISO 230-6: body and face diagonals; step diagonals with a warning",
+    action("test diagonals",
+           "ISO 230-6: errors along the diagonals of the working volume or of a face, and the squareness that follows",
            "ecs test diagonals diagonals.csv --json", diagonals, {.logged = Logged::always, .kind = "test"})};
 
 }  // namespace ecs::app

@@ -105,7 +105,7 @@ std::string further_words(const laser::SpindleTest& test) {
 Cell separation_cell(const laser::SpindleSeparation& separation) {
   return record_cell(
       "  {motion:<10} synchronous {synchronous_um} um (MRS {synchronous_mrs_um}), form of the ball {form_um} um (MRS "
-      "{form_mrs_um}), each +- {sigma_um} um at one angle\n",
+      "{form_mrs_um}), each +- {sigma_um} um (k = 1) at one angle\n",
       "motion"_is(separation.id), "synchronous_um"_is(separation.synchronous_um, 3),
       "synchronous_mrs_um"_is(separation.synchronous_zone_um, 3), "form_um"_is(separation.form_um, 3),
       "form_mrs_um"_is(separation.form_zone_um, 3), "sigma_um"_is(separation.sigma_um, 3));

@@ -86,7 +86,7 @@ std::string shapes_text(const DriveDiagnosis& d) {
 
 std::string value_of(const DriveChange& change, const model::DriveParameters& given) {
   const model::DriveConstantInfo& info = model::info_of(change.constant);
-  return fmt::format("{} = {}{}{} (given {})", info.name,
+  return fmt::format("{} = {}{}{} (k = 1; given {})", info.name,
                      value_text({std::string(info.name), "", change.value, change.sigma, false, false}),
                      info.unit.empty() ? "" : " ", info.unit, few_digits(given[change.constant], 4));
 }

@@ -282,11 +282,13 @@ Cell drift_cell(const MeasuredLine& line) {
   const auto unit = laser::unit_of(line.group.sense);
   const Cell runs = list_cell(drift->runs, [&](const laser::RunOffset& run) {
     const bool apart = std::find(drift->apart.begin(), drift->apart.end(), run.run) != drift->apart.end();
-    return record_cell(apart ? "  run {run} differs from the others by {offset:+.3g} +- {sigma:.2g} {unit}\n" : "",
-                       "run"_is(run.run), "offset"_is(run.offset), "sigma"_is(run.sigma), "unit"_shown(unit));
+    return record_cell(
+        apart ? "  run {run} differs from the others by {offset:+.3g} +- {sigma:.2g} {unit} (k = 1)\n" : "",
+        "run"_is(run.run), "offset"_is(run.offset), "sigma"_is(run.sigma), "unit"_shown(unit));
   });
   constexpr const char* kDrifts =
-      "  drift: {per_run:+.3g} +- {per_run_sigma:.2g} {unit} per run, {first_to_last:+.3g} {unit} from the first to "
+      "  drift: {per_run:+.3g} +- {per_run_sigma:.2g} {unit} (k = 1) per run, {first_to_last:+.3g} {unit} from the "
+      "first to "
       "the last run\n{runs}";
   return record_cell(drift->drifts ? kDrifts : "{runs}", "per_run"_is(drift->per_run),
                      "per_run_sigma"_is(drift->per_run_sigma), "first_to_last"_is(drift->first_to_last),
@@ -324,7 +326,8 @@ Cell wave_cell(const laser::TurnWave& wave, Sense sense) {
   constexpr double kUm_per_m_arcsec = 4.84813681;
   constexpr const char* kUsual[] = {"", ": an eccentric scale or table", ": an oval or tilted scale"};
   return record_cell(
-      "    {order} per turn ({period_deg:.4g} deg): +-{amplitude:.2f} {unit}{arcsec}, sigma {amplitude_sigma:.2g}, "
+      "    {order} per turn ({period_deg:.4g} deg): amplitude {amplitude:.2f} +- {amplitude_sigma:.2g} {unit}{arcsec} "
+      "(k = 1), "
       "phase {phase_deg:.0f} deg{usual}\n",
       "order"_is(wave.order), "period_deg"_is(360.0 / wave.order), "amplitude"_is(wave.amplitude),
       "amplitude_sigma"_is(wave.amplitude_sigma), "phase_deg"_is(wave.phase_deg), "p_value"_is(wave.p_value),

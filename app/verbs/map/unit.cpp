@@ -103,8 +103,10 @@ Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
                                           found.map.header.machine.empty() ? found.name : found.map.header.machine);
     ECS_DO(write_plot(request.plot, figure_of(found.map, only, title)));
   }
-  return outcome_of(record_cell("{header}\n{tables}{findings}{plot}", "map"_is(found.name),
-                                "header"_is(header_cell(found.map.header)),
+  constexpr std::string_view kSigns =
+      "values: compensation, which the unit adds to the position (the sign is opposite to that of the error)\n";
+  return outcome_of(record_cell("{header}\n{tables}{signs}{findings}{plot}", "map"_is(found.name),
+                                "signs"_shown(tables.empty() ? "" : kSigns), "header"_is(header_cell(found.map.header)),
                                 "tables"_is(tables_cell(tables, only.has_value())),
                                 "findings"_is(judged_cell(findings)), "plot"_is(written_cell("plot", request.plot))));
 }
@@ -147,12 +149,15 @@ Result<Outcome> compare(VerbContext&, const CompareRequest& request) {
         laser::write_measurement_set(request.output, measurement_of(change, second, {request.first, request.second})));
   return outcome_of(record_cell(
       "difference: errors of {second} minus errors of {first}; residual: rms without mean, slope and reversal\n"
-      "{curves}{notes}{output}",
+      "{curves}{notes}{closing}{output}",
       "first"_is(request.first), "second"_is(request.second), "curves"_is(change_cell(change)),
       "notes"_is(lines_cell(change.notes, "note: ")),
       "output"_is(written_cell("difference", request.output,
-                               "To find the cause, save the difference with -o difference.csv, then run `ecs model "
-                               "new` and `ecs model diagnose`.\n"))));
+                               is_without_change(change)
+                                   ? ""
+                                   : "To find the cause, save the difference with -o difference.csv, then run `ecs "
+                                     "model new` and `ecs model diagnose`.\n")),
+      "closing"_shown(closing_text(change, request.first, request.second))));
 }
 
 constexpr std::string_view kBeforeFirstCompensation =

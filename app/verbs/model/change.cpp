@@ -120,7 +120,7 @@ std::string no_better_text(const model::Added& added, std::string_view unit, con
 
 Cell added_cell(const model::Added& added, std::string_view unit, const std::string& output) {
   Json effect = effect_json(added.effect.effect);
-  effect["parameters"] = parameters_cell(added.effect.parameters).json;
+  effect["parameters"] = parameters_cell(added.effect).json;
   const int outliers = added.step.outliers;
   const std::string summary = paragraph(
       fmt::format("added {}: rms {:.3f} -> {:.3f} {}{}, noise of one reading {}{:.3f} {}",

@@ -151,7 +151,8 @@ std::string rivals_text(const std::vector<std::string>& rivals, const model::Dia
 Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& diagnosis, const NextRequest& request) {
   Cell proposals{Json::array(), {}};
   for (const MeasurementProposal& one : next.proposals) proposals.add(proposal_cell(one, proposals.json.size() + 1));
-  if (proposals.json.size() > 1) proposals.text += "\nProposal 1 distinguishes these causes best per minute.\n";
+  if (proposals.json.size() > 1 && !next.proposals.front().pairs.empty())
+    proposals.text += "\nProposal 1 distinguishes these causes best per minute.\n";
   return record_cell("{verdict}{rivals}{proposals}{notes}",
                      "verdict"_is(name_of(diagnosis.verdict), paragraph(diagnosis.headline)),
                      "rivals"_is(next.rivals, rivals_text(next.rivals, diagnosis)),
@@ -221,7 +222,7 @@ Cell check_cell(const PlanCheck& check, double noise_um, std::size_t readings) {
   for (const model::EffectFit& effect : check.effects)
     effects.add(record_cell("{place}  ({readings} readings)\n{parameters}", inlined({effect_json(effect.effect), ""}),
                             "place"_shown(place_text(effect.effect)),
-                            "parameters"_is(parameters_cell(effect.parameters, "  {name:<38} {sigma:>15}  {unit}\n")),
+                            "parameters"_is(parameters_cell(effect, "  {label:<38} {sigma:>15}  {unit}\n")),
                             "readings"_is(effect.readings)));
   std::string undetermined, assumed;
   for (const std::string& one : check.undetermined) undetermined += paragraph("undetermined: " + one, 0, 2);

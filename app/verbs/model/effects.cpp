@@ -98,8 +98,11 @@ struct NewRequest {
 Result<Outcome> begin(VerbContext& context, const NewRequest& given) {
   const ModelArguments& request = given.common;
   ECS_TRY(work, begun_model(context.console, request));
-  std::vector<std::string> effects;
-  for (const model::EffectInstance& effect : work.model.effects) effects.push_back(name_with_alternatives(effect));
+  Cell effects{Json::array(), {}};
+  for (const model::EffectInstance& effect : work.model.effects) {
+    const std::string name = name_with_alternatives(effect);
+    effects.add({name, fmt::format("  {} {}\n", padded(name, 26), title_of(effect))});
+  }
   std::vector<std::string> next{"ecs", "model", "diagnose", request.model};
   next.insert(next.end(), request.data.begin(), request.data.end());
   if (!request.machine.empty()) next.insert(next.end(), {"--machine", request.machine});
@@ -108,7 +111,7 @@ Result<Outcome> begin(VerbContext& context, const NewRequest& given) {
   return outcome_of(record_cell("{model}: a new model with {usual}{of_paths}\n{effects}next: {next}\n",
                                 "model"_is(request.model), "usual"_shown(usual_in_words(work.data)),
                                 "of_paths"_shown(work.data.paths.empty() ? "" : "; circles and diagonals add nothing"),
-                                "effects"_is(lines_cell(effects, "  ")), "next"_shown(shell_command(next))));
+                                "effects"_is(std::move(effects)), "next"_shown(shell_command(next))));
 }
 
 struct PredictRequest {

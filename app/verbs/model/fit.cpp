@@ -49,7 +49,7 @@ struct FitRequest {
 Cell effect_cell(const EffectFit& effect) {
   AnswerFields fields = described(
       inlined({effect_json(effect.effect), ""}), "place"_shown(padded(name_with_alternatives(effect.effect), 67)),
-      "parameters"_is(parameters_cell(effect.parameters, "  {name:<26} {value:>13} {sigma:>13}  {unit}\n")),
+      "parameters"_is(parameters_cell(effect, "  {label:<31} {value:>10} {sigma:>12}  {unit}\n")),
       "rms_um"_is(effect.rms_um, effect.readings > 0 ? fmt::format(" {:>12.3f}", effect.rms_um) : ""),
       "readings"_is(effect.readings), "skipped"_is(effect.skipped));
   if (!effect.effect.curve.empty()) fields.push_back("curve"_is(curve_json(effect.effect.curve)));
@@ -58,9 +58,11 @@ Cell effect_cell(const EffectFit& effect) {
 
 Cell effects_cell(const Fit& fit) {
   if (fit.effects.empty()) return {Json::array(), ""};
-  return list_cell(fit.effects, effect_cell,
-                   fmt::format("\n{} {:>13} {:>13}  {:<13} {:>8}\n", padded("effect and parameter", 28), "value",
-                               "sigma", "unit", rms_heading(fit.noise.unit)));
+  Cell list = list_cell(fit.effects, effect_cell,
+                        fmt::format("\n{} {:>10} {:>12}  {:<12} {:>8}\n", padded("effect and parameter", 33), "value",
+                                    "sigma", "unit", rms_heading(fit.noise.unit)));
+  list.text += "sigma: standard uncertainty (k = 1); rms: contribution of the effect to the readings\n";
+  return list;
 }
 
 /// All strong correlations as JSON; the strongest as text, and how many more there are.
