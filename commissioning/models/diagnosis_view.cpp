@@ -94,29 +94,35 @@ std::vector<std::string> senses_of(const Comparison& c) {
   return senses;
 }
 
+/// The variable and the sense of a view of one sense among several: "x_mm", "EX" of "x_mm of EX"; else "".
+std::pair<std::string, std::string> parts_of(const model::ResidualView& view, const std::vector<std::string>& senses) {
+  for (const std::string& sense : senses)
+    if (const std::string of = " of " + sense; view.variable.ends_with(of))
+      return {view.variable.substr(0, view.variable.size() - of.size()), sense};
+  return {view.variable, ""};
+}
+
+/// Of several senses a curve for each: together they may cancel.
 Cell variables_cell(const Comparison& c) {
   if (c.views.empty()) return {Json::array(), ""};
   const std::vector<std::string> senses = senses_of(c);
-  const auto is_of_one = [&](const model::ResidualView& view) {
-    return std::ranges::any_of(senses, [&](const auto& sense) { return view.variable.ends_with(" of " + sense); });
-  };
   Cell list{Json::array(), "\nshare of the residual variance that each variable explains, beyond noise\n"};
-  const auto views = by_share(c);
-  for (const model::ResidualView* view : views) {
-    Cell one = variable_cell(*view);
-    if (is_of_one(*view) && view->share < kWorthAShape) one.text.clear();
-    list.add(one);
-  }
+  std::string shown;
   std::size_t shapes = 0;
-  for (const model::ResidualView* view : views) {
-    if (view->share < kWorthAShape) break;
-    if (view->bins.empty()) continue;  // a product of two coordinates has no axis of its own
-    if (++shapes > kMostShapes) break;
+  for (const model::ResidualView* view : by_share(c)) {
+    const auto [variable, sense] = parts_of(*view, senses);
+    const bool is_worth = view->share >= kWorthAShape;
+    Cell one = variable_cell(*view);
+    if (!sense.empty() && !is_worth) one.text.clear();
+    list.add(one);
+    if (!is_worth || view->bins.empty() || (senses.size() > 1 && sense.empty())) continue;  // a product has no axis
+    if (++shapes > kMostShapes) continue;
     std::vector<ShapePoint> points;
     for (const model::ResidualBin& bin : view->bins) points.push_back({0.5 * (bin.from + bin.to), bin.mean_um});
-    list.text +=
-        "\n" + shape_text(view->variable, points, c.noise.unit, is_of_one(*view) ? std::vector<std::string>() : senses);
+    shown += "\n" + shape_text(variable, points, c.noise.unit,
+                               sense.empty() ? std::vector<std::string>() : std::vector{sense});
   }
+  list.text += shown;
   return list;
 }
 

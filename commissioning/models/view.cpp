@@ -192,7 +192,7 @@ std::string shape_text(const std::string& variable, const std::vector<ShapePoint
   for (const ShapePoint& point : few) largest = std::max(largest, std::abs(point.um));
   std::string text =
       fmt::format("  {:>22}  {:>9}  of the residual{} near each value\n", variable, fmt::format("mean [{}]", unit),
-                  senses.size() > 1 ? fmt::format(" of {} together", fmt::join(senses, ", ")) : "");
+                  senses.empty() ? "" : fmt::format(" of {}", fmt::join(senses, ", ")));
   for (const ShapePoint& point : few)
     text += fmt::format("  {:>22}  {:>9.2f}  {}\n", position_text(point.at), point.um, bar(point.um, largest));
   return text;

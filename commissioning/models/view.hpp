@@ -84,7 +84,7 @@ struct ShapePoint {
 };
 /// A bar to either side of zero for each point, at most twelve of them (neighbours are averaged).
 /// @param unit  of the readings
-/// @param senses  of the readings, where there are several: the chart shows their mean
+/// @param senses  of the readings, where the data have several; the chart shows their mean
 [[nodiscard]] std::string shape_text(const std::string& variable, const std::vector<ShapePoint>& points,
                                      std::string_view unit, const std::vector<std::string>& senses = {});
 

@@ -168,6 +168,35 @@ ResidualView residual_view(const Observations& data, const std::vector<double>& 
   return view;
 }
 
+namespace {
+
+/// @param of  behind the name of each variable
+void add_views(Comparison& comparison, const Observations& data, const std::vector<double>& residual,
+               const std::string& of) {
+  const Eigen::Map<const Eigen::VectorXd> values(residual.data(), static_cast<Eigen::Index>(residual.size()));
+  for (const NamedShare& one : shares_by_variable(data, values, comparison.noise.noise_um)) {
+    ResidualView view = residual_view(data, residual, one.variable);
+    view.variable += of;
+    view.share = one.share;
+    if (view.bins.size() != 1) comparison.views.push_back(std::move(view));
+  }
+}
+
+/// Of readings of several senses each variable for each of them too: residuals of two senses may cancel.
+void add_views_by_sense(Comparison& comparison, const Fit& fit, const Observations& data) {
+  std::map<std::string, std::vector<std::size_t>> rows;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    rows[data.on_path(k) ? data.path_name(k) : std::string(name_of(data.sense[k]))].push_back(k);
+  if (rows.size() < 2) return;
+  for (const auto& [sense, of] : rows) {
+    std::vector<double> residual;
+    for (const std::size_t k : of) residual.push_back(fit.residual[k]);
+    add_views(comparison, subset(data, of), residual, " of " + sense);
+  }
+}
+
+}  // namespace
+
 Comparison compare(const Fit& fit, const Observations& data, std::size_t worst_count) {
   Comparison comparison;
   comparison.rms_um = fit.rms_um;
@@ -178,12 +207,8 @@ Comparison compare(const Fit& fit, const Observations& data, std::size_t worst_c
   comparison.rotary = data.rotary;
   comparison.directions = directions_of(fit, data);
   comparison.worst = worst_of(fit, data, worst_count);
-  const Eigen::Map<const Eigen::VectorXd> residual(fit.residual.data(), static_cast<Eigen::Index>(fit.residual.size()));
-  for (const NamedShare& of : shares_by_variable(data, residual, fit.noise.noise_um)) {
-    ResidualView view = residual_view(data, fit.residual, of.variable);
-    view.share = of.share;
-    if (view.bins.size() != 1) comparison.views.push_back(std::move(view));
-  }
+  add_views(comparison, data, fit.residual, "");
+  add_views_by_sense(comparison, fit, data);
   return comparison;
 }
 
