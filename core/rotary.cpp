@@ -188,7 +188,9 @@ double set_direction(const Vector3& direction, RotaryWorking& working) noexcept 
     sense = direction[d] > 0.0 ? 1.0 : -1.0;
   }
   working.inner_axis = sum({}, direction, sense);
-  working.way = static_cast<std::uint32_t>(4 * (static_cast<std::size_t>(working.arrangement) - 1) + along);
+  const bool is_apart = working.arrangement == RotaryWorking::Arrangement::table_and_head;
+  working.way =
+      static_cast<std::uint32_t>(4 * (static_cast<std::size_t>(working.arrangement) - 1) + (is_apart ? 0 : along));
   return sense;
 }
 

@@ -90,7 +90,8 @@ struct RotaryWorking {
   static constexpr std::size_t kOblique = 3;
 
   Arrangement arrangement = Arrangement::none;
-  std::uint32_t way = 0;  ///< of the tick: 4 × (arrangement − 1) + direction of the inner axis, X, Y or Z or kOblique
+  /// Of the tick: 4 × (arrangement − 1) + direction of the inner axis, X, Y or Z or kOblique; of table and head 8.
+  std::uint32_t way = 0;
   alignas(16) std::array<double, 2> um_per_mm{};  ///< twice: of a linear axis's rotation of 1 um/m
   Vector3 inner_axis{0.0, 0.0, 1.0};              ///< the sine of the inner cells is that of Q about this direction
   alignas(16) std::array<Lanes, 3> arm_mm{};  ///< of the tool: constant, and for cosine and sine of the axis at place 1

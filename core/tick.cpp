@@ -83,7 +83,6 @@ inline std::int32_t rounded(double value) noexcept { return static_cast<std::int
 
 /// Scaling, size limit, slew limit, rounding; and how the axes follow. Plain arithmetic in lanes, as above.
 inline void put_out(const OutputWorking& to, TickState& state) noexcept {
-  const Lanes wanted_um{state.compensation_um[0], state.compensation_um[1], state.compensation_um[2], 0.0};
   const double* const counts_per_um = std::assume_aligned<16>(to.counts_per_um.data());
   const double* const least_counts = std::assume_aligned<16>(to.least_counts.data());
   const double* const limit_counts = std::assume_aligned<16>(to.limit_counts.data());
@@ -93,9 +92,11 @@ inline void put_out(const OutputWorking& to, TickState& state) noexcept {
   const double* const unsure_kept = std::assume_aligned<16>(to.unsure_kept.data());
   const Lanes before = state.output_counts;
   const Lanes own_mm = state.own_motion_mm, unsure_mm = state.unsure_mm;
-  Lanes asked, output, followed, unsure;
+  const Pair asked_xy = Pair{state.compensation_um[0], state.compensation_um[1]} * pair_at(counts_per_um);
+  const Pair asked_z = Pair{state.compensation_um[2], 0.0} * pair_at(counts_per_um + 2);
+  const Lanes asked{asked_xy[0], asked_xy[1], asked_z[0], asked_z[1]};
+  Lanes output, followed, unsure;
   for (std::size_t a = 0; a < 4; ++a) {
-    asked[a] = wanted_um[a] * counts_per_um[a];
     const double least = before[a] - slew_counts[a];
     const double most = before[a] + slew_counts[a];
     const double above = asked[a] > least_counts[a] ? asked[a] : least_counts[a];
@@ -180,17 +181,31 @@ inline std::array<Number, kAxes> turned_about(const Vector3& n, const std::array
 }
 
 /// v turned about the inner axis, in the sense of Q.
-template <std::size_t direction, class Number>
-inline std::array<Number, kAxes> turned(const RotaryWorking& working, const std::array<Number, kAxes>& v, Number c,
-                                        Number s) noexcept {
+template <std::size_t direction>
+inline Twist turned(const RotaryWorking& working, const Twist& v, Pair c, Pair s) noexcept {
   if constexpr (direction < kAxes) {
     constexpr std::size_t i = (direction + 1) % kAxes, j = (direction + 2) % kAxes;
-    std::array<Number, kAxes> out = v;
+    Twist out = v;
     out[i] = c * v[i] - s * v[j];
     out[j] = s * v[i] + c * v[j];
     return out;
   } else {
     return turned_about(working.inner_axis, v, c, s);
+  }
+}
+
+/// The same of an arm. @param turn  cosine and sine
+template <std::size_t direction>
+inline Vector3 turned_arm(const RotaryWorking& working, const Vector3& v, Pair turn) noexcept {
+  if constexpr (direction < kAxes) {
+    constexpr std::size_t i = (direction + 1) % kAxes, j = (direction + 2) % kAxes;
+    const Pair ij = twice(v[i]) * turn + twice(v[j]) * Pair{-turn[1], turn[0]};
+    Vector3 out = v;
+    out[i] = ij[0];
+    out[j] = ij[1];
+    return out;
+  } else {
+    return turned_about(working.inner_axis, v, turn[0], turn[1]);
   }
 }
 
@@ -249,47 +264,47 @@ inline Compensation rotary_um(const RotaryWorking& working, const RotaryTickStat
                       {position_mm[0] + arm[0], position_mm[1] + arm[1], position_mm[2] + arm[2]});
   } else if constexpr (arrangement == heads) {
     const Twist twist = both<direction>(working, values);
-    const Vector3 arm_mm =
-        turned<direction>(working, arm_of_tool_mm(working, values[1].turned), values[0].turned[0], values[0].turned[1]);
+    const Vector3 arm_mm = turned_arm<direction>(working, arm_of_tool_mm(working, values[1].turned), values[0].turned);
     return plus_cross(shift_of(twist), turns_at_tool(working, state, linear, twist), arm_mm);
   } else {
     const Twist& table = values[0].twist;
     const Twist& head = values[1].twist;
     const Vector3 arm_mm = arm_of_tool_mm(working, values[1].turned);
-    const Compensation of_table =
-        plus_cross(shift_of(table), turns_of(table), plus(plus(position_mm, working.table_arm_mm), arm_mm));
-    const Compensation of_head = plus_cross(shift_of(head), turns_at_tool(working, state, linear, head), arm_mm);
-    return {of_table.xy_um + of_head.xy_um, of_table.z_um + of_head.z_um};
+    const Twist twist{table[0] + head[0], table[1] + head[1], table[2] + head[2]};
+    return plus_cross(plus_cross(shift_of(twist), turns_of(table), plus(position_mm, working.table_arm_mm)),
+                      turns_at_tool(working, state, linear, twist), arm_mm);
   }
 }
 
-inline Compensation rotary_um(const RotaryWorking& working, const RotaryTickState& state, const Vector3& position_mm,
-                              const PerAxis<CurveValues>& linear, const PerRotary<RotaryValues>& values) noexcept {
-  using enum RotaryWorking::Arrangement;
-  const auto with = [&]<RotaryWorking::Arrangement arrangement, std::size_t direction>() {
-    return rotary_um<arrangement, direction>(working, state, position_mm, linear, values);
-  };
-  switch (working.way) {
-    case 0:
-      return with.operator()<tables, 0>();
-    case 1:
-      return with.operator()<tables, 1>();
-    case 2:
-      return with.operator()<tables, 2>();
-    case 3:
-      return with.operator()<tables, RotaryWorking::kOblique>();
-    case 4:
-      return with.operator()<heads, 0>();
-    case 5:
-      return with.operator()<heads, 1>();
-    case 6:
-      return with.operator()<heads, 2>();
-    case 7:
-      return with.operator()<heads, RotaryWorking::kOblique>();
-    default:
-      return with.operator()<table_and_head, 0>();
-  }
+/// A period of one arrangement and direction of the inner axis. A function for each, so that its numbers stay in
+/// registers.
+template <RotaryWorking::Arrangement arrangement, std::size_t direction>
+[[gnu::flatten]] void tick_on_way(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
+                                  const ThermalPolynomial& thermal, RotaryTickState& rotary,
+                                  const PerRotary<std::int64_t>& rotary_counts) noexcept {
+  const PerAxis<CurveValues> values = read_axes(map, state, counts);
+  const Compensation linear_um = combine(map, values, state.position_mm);
+  const Compensation turned_um =
+      rotary_um<arrangement, direction>(map.rotary, rotary, state.position_mm, values,
+                                        {read_rotary(map.rotary.axes[0], rotary, rotary_counts[0], 0),
+                                         read_rotary(map.rotary.axes[1], rotary, rotary_counts[1], 1)});
+  const Lanes warm_um = value_um(thermal, state.position_mm);
+  const Pair xy_um = linear_um.xy_um + turned_um.xy_um + Pair{warm_um[0], warm_um[1]};
+  state.compensation_um = {xy_um[0], xy_um[1], linear_um.z_um + turned_um.z_um + warm_um[2]};
+  put_out(map.output, state);
+  ++state.ticks;
 }
+
+/// By RotaryWorking::way.
+constexpr std::array kWays{&tick_on_way<RotaryWorking::Arrangement::tables, 0>,
+                           &tick_on_way<RotaryWorking::Arrangement::tables, 1>,
+                           &tick_on_way<RotaryWorking::Arrangement::tables, 2>,
+                           &tick_on_way<RotaryWorking::Arrangement::tables, RotaryWorking::kOblique>,
+                           &tick_on_way<RotaryWorking::Arrangement::heads, 0>,
+                           &tick_on_way<RotaryWorking::Arrangement::heads, 1>,
+                           &tick_on_way<RotaryWorking::Arrangement::heads, 2>,
+                           &tick_on_way<RotaryWorking::Arrangement::heads, RotaryWorking::kOblique>,
+                           &tick_on_way<RotaryWorking::Arrangement::table_and_head, 0>};
 
 }  // namespace
 
@@ -304,15 +319,15 @@ void start(TickState& state, const PerAxis<std::int64_t>& counts, const Vector3&
     state.approach[a] = approach[a] == Approach::unknown ? Approach::forward : approach[a];
 }
 
-void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts) noexcept {
+[[gnu::flatten]] void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts) noexcept {
   const Compensation asked = compensated(map, state, counts);
   state.compensation_um = {asked.xy_um[0], asked.xy_um[1], asked.z_um};
   put_out(map.output, state);
   ++state.ticks;
 }
 
-void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
-          const ThermalPolynomial& thermal) noexcept {
+[[gnu::flatten]] void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
+                           const ThermalPolynomial& thermal) noexcept {
   const Compensation asked = compensated(map, state, counts);
   const Lanes warm_um = value_um(thermal, state.position_mm);
   state.compensation_um = {asked.xy_um[0] + warm_um[0], asked.xy_um[1] + warm_um[1], asked.z_um + warm_um[2]};
@@ -351,16 +366,7 @@ void follow_thermal(const CompiledMap& map, const ThermalState& thermal, RotaryT
 void tick(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
           const ThermalPolynomial& thermal, RotaryTickState& rotary,
           const PerRotary<std::int64_t>& rotary_counts) noexcept {
-  const PerAxis<CurveValues> values = read_axes(map, state, counts);
-  const Compensation linear_um = combine(map, values, state.position_mm);
-  const Compensation turned_um = rotary_um(map.rotary, rotary, state.position_mm, values,
-                                           {read_rotary(map.rotary.axes[0], rotary, rotary_counts[0], 0),
-                                            read_rotary(map.rotary.axes[1], rotary, rotary_counts[1], 1)});
-  const Lanes warm_um = value_um(thermal, state.position_mm);
-  const Pair xy_um = linear_um.xy_um + turned_um.xy_um + Pair{warm_um[0], warm_um[1]};
-  state.compensation_um = {xy_um[0], xy_um[1], linear_um.z_um + turned_um.z_um + warm_um[2]};
-  put_out(map.output, state);
-  ++state.ticks;
+  kWays[map.rotary.way](map, state, counts, thermal, rotary, rotary_counts);
 }
 
 Vector3 compensation_um_at(const CompiledMap& map, const Vector3& position_mm,
