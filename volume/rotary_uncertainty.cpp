@@ -201,8 +201,7 @@ Covariance covariance_at(const CompensatedMachine& machine, const UncertaintyBud
   return sum;
 }
 
-RotaryDraws::RotaryDraws(const RotaryAxes& rotary, const RotaryBudget& budget, std::uint64_t seed)
-    : rotary_(rotary), budget_(budget), generator_(seed) {}
+RotaryDraws::RotaryDraws(const RotaryBudget& budget, std::uint64_t seed) : budget_(budget), generator_(seed) {}
 
 RotaryErrors RotaryDraws::next() {
   NormalDraws normal;
@@ -264,7 +263,7 @@ Result<VolumeUncertainty> uncertainty_of(const CompensatedMachine& machine, cons
   double drawn = 0.0;
   std::vector<double> largest, rms;
   MapDraws maps(machine, budget, settings.seed);
-  RotaryDraws turns(*machine.rotary, rotary, settings.seed + 1);
+  RotaryDraws turns(rotary, settings.seed + 1);
   for (std::size_t k = 0; k < settings.draws; ++k) {
     maps.next();
     const RotaryErrors errors = turns.next();

@@ -39,11 +39,11 @@ struct RotaryBudget {
 /// Draws errors of rotary axes: deviations from what is given.
 class RotaryDraws {
  public:
-  RotaryDraws(const RotaryAxes& rotary, const RotaryBudget& budget, std::uint64_t seed);
+  /// @param budget  outlives the draws
+  RotaryDraws(const RotaryBudget& budget, std::uint64_t seed);
   [[nodiscard]] RotaryErrors next();
 
  private:
-  const RotaryAxes& rotary_;
   const RotaryBudget& budget_;
   std::mt19937_64 generator_;
 };

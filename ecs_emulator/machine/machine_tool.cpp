@@ -316,18 +316,25 @@ bool MachineTool::settled() const {
   return true;
 }
 
-Signals MachineTool::signals() const {
-  Signals signals;
+namespace {
+
+/// What each axis states, in its place.
+template <class Values, class Axes, class Of>
+Values of_each(const Axes& axes, Of of) {
+  Values values{};
   for (std::size_t a = 0; a < kAxes; ++a)
-    if (axes_[a]) signals[a] = axes_[a]->signals();
-  return signals;
+    if (axes[a]) values[a] = of(*axes[a]);
+  return values;
+}
+
+}  // namespace
+
+Signals MachineTool::signals() const {
+  return of_each<Signals>(axes_, [](const auto& axis) { return axis.signals(); });
 }
 
 RotaryWires MachineTool::rotary_wires() const {
-  RotaryWires wires;
-  for (std::size_t r = 0; r < kAxes; ++r)
-    if (rotary_[r]) wires[r] = rotary_[r]->signals();
-  return wires;
+  return of_each<RotaryWires>(rotary_, [](const auto& axis) { return axis.signals(); });
 }
 
 RotaryState MachineTool::rotary_state() const {
@@ -357,17 +364,11 @@ MachineState MachineTool::state() const {
 }
 
 PerAxis<std::array<double, 2>> MachineTool::travel_mm() const {
-  PerAxis<std::array<double, 2>> travel{};
-  for (std::size_t a = 0; a < kAxes; ++a)
-    if (axes_[a]) travel[a] = axes_[a]->facts().travel_mm;
-  return travel;
+  return of_each<PerAxis<std::array<double, 2>>>(axes_, [](const auto& axis) { return axis.facts().travel_mm; });
 }
 
 Vector3 MachineTool::datum_mm() const {
-  Vector3 datum{};
-  for (std::size_t a = 0; a < kAxes; ++a)
-    if (axes_[a]) datum[a] = axes_[a]->facts().datum_mm;
-  return datum;
+  return of_each<Vector3>(axes_, [](const auto& axis) { return axis.facts().datum_mm; });
 }
 
 }  // namespace ecs::emulator

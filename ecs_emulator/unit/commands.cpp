@@ -305,7 +305,7 @@ protocol::CommandResult Unit::commit_refused(std::uint32_t length, std::uint64_t
   if (!parameters || parameters->memory_modules > memory_.modules())
     return refused(UnitError::image_refused, fmt::format("this rack has {} memory module(s)", memory_.modules()));
   if (const auto machine = ImageView(memory_.view(bank, length)).rotary())
-    if (const auto lacking = rotary_without_input(*machine))
+    if (const auto lacking = rotary_inputs_.lacking(*machine))
       return refused(UnitError::image_refused, fmt::format("this rack has no input for axis {}", *lacking));
   return done();
 }

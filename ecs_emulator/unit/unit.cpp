@@ -128,13 +128,10 @@ void Unit::enter_compensation() {
   reload_parameters();
   map_test_ = test_map(memory_, settings_.axis_modules, *map_);
   if (map_test_.fault != Fault::none) return raise(map_test_.fault, map_test_.axis, map_test_.address);
-  if (const auto machine = ImageView(memory_.view(map_test_.address, bank_bytes(memory_.modules()))).rotary()) {
-    if (const auto lacking = rotary_without_input(*machine))
-      return raise(Fault::axis_module, std::nullopt, static_cast<Address>(*lacking));
-    for (std::size_t p = 0; p < kRotaryInputs; ++p)
-      for (const RotaryAxis& axis : machine->axes)
-        if (axis.letter == map_->rotary.axes[p].letter) rotary_axes_[p] = axis;
-  }
+  const auto rotary = ImageView(memory_.view(map_test_.address, bank_bytes(memory_.modules()))).rotary();
+  if (const auto lacking = rotary ? rotary_inputs_.lacking(*rotary) : std::nullopt)
+    return raise(Fault::axis_module, std::nullopt, static_cast<Address>(*lacking));
+  rotary_inputs_.use(rotary, map_->rotary);
   watches_ = {};
   for (Origin& origin : origins_) origin.referenced = false;
   mode_ = UnitMode::datuming;
@@ -230,59 +227,18 @@ bool Unit::transducers_sound() {
       return false;
     }
   }
-  return rotary_sound();
+  const auto of_rotary = rotary_inputs_.fault(period_s());
+  if (of_rotary) raise(of_rotary->fault, std::nullopt, static_cast<Address>(of_rotary->letter));
+  return !of_rotary;
 }
 
-namespace {
+void Unit::turned(const RotaryWires& wires) { rotary_inputs_.take(wires); }
 
-std::size_t rotary_index(char letter) { return static_cast<std::size_t>(letter - 'A'); }
-
-}  // namespace
-
-/// A rotary axis of the map whose angle the rack does not get.
-std::optional<char> Unit::rotary_without_input(const RotarySetup& machine) const {
-  for (const RotaryAxis& axis : machine.axes)
-    if (axis.letter != '\0' && !rotary_wires_[rotary_index(axis.letter)]) return axis.letter;
-  return std::nullopt;
-}
-
-void Unit::turned(const RotaryWires& wires) { rotary_wires_before_ = std::exchange(rotary_wires_, wires); }
-
-/// The letter is the address of the fault.
-bool Unit::rotary_sound() {
-  if (!has_rotary()) return true;
-  for (const RotaryAxis& axis : rotary_axes_) {
-    if (axis.letter == '\0') continue;
-    const auto& now = rotary_wires_[rotary_index(axis.letter)];
-    const auto& before = rotary_wires_before_[rotary_index(axis.letter)];
-    if (!now || !now->transducer_ok) {
-      raise(Fault::axis_module, std::nullopt, static_cast<Address>(axis.letter));
-      return false;
-    }
-    const double step_deg = before ? static_cast<double>(now->counts - before->counts) * axis.deg_per_count : 0.0;
-    if (std::abs(step_deg) > kFastest_deg_s * period_s()) {
-      raise(Fault::position_jump, std::nullopt, static_cast<Address>(axis.letter));
-      return false;
-    }
-  }
-  return true;
-}
-
-PerRotary<std::int64_t> Unit::rotary_counts() const {
-  PerRotary<std::int64_t> counts{};
-  for (std::size_t p = 0; p < kRotaryInputs; ++p)
-    if (rotary_axes_[p].letter != '\0') counts[p] = rotary_wires_[rotary_index(rotary_axes_[p].letter)]->counts;
-  return counts;
-}
-
-/// Their transducers are absolute. An axis that has not moved yet counts as having come forward.
+/// An axis that has not moved yet counts as having come forward.
 void Unit::begin_rotary() {
-  if (!has_rotary()) return;
-  const PerRotary<std::int64_t> counts = rotary_counts();
-  PerRotary<double> angle_deg{};
-  for (std::size_t p = 0; p < kRotaryInputs; ++p)
-    angle_deg[p] = static_cast<double>(counts[p]) * rotary_axes_[p].deg_per_count + rotary_axes_[p].zero_deg;
-  start_rotary(map_->rotary, rotary_, counts, angle_deg, {Approach::forward, Approach::forward});
+  if (has_rotary())
+    start_rotary(map_->rotary, rotary_, rotary_inputs_.counts(), rotary_inputs_.angles_deg(),
+                 {Approach::forward, Approach::forward});
 }
 
 bool Unit::go_to_tool(double most_um) {
@@ -361,7 +317,7 @@ void Unit::compensate_step() {
   if (tool_changes_) tool_changes_ = !go_to_tool(most_um);
   if (squareness_changes_) squareness_changes_ = !change_squareness(*map_, tick_, squareness_target_um_per_m_, most_um);
   if (has_rotary())
-    ecs::tick(*map_, tick_, counts, thermal_.acting, rotary_, rotary_counts());
+    ecs::tick(*map_, tick_, counts, thermal_.acting, rotary_, rotary_inputs_.counts());
   else if (map_->thermal.count > 0)
     ecs::tick(*map_, tick_, counts, thermal_.acting);
   else

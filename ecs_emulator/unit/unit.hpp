@@ -16,6 +16,7 @@
 #include "ecs_emulator/machine/simulation.hpp"
 #include "ecs_emulator/unit/datum_watch.hpp"
 #include "ecs_emulator/unit/memory.hpp"
+#include "ecs_emulator/unit/rotary_inputs.hpp"
 #include "ecs_emulator/unit/user_software.hpp"
 #include "protocol/server/register_server.hpp"
 
@@ -35,8 +36,6 @@ inline constexpr int kMostLatePeriods = 3;
 inline constexpr double kOutputLimit_s = 1.0;
 /// No axis moves faster: 120 m/min.
 inline constexpr double kFastest_mm_s = 2000.0;
-/// No rotary axis turns faster: 600 turns a minute.
-inline constexpr double kFastest_deg_s = 3600.0;
 /// The watchdog isolates a processor that does not serve it for so long.
 inline constexpr double kWatchdog_s = 0.1;
 /// Longest wait of the command `test_datum`.
@@ -156,10 +155,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] bool late();
   [[nodiscard]] bool transducers_sound();
   void command_step();
-  [[nodiscard]] bool rotary_sound();
-  [[nodiscard]] std::optional<char> rotary_without_input(const RotarySetup& machine) const;
   [[nodiscard]] bool has_rotary() const { return map_->rotary.arrangement != RotaryWorking::Arrangement::none; }
-  [[nodiscard]] PerRotary<std::int64_t> rotary_counts() const;
   void begin_rotary();
   [[nodiscard]] bool go_to_tool(double most_um);
   void begin_thermal();
@@ -217,8 +213,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   PerAxis<double> at_limit_s_{};
   TickState tick_{};
   RotaryTickState rotary_{};
-  PerRotary<RotaryAxis> rotary_axes_{};  ///< of the map, by place
-  RotaryWires rotary_wires_{}, rotary_wires_before_{};
+  RotaryInputs rotary_inputs_;
   ThermalState thermal_{};
   InputValues inputs_{};
   struct FailedSensor {

@@ -102,6 +102,7 @@ std::vector<Sweep> usual_sweeps(const params::Machine& machine) {
     for (std::size_t other = 0; other < kAxes; ++other) {
       if (other == r || !machine.rotary[other]) continue;
       const auto ends = machine.rotary[other]->travel_deg;
+      sweep.parked_deg = {};
       sweep.parked_deg[other] =
           ends[1] - ends[0] >= kTurn_deg ? 90.0 : 0.5 * (std::abs(ends[0]) > std::abs(ends[1]) ? ends[0] : ends[1]);
       sweeps.push_back(sweep);

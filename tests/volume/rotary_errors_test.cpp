@@ -110,7 +110,7 @@ TEST_CASE("linear propagation and draws agree at every place and angle, on chain
     const auto settings = settings_over(rotary, 2);
     constexpr int kDraws = 3000;  // a standard deviation to 1.3 %
     MapDraws maps(machine, budget, 11);
-    RotaryDraws drawn(rotary, turns, 12);
+    RotaryDraws drawn(turns, 12);
     std::vector<Vector3> squares(settings.size() * 2 * grid.places());
     const auto for_each = [&](const auto& each) {
       std::size_t n = 0;

@@ -132,6 +132,18 @@ TEST_CASE("a jump of a rotary axis that no axis can make isolates the unit") {
   CHECK(b.unit.mode() == UnitMode::integration);
 }
 
+TEST_CASE("a map without rotary axes after one with two needs their inputs no more") {
+  TableBench b;
+  b.compensate();
+  REQUIRE(b.tell(CommandCode::enter_integration).state == CommandState::done);
+  b.rotary = nullptr;
+  b.compensate();
+  b.unit.turned({});
+  (void)b.unit.tick(b.simulation.machine().signals());
+  CHECK(b.unit.mode() == UnitMode::compensating);
+  CHECK(b.unit.fault() == Fault::none);
+}
+
 TEST_CASE("rotary axes that do not go with the parameters are a map that is not for them") {
   TableBench b;
   b.parameters.interpolation = Interpolation::nearest;
