@@ -41,6 +41,15 @@ constexpr double kMostPoints = 5000.0;    ///< of a table that nobody asked to b
 constexpr double kPointsPerPeriod = 4.0;  ///< fewer cannot follow a period
 
 void note_short_periods(MapFromModel& built, const Model& model) {
+  for (const laser::MapRotaryAxis& axis : built.compiled.map.header.rotary)
+    for (const EffectInstance& effect : model.effects)
+      if (const auto period_deg = given_or_fitted(effect, "period_mm");  // in degrees
+          period_deg && effect.rotary && axis_letter(effect) == axis.axis.letter &&
+          *period_deg < kPointsPerPeriod * axis.increment_deg)
+        built.notes.push_back(
+            fmt::format("{}: a curve with a value every {} deg, the least that the unit has, cannot follow its period "
+                        "of {:.4g} deg",
+                        to_text(effect), shortest(axis.increment_deg), *period_deg));
   for (const EffectInstance& effect : model.effects)
     if (const auto period = period_mm_of(effect); period && *period < kPointsPerPeriod * built.increment_mm)
       built.notes.push_back(
@@ -52,7 +61,8 @@ void note_short_periods(MapFromModel& built, const Model& model) {
 /// Where an effect lands in the map or among the parameters; nothing for one that stays out.
 std::optional<Component> component_for(const EffectInstance& effect) {
   if (effect.definition().has_lever()) return effect.code;
-  if (!effect.axis || !effect.sense || effect.definition().carrier != model::Carrier::error_map) return std::nullopt;
+  if (effect.rotary || !effect.axis || !effect.sense || effect.definition().carrier != model::Carrier::error_map)
+    return std::nullopt;
   return curve_of(*effect.sense, *effect.axis);
 }
 
@@ -75,7 +85,8 @@ std::vector<std::string> files_of(const model::LadderStep& step) {
   return files;
 }
 
-void add_source(MapFromModel& built, Component component, const std::string& file) {
+/// @param place  "EXX", or the letter of a rotary axis
+void add_source(MapFromModel& built, const std::string& place, const std::string& file) {
   const auto bytes = read_file(file);
   const std::string name = std::filesystem::path(file).filename().string();
   if (!bytes) {
@@ -83,7 +94,7 @@ void add_source(MapFromModel& built, Component component, const std::string& fil
     if (std::find(built.notes.begin(), built.notes.end(), note) == built.notes.end()) built.notes.push_back(note);
     return;
   }
-  const laser::SourceFile source{std::string(name_of(component)), name, sha256_hex(*bytes)};
+  const laser::SourceFile source{place, name, sha256_hex(*bytes)};
   auto& sources = built.compiled.map.header.sources;
   if (std::find(sources.begin(), sources.end(), source) == sources.end()) sources.push_back(source);
 }
@@ -101,25 +112,39 @@ std::vector<Component> places_of(const EffectInstance& effect, const std::vector
   return places;
 }
 
-/// Which model and which measurements every table and squareness comes from.
+/// The rotary axes of the map that an effect has part in.
+std::vector<std::string> rotary_places_of(const MapFromModel& built, const std::string& effect) {
+  std::vector<std::string> letters;
+  for (const auto& [letter, effects] : built.compiled.rotary)
+    if (std::find(effects.begin(), effects.end(), effect) != effects.end()) letters.emplace_back(1, letter);
+  return letters;
+}
+
+/// Which model and which measurements every table, squareness and rotary axis comes from.
 void trace(MapFromModel& built, const Model& model, const std::vector<model::OwnLever>& levers,
            const std::string& model_file) {
   std::vector<std::string> untraced;
   for (const EffectInstance& effect : model.effects) {
-    const std::vector<Component> places = places_of(effect, levers);
-    if (places.empty()) continue;
     const std::string name = to_text(effect);
+    const std::vector<Component> components = places_of(effect, levers);
+    std::vector<std::string> places = rotary_places_of(built, name);
+    for (const Component component : components) {
+      places.emplace_back(name_of(component));
+      built.effects[component].push_back(name);
+    }
+    if (places.empty()) continue;
+    const std::string_view unit = !components.empty() ? unit_of(components.front())
+                                  : effect.sense      ? laser::unit_of(*effect.sense)
+                                                      : "um";
     if (const std::string tied = name_with_alternatives(effect); tied != place_text(effect)) {
       built.notes.push_back(tied + ": the data could not distinguish them");
       built.compiled.map.header.processing.push_back(built.notes.back());
       const auto largest = built.compiled.largest.find(name);
       if (largest != built.compiled.largest.end() && !measurement_alternatives(effect).empty())
-        built.notes.push_back(
-            cost_if_of_measurement(effect, fmt::format("up to {:.3g} {}", largest->second, unit_of(places.front()))));
+        built.notes.push_back(cost_if_of_measurement(effect, fmt::format("up to {:.3g} {}", largest->second, unit)));
     }
     const model::LadderStep* step = step_of(model, name);
-    for (const Component place : places) {
-      built.effects[place].push_back(name);
+    for (const std::string& place : places) {
       add_source(built, place, model_file);
       if (step == nullptr) continue;
       for (const std::string& file : files_of(*step)) add_source(built, place, file);
@@ -249,8 +274,20 @@ void note_temperatures(MapFromModel& built, const Model& model, const params::Ma
       at, fmt::join(effects, " and "), effects.size() == 1 ? "is" : "are", effects.size() == 1 ? "it" : "them"));
 }
 
+/// The errors of the rotary axes come from a file in place of the model.
+void leave_rotary_axes_to(const std::string& file, Model& model, MapFromModel& built) {
+  if (file.empty()) return;
+  std::vector<std::string> names;
+  for (const EffectInstance& effect : model.effects)
+    if (is_rotary_error(effect)) names.push_back(to_text(effect));
+  if (names.empty()) return;
+  std::erase_if(model.effects, [](const EffectInstance& effect) { return is_rotary_error(effect); });
+  built.notes.push_back(
+      fmt::format("the errors of the rotary axes come from {}, not from the model: {}", file, fmt::join(names, ", ")));
+}
+
 Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments& arguments) {
-  const auto model = model::read_model(arguments.model);
+  auto model = model::read_model(arguments.model);
   if (!model) return tl::unexpected(model.error());
   if (model->compensated_readings > 0)
     return tl::unexpected(
@@ -265,6 +302,7 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
                 {}});
   ECS_TRY(machine, machine_in(messages, arguments.machine));
   MapFromModel built;
+  leave_rotary_axes_to(arguments.rotary, *model, built);
   built.parameters.parameters = params::default_parameters_for(*machine);
   built.parameters.identity.machine = machine->name;
   built.parameters.has_end = true;
@@ -305,10 +343,8 @@ Problem nothing_carried(const MapFromModel& b, const std::string& model) {
 }  // namespace
 
 std::optional<double> period_mm_of(const model::EffectInstance& effect) {
-  for (const auto* values : {&effect.parameters, &effect.fitted})
-    if (const auto period = values->find("period_mm"); period != values->end() && period->second > 0.0)
-      return period->second;
-  return std::nullopt;
+  const auto period = given_or_fitted(effect, "period_mm");
+  return period && *period > 0.0 && !effect.rotary ? period : std::nullopt;
 }
 
 double table_increment_mm(const Model& model, const params::Machine& machine) {
@@ -382,6 +418,16 @@ Cell squareness_of_model(const MapFromModel& b, const FromModelArguments& argume
   return squareness_cell(values, "of the model", arguments.params_out);
 }
 
+/// "  C from location:C:XOC + cyclic:C:EC"
+Cell rotary_effects_cell(const MapFromModel& b) {
+  Cell axes{Json::object(), {}};
+  for (const auto& [letter, effects] : b.compiled.rotary) {
+    axes.json[std::string(1, letter)] = effects;
+    if (!effects.empty()) axes.text += paragraph(fmt::format("{} from {}", letter, fmt::join(effects, " + ")), 2, 5);
+  }
+  return axes;
+}
+
 std::string declared_text(const MapFromModel& b) {
   std::string text;
   for (const laser::DeclaredZero& zero : b.compiled.map.header.declared_zero)
@@ -394,7 +440,7 @@ std::string declared_text(const MapFromModel& b) {
 Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments) {
   return record_cell(
       "{components}largest: of the compensation; points: per table, every {increment_mm} "
-      "mm\n{squareness}{thermal}{rotary}{not_carried}"
+      "mm\n{squareness}{thermal}{rotary}{rotary_effects}{not_carried}"
       "{declared}{notes}{findings}{verdict}{map}{params_out}{image}",
       "map"_is(written_cell("map", arguments.output, "not saved: give -o map.csv to save it\n")),
       "params_out"_is(written_cell("parameters", arguments.params_out)),
@@ -403,9 +449,9 @@ Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments)
       "carried"_is(lines_cell(b.compiled.carried, "")),
       "not_carried"_is(paragraphs_cell(b.compiled.not_carried, "NOT COMPENSATED: ")),
       "components"_is(components_cell(b)), "thermal"_shown(thermal_cell(b.compiled.map.header).text),
-      "rotary"_shown(rotary_cell(b.compiled.map.header).text), "squareness"_is(squareness_of_model(b, arguments)),
-      "declared"_shown(declared_text(b)), "missing"_is(lines_cell(objections_in(b.findings), "")),
-      "findings"_is(findings_cell(b.findings)),
+      "rotary"_shown(rotary_cell(b.compiled.map.header).text), "rotary_effects"_is(rotary_effects_cell(b)),
+      "squareness"_is(squareness_of_model(b, arguments)), "declared"_shown(declared_text(b)),
+      "missing"_is(lines_cell(objections_in(b.findings), "")), "findings"_is(findings_cell(b.findings)),
       "verdict"_shown(verdict_text(b.compiled.map, b.findings,
                                    !made_for_two_machines(b.compiled.map.header, b.parameters.identity).empty())),
       "holds_at"_is(lines_cell(b.holds_at, "")), "notes"_is(paragraphs_cell(b.notes, "note: ")),

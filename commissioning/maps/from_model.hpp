@@ -47,7 +47,7 @@ struct MapFromModel {
   [[nodiscard]] bool complete() const { return !has_objections(findings); }
 };
 
-/// Given or fitted; nothing for an effect that does not come back.
+/// Given or fitted; nothing for an effect of a linear axis that does not come back, or one of a rotary axis.
 [[nodiscard]] std::optional<double> period_mm_of(const model::EffectInstance& effect);
 
 /// Of the tables that nobody asked to be finer: a hundredth of the shortest travel, and an eighth of the shortest

@@ -17,6 +17,7 @@
 #include "kinematics/machine_pose.hpp"
 #include "laser/map/image.hpp"
 #include "laser/map/rotary_map.hpp"
+#include "model/fit/compiled_rotary.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -26,8 +27,7 @@ using kinematics::Joint;
 constexpr double kTurn_deg = 360.0;
 /// Each divides a turn into numbers of cells that the core has.
 constexpr std::array kIncrements_deg{10.0, 5.0, 2.5, 2.0, 1.0, 0.5, 0.25, 0.2, 0.1};
-constexpr double kOtherwise_deg = 0.5;   ///< for points on none of them
-constexpr double kDeadbandCounts = 5.0;  ///< as for linear axes
+constexpr double kOtherwise_deg = 0.5;  ///< for points on none of them
 
 bool is_multiple(double angle_deg, double of_deg) {
   const double parts = angle_deg / of_deg;
@@ -46,23 +46,17 @@ double increment_for(const volume::RotaryErrors& errors, Joint joint) {
   return found == kIncrements_deg.end() ? kOtherwise_deg : *found;
 }
 
-/// Over the travel, a whole turn from the angle 0; no values where no curve of the joint is given.
+/// Over the travel; no values where no curve of the joint is given.
 void set_curves(laser::MapRotaryAxis& axis, const volume::RotaryErrors& errors, Joint joint,
                 const params::MachineRotaryAxis& facts) {
   const bool any = std::ranges::any_of(errors.tables, [&](const auto& table) { return table.joint == joint; });
   if (!any) return;
-  axis.increment_deg = increment_for(errors, joint);
-  const bool turns = facts.travel_deg[1] - facts.travel_deg[0] >= kTurn_deg - axis.increment_deg;
-  const auto first = turns ? 0L : std::lround(std::floor(facts.travel_deg[0] / axis.increment_deg + 1e-9));
-  const auto last = turns ? std::lround(kTurn_deg / axis.increment_deg) - 1
-                          : std::lround(std::ceil(facts.travel_deg[1] / axis.increment_deg - 1e-9));
-  axis.start_deg = static_cast<double>(first) * axis.increment_deg;
+  const std::vector<double> angles_deg = model::set_table_angles(axis, facts, increment_for(errors, joint));
   for (std::size_t side = 0; side < 2; ++side)
     for (std::size_t s = 0; s < 6; ++s) {
       const volume::RotaryTable* const table =
           volume::table_of(errors, joint, static_cast<Sense>(s), side == 1 ? Approach::forward : Approach::reverse);
-      for (long k = first; k <= last; ++k) {
-        const double angle_deg = static_cast<double>(k) * axis.increment_deg;
+      for (const double angle_deg : angles_deg) {
         const double error = table == nullptr ? 0.0 : volume::value_at(*table, angle_deg);
         axis.compensation[side][s].push_back(error == 0.0 ? 0.0 : -error);
       }
@@ -121,14 +115,8 @@ Result<std::vector<laser::MapRotaryAxis>> rotary_part_of(const volume::RotaryErr
           fmt::format("[axis.{}]: expected resolution_deg, the angle for each count at the unit, found none; "
                       "a unit without an input for this angle cannot compensate the rotary axes",
                       letter));
-    laser::MapRotaryAxis& axis = axes.emplace_back();
-    axis.axis = {letter,
-                 *facts.resolution_deg,
-                 kDeadbandCounts * std::abs(*facts.resolution_deg),
-                 facts.direction,
-                 facts.pivot_mm,
-                 errors.location[r],
-                 facts.transducer_zero_deg};
+    laser::MapRotaryAxis& axis = axes.emplace_back(model::rotary_axis_of(letter, facts));
+    axis.axis.location = errors.location[r];
     set_curves(axis, errors, *joint, facts);
     note_change(axis, errors, *joint, notes);
   }

@@ -1,10 +1,12 @@
 #include "commissioning/volume/fitted_rotary.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "model/effects/definition.hpp"
+#include "model/fit/compiled_rotary.hpp"
 #include "model/regression/candidates.hpp"
 
 namespace ecs::commissioning {
@@ -24,34 +26,15 @@ std::vector<double> angles_of(const std::optional<params::Machine>& machine, Axi
   return angles;
 }
 
-/// What an effect adds to its own error motion at these angles.
-Result<std::vector<double>> motion_of(const model::Model& fitted, const model::EffectInstance& effect,
-                                      const std::vector<double>& angles_deg, Approach side) {
-  laser::MeasurementSet set;
-  for (const double angle_deg : angles_deg) {
-    laser::Reading reading;
-    reading.axis = *effect.axis;
-    reading.rotary = true;
-    reading.sense = *effect.sense;
-    reading.angle_deg[index_of(*effect.axis)] = angle_deg;
-    reading.approach = side;
-    reading.row = static_cast<int>(set.readings.size()) + 1;
-    set.readings.push_back(reading);
-  }
-  model::Model alone = fitted;
-  alone.effects = {effect};
-  const model::Observations at = observations_of(set, alone, std::nullopt);
-  ECS_TRY(predicted, model::predicted(alone, at));
-  std::vector<double> values(angles_deg.size());
-  for (std::size_t k = 0; k < at.size(); ++k) values[static_cast<std::size_t>(at.row[k] - 1)] = predicted[k];
-  return values;
-}
-
-/// Of what the effect adds at an angle: its sizes in um or um/m.
-double standard_uncertainty_of(const model::EffectFit& effect) {
+/// Of what the effect adds in that sense at an angle: its sizes in um or um/m.
+double standard_uncertainty_of(const model::EffectFit& effect, Sense sense) {
+  const auto& motions = effect.effect.definition().motions;
   double square = 0.0;
-  for (const model::ParameterEstimate& one : effect.parameters)
-    if (one.sigma && one.unit.starts_with("um")) square += *one.sigma * *one.sigma;
+  for (const model::ParameterEstimate& one : effect.parameters) {
+    const auto term = std::ranges::find(motions, one.name, &model::MotionTerm::parameter);
+    if (one.sigma && one.unit.starts_with("um") && (motions.empty() || (term != motions.end() && term->sense == sense)))
+      square += *one.sigma * *one.sigma;
+  }
   return std::sqrt(square);
 }
 
@@ -97,6 +80,25 @@ void add_exchangeable(FittedRotary& out, const model::Exchangeable& one) {
       others.empty() ? "" : fmt::format(", which is included in that of {}; their sum keeps its own", others)));
 }
 
+/// What the effect adds to the error motions of the axis.
+Result<void> add_motions(volume::RotaryErrors& errors, const model::Model& fitted, const model::EffectFit& one,
+                         const std::optional<params::Machine>& machine, Axis axis) {
+  const std::vector<double> angles = angles_of(machine, axis);
+  for (const Approach side : {Approach::forward, Approach::reverse}) {
+    ECS_TRY(motions, motions_of(fitted, one.effect, machine.value_or(params::Machine{}), axis, angles, side));
+    for (const model::AddedMotion& motion : motions) {
+      volume::RotaryTable& table =
+          table_for(errors, static_cast<kinematics::Joint>(kAxes + index_of(axis)), motion.sense, side, angles);
+      const double u = standard_uncertainty_of(one, motion.sense);
+      for (std::size_t i = 0; i < angles.size(); ++i) {
+        table.error[i] += motion.values[i];
+        table.u[i] = std::hypot(table.u[i], u);
+      }
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& fit,
@@ -106,10 +108,7 @@ Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& 
   bool any = false;
   for (const model::EffectFit& one : fit.effects) {
     const model::EffectInstance& effect = one.effect;
-    const model::Place place = effect.is_user() ? model::Place::formulas : effect.definition().place;
-    const bool location = place == model::Place::location;
-    const bool motion = place == model::Place::axis_and_sense && effect.rotary;
-    if (!location && !motion) {
+    if (!model::is_rotary_error(effect)) {
       out.left_out.push_back(
           fmt::format("{}: neither a location error nor an error motion of a rotary axis", place_text(effect)));
       continue;
@@ -119,24 +118,15 @@ Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& 
       continue;
     }
     any = true;
-    const std::size_t r = index_of(*effect.axis), s = static_cast<std::size_t>(*effect.sense);
-    if (location) {
+    if (effect.definition().place == model::Place::location) {
+      const auto [r, s] = place_of(effect);
       out.errors.location[r][s] += one.parameters.front().value;
       out.errors.location_u[r][s] =
           std::hypot(out.errors.location_u[r][s].value_or(0.0), one.parameters.front().sigma.value_or(0.0));
       out.errors.location_given[r][s] = true;
       continue;
     }
-    const std::vector<double> angles = angles_of(machine, *effect.axis);
-    for (const Approach side : {Approach::forward, Approach::reverse}) {
-      ECS_TRY(values, motion_of(fitted, effect, angles, side));
-      volume::RotaryTable& table =
-          table_for(out.errors, static_cast<kinematics::Joint>(kAxes + r), *effect.sense, side, angles);
-      for (std::size_t i = 0; i < angles.size(); ++i) {
-        table.error[i] += values[i];
-        table.u[i] = std::hypot(table.u[i], standard_uncertainty_of(one));
-      }
-    }
+    for (const Axis axis : kAllAxes) ECS_DO(add_motions(out.errors, fitted, one, machine, axis));
   }
   for (const model::Exchangeable& one : model::exchangeable_locations(data, fitted.effects)) add_exchangeable(out, one);
   if (any) return out;

@@ -39,7 +39,9 @@ volume::ErrorSource components_of_model(const model::CompiledModel& compiled, co
 }
 
 /// A model in place of the map's errors, on a machine with rotary axes.
-Result<void> take_model(const model::Model& model, const params::Machine& machine, VolumeWork& work) {
+/// @param rotary_file  of errors of the rotary axes; empty: none
+Result<void> take_model(const model::Model& model, const params::Machine& machine, const std::string& rotary_file,
+                        VolumeWork& work) {
   constexpr double kIncrement_mm = 1.0, kMostPoints = 5000.0;
   double increment_mm = kIncrement_mm;
   for (const auto& axis : machine.axes)
@@ -50,6 +52,12 @@ Result<void> take_model(const model::Model& model, const params::Machine& machin
       components_of_model(compiled, evaluated_machine.parameters, machine, evaluated_machine.tool_offset_mm);
   for (const std::string& left_out : compiled.not_carried)
     work.notes.push_back(fmt::format("not included in the volume: {}", left_out));
+  for (const auto& [letter, effects] : compiled.rotary)
+    if (rotary_file.empty() && !effects.empty())
+      work.notes.push_back(
+          fmt::format("not included in the volume: {}: write the errors of {} to a file with `ecs "
+                      "model fit --rotary`, and give it with --rotary",
+                      fmt::join(effects, ", "), letter));
   return {};
 }
 
@@ -77,7 +85,7 @@ Result<void> take_rotary(const VolumeArguments& arguments, const std::string& ma
   const auto joints = params::joint_machine_of(machine.machine);
   if (!joints) return problem(ProblemKind::refused, "the chain of the machine file has no axis left");
   if (model) {
-    ECS_DO(take_model(*model, machine.machine, work));
+    ECS_DO(take_model(*model, machine.machine, arguments.rotary, work));
     expected.errors = evaluated_machine.errors;
   }
   volume::RotaryAxes rotary;

@@ -43,7 +43,9 @@ Coded coded(std::string_view value) {
 std::string take_source(MapHeader& header, std::string_view value) {
   const Coded entry = coded(value);
   const std::size_t mark = entry.rest.rfind(" sha256=");
-  if (!component_of(entry.code) || mark == std::string_view::npos)
+  const bool of_rotary_axis =
+      entry.code.size() == 1 && std::string_view("ABC").find(entry.code) != std::string_view::npos;
+  if (!(component_of(entry.code) || of_rotary_axis) || mark == std::string_view::npos)
     return fmt::format("source: expected CODE FILE sha256=…, found {}", in_quotes(value));
   header.sources.push_back({std::string(entry.code), std::string(trimmed(entry.rest.substr(0, mark))),
                             std::string(trimmed(entry.rest.substr(mark + 8)))});

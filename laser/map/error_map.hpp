@@ -27,7 +27,7 @@ struct MapTable {
 };
 
 struct SourceFile {
-  std::string component;  ///< "EXX", or "C0Y" for a squareness
+  std::string component;  ///< "EXX", "C0Y" for a squareness, "C" for a rotary axis
   std::string name;
   std::string sha256;  ///< of the file's bytes
   friend bool operator==(const SourceFile&, const SourceFile&) = default;

@@ -405,6 +405,10 @@ void take_sides(Observations& data, const MeasurementSet& set) {
 /// Where the linear axes stood, and what follows from it on a machine whose pivots are known.
 void take_chain(Observations& data, const MeasurementSet& set, const std::optional<params::Machine>& machine) {
   const bool any_translation = std::ranges::any_of(data.sense, [](Sense sense) { return !is_rotation(sense); });
+  if (machine) {
+    data.machine.rotary_configuration = machine->rotary_configuration;
+    data.machine.rotary = machine->rotary;
+  }
   if (!has_places(set) || !any_translation) return;
   for (const std::size_t k : data.file_order) data.place_mm.push_back(set.readings[k].position_mm);
   const bool at_tip = std::ranges::any_of(set.readings, [](const Reading& r) { return number_or_0(r, kAtTip) != 0.0; });
@@ -415,8 +419,6 @@ void take_chain(Observations& data, const MeasurementSet& set, const std::option
         "cannot be tried");
     return;
   }
-  data.machine.rotary_configuration = machine->rotary_configuration;
-  data.machine.rotary = machine->rotary;
   data.ball_machine = std::make_shared<const params::Machine>(*machine);
   data.notes.emplace_back(
       "of X, Y and Z only scale and squareness can be tried (linear_axes): uncompensated straightness appears as waves "

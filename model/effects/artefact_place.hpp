@@ -30,12 +30,14 @@ inline void put(const Vector3& along, std::span<double> row) {
   for (std::size_t d = 0; d < row.size(); ++d) row[d] = along[d];
 }
 
-/// The rotary axis next to the tool, where one carries it.
-inline std::optional<Axis> tilting_axis(const Observations& data) {
-  const std::string& letters = data.machine.rotary_configuration;
+/// The rotary axis next to the tool, where one carries it. @param letters  "XTYZCB"
+inline std::optional<Axis> tilting_axis(std::string_view letters) {
   const std::size_t last = letters.find_last_of("ABCT");
   return last == std::string::npos || letters[last] == 'T' ? std::nullopt
                                                            : std::optional(static_cast<Axis>(letters[last] - 'A'));
+}
+inline std::optional<Axis> tilting_axis(const Observations& data) {
+  return tilting_axis(data.machine.rotary_configuration);
 }
 
 /// One for all senses, of readings through a chain.

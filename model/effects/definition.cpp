@@ -29,6 +29,12 @@ std::optional<ApproachMode> approach_mode_named(std::string_view name) {
   return static_cast<ApproachMode>(found - kModes.begin());
 }
 
+std::optional<double> given_or_fitted(const EffectInstance& effect, std::string_view parameter) {
+  for (const auto* values : {&effect.parameters, &effect.fitted})
+    if (const auto found = values->find(std::string(parameter)); found != values->end()) return found->second;
+  return std::nullopt;
+}
+
 char axis_letter(const EffectInstance& effect) { return laser::letter_of(*effect.axis, effect.rotary); }
 
 std::string to_text(const EffectInstance& effect) {

@@ -93,6 +93,9 @@ struct EffectInstance {
   friend bool operator==(const EffectInstance&, const EffectInstance&) = default;
 };
 
+/// The value of a parameter; nothing: it is neither given nor fitted.
+[[nodiscard]] std::optional<double> given_or_fitted(const EffectInstance& effect, std::string_view parameter);
+
 /// X, Y, Z; of a rotary axis A, B, C. @pre it has an axis
 [[nodiscard]] char axis_letter(const EffectInstance& effect);
 
@@ -190,6 +193,13 @@ enum class Carrier : std::uint8_t {
 
 /// What a row of the unit follows for an effect.
 enum class LiveSource : std::uint8_t { material, sensor, difference, motion, load };
+/// A coefficient of an effect as an error motion of the rotary axis next to the tool.
+struct MotionTerm {
+  std::string_view parameter;
+  Sense sense = Sense::EX;                      ///< in the frame that carries the axis
+  double (*shape)(double angle_deg) = nullptr;  ///< of a coefficient of 1
+};
+
 /// A coefficient of an effect as a row of the unit.
 struct LiveTerm {
   std::string_view parameter;
@@ -355,7 +365,8 @@ struct EffectDefinition {
   std::vector<ParameterDefinition> parameters{};
   Carrier carrier = Carrier::none;
   std::vector<LiveTerm> live{};  ///< of Carrier::inputs
-  std::string_view how{};        ///< how the unit compensates it, or why it cannot
+  std::vector<MotionTerm> motions{};
+  std::string_view how{};  ///< how the unit compensates it, or why it cannot
   SeparatingMeasurement separated_by{};
   std::vector<Becomes> turns_into{};
 
@@ -409,8 +420,12 @@ struct EffectDefinition {
 /// The effect at places of this kind. @pre one effect of the library is
 [[nodiscard]] EffectId effect_at(Place place);
 
-/// The unit can compensate it on that machine: along an axis that it has, and with the inputs that its file names; on
-/// rotary axes nothing.
+/// A location error, an error motion of a rotary axis or a sum of such: what the rotary axes of a map can hold.
+[[nodiscard]] bool is_rotary_error(const EffectInstance& effect);
+/// Why a unit at that machine compensates no error of a rotary axis; empty: it can.
+[[nodiscard]] std::string rotary_axes_refused(const params::Machine& machine);
+
+/// The unit can compensate it on that machine: along an axis that it has, and with the inputs that its file names.
 /// @param machine  without axes: not known
 [[nodiscard]] bool is_carried(const EffectInstance& effect, const params::Machine& machine);
 /// The axis whose motion stands for the heat of the machine: the effect's own, else the first that the file names.

@@ -54,17 +54,20 @@ double in_head_by_length(const ReadingAt& at, std::size_t along) {
   return tool_length_mm(at.data, at.k) / kMmPerM * in_head(at, along);
 }
 
+double odd_moment(double angle_deg) { return std::sin(angle_deg * std::numbers::pi / 180.0); }
+double even_moment(double angle_deg) { return 1.0 - std::cos(angle_deg * std::numbers::pi / 180.0); }
+
 /// sin b along X, Y, Z, then 1 - cos b. @param share  of 1 um along X, Y or Z in the reading
 template <double (*share)(const ReadingAt&, std::size_t)>
 void bending_columns(const ReadingAt& at, std::span<double> row) {
   const Axis axis = tilting_axis(at.data).value_or(Axis::X);  // without one its errors reach nothing
-  const double b = at.data.position_mm[at.k][index_of(axis)] * std::numbers::pi / 180.0;
-  const std::array<double, 2> part{std::sin(b), 1.0 - std::cos(b)};
+  const double b_deg = at.data.position_mm[at.k][index_of(axis)];
+  const std::array<double, 2> part{odd_moment(b_deg), even_moment(b_deg)};
   for (std::size_t i = 0; i < row.size(); ++i) row[i] = part[i / kAxes] * share(at, i % kAxes);
 }
 
 struct Words {
-  std::string_view id, title, formula, cause, headline;
+  std::string_view id, title, formula, cause, headline, how;
 };
 
 /// What the three have in common.
@@ -84,7 +87,7 @@ EffectDefinition bending(const Words& words) {
                      {"y_cos_um", "um", "along Y with 1 - cos b"},
                      {"z_cos_um", "um", "along Z with 1 - cos b"}},
       .carrier = Carrier::none,
-      .how = "`ecs model fit --rotary` writes no curve for it, so that no map contains it",
+      .how = words.how,
       .separated_by = {53,
                        "Measure the ball at pairs of +b and -b of the tilting axis, with two lengths of tool: a shift "
                        "of the axis line does not change with the length, bending does."},
@@ -99,9 +102,13 @@ EffectDefinition bending(const Words& words) {
 }  // namespace
 
 EffectDefinition head_bending() {
-  EffectDefinition head = bending(
-      {"head_bending", "Bending of the head", "s sin b + c (1 - cos b), in the frame that carries the tilting axis",
-       "head or spindle bent by its own weight, which the tilting axis turns", "Head bent as it tilts: {sizes}"});
+  EffectDefinition head = bending({"head_bending", "Bending of the head",
+                                   "s sin b + c (1 - cos b), in the frame that carries the tilting axis",
+                                   "head or spindle bent by its own weight, which the tilting axis turns",
+                                   "Head bent as it tilts: {sizes}", "curves of the tilting axis in the map"});
+  head.carrier = Carrier::error_map;
+  for (std::size_t i = 0; i < head.parameters.size(); ++i)
+    head.motions.push_back({head.parameters[i].name, kAlong[i % kAxes], i < kAxes ? odd_moment : even_moment});
   head.preference = 65;
   head.columns = bending_columns<in_head>;
   head.of_sense = [](const Site& site) {
@@ -114,7 +121,9 @@ EffectDefinition machine_bending() {
   EffectDefinition machine = bending({"machine_bending", "Bending of the machine under its head",
                                       "s sin b + c (1 - cos b), in the frame of the machine",
                                       "slide or column bent by the weight of the head, which the tilting axis turns",
-                                      "Machine bent as its head tilts: {sizes}"});
+                                      "Machine bent as its head tilts: {sizes}",
+                                      "it follows the angle of the tilting axis in directions that do not turn with "
+                                      "the axis beneath; the curves of a map turn with it"});
   machine.preference = 66;
   machine.columns = bending_columns<in_machine>;
   machine.of_sense = [](const Site& site) {
@@ -128,7 +137,8 @@ EffectDefinition tool_bending() {
       bending({"tool_bending", "Bending in proportion to the length of the tool",
                "L (s sin b + c (1 - cos b)), in the frame that carries the tilting axis",
                "tool, holder or spindle bearing that gives way to the weight, with the length of the tool as lever",
-               "Tool tilted by its weight as the head tilts: {sizes}"});
+               "Tool tilted by its weight as the head tilts: {sizes}",
+               "it grows with the length of the tool, and a curve of the map is the same for all tools"});
   for (ParameterDefinition& parameter : tool.parameters) parameter.unit = "um/m";
   constexpr std::array<std::string_view, 2 * kAxes> kNames{"x_sin_um_per_m", "y_sin_um_per_m", "z_sin_um_per_m",
                                                            "x_cos_um_per_m", "y_cos_um_per_m", "z_cos_um_per_m"};

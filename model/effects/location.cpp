@@ -48,10 +48,8 @@ EffectDefinition location() {
           "turn the axis by 180 degrees and halve the difference",
       .headline = "Axis line of {axis} off by {um} ({code})",
       .parameters = {{"um", "um", "position of the axis line; for AO., BO., CO. its direction or zero, um_per_m"}},
-      .carrier = Carrier::none,
-      .how =
-          "unless the map contains the rotary axes: `ecs model fit --rotary`, then `ecs map build --rotary`; or use "
-          "machine data of the control",
+      .carrier = Carrier::error_map,
+      .how = "location errors of the rotary axes in the map",
       .separated_by = {54,
                        "Measure the ball again over the whole turn of {axis} at another angle of the other rotary "
                        "axis; turn the spindle by 180 degrees between two readings to determine the zero of the probe. "

@@ -122,15 +122,47 @@ std::optional<Axis> live_motion_of(const EffectInstance& effect, const params::M
   return std::nullopt;
 }
 
+bool is_rotary_error(const EffectInstance& effect) {
+  const EffectDefinition& definition = effect.definition();
+  return acts_on_rotary_axes(effect) && definition.carrier == Carrier::error_map &&
+         (definition.place == Place::location || definition.place == Place::axis_and_sense ||
+          !definition.motions.empty());
+}
+
+std::string rotary_axes_refused(const params::Machine& machine) {
+  bool after_rotary = false;
+  for (const char letter : machine.rotary_configuration) {
+    const bool is_rotary = letter >= 'A' && letter <= 'C';
+    if (letter != 'T' && !is_rotary && after_rotary)
+      return fmt::format("a rotary axis carries the linear axis {}, and the unit does not compensate such a chain",
+                         letter);
+    after_rotary = letter != 'T' && (is_rotary || after_rotary);
+    const auto& axis = machine.rotary[static_cast<std::size_t>(is_rotary ? letter - 'A' : 0)];
+    if (is_rotary && !(axis && axis->resolution_deg))
+      return fmt::format(
+          "the machine file states no resolution_deg of the axis {}: the unit has no input for its angle. State it if "
+          "there is one, or use machine data or a table of the control",
+          letter);
+  }
+  return machine.rotary_configuration.empty() ? "no machine file with rotary axes was given" : "";
+}
+
 bool is_carried(const EffectInstance& effect, const params::Machine& machine) {
-  return !acts_on_rotary_axes(effect) && effect.definition().is_carried() && !missing_axis(effect, machine) &&
-         missing_input(effect, machine).empty();
+  if (acts_on_rotary_axes(effect)) return is_rotary_error(effect) && rotary_axes_refused(machine).empty();
+  return effect.definition().is_carried() && !missing_axis(effect, machine) && missing_input(effect, machine).empty();
 }
 
 std::string how_compensated(const EffectInstance& effect, const params::Machine& machine) {
+  if (is_rotary_error(effect)) {
+    std::string refused = rotary_axes_refused(machine);
+    if (!refused.empty() || effect.definition().place != Place::axis_and_sense)
+      return refused.empty() ? std::string(effect.definition().how) : refused;
+    return fmt::format("curve {}{} of the rotary axes in the map", name_of(*effect.sense), axis_letter(effect));
+  }
   if (acts_on_rotary_axes(effect) && effect.definition().is_carried())
-    return "unless the map contains the rotary axes: `ecs model fit --rotary`, then `ecs map build --rotary`; or use "
-           "a table of the control for this axis";
+    return effect.definition().carrier == Carrier::inputs
+               ? "the unit has no thermal row for a rotary axis"
+               : "a constant in readings of a rotary axis is the zero of the probe or of the sensor";
   if (const auto axis = missing_axis(effect, machine))
     return fmt::format("the machine has no axis {} that could correct it", letter_of(*axis));
   if (std::string missing = missing_input(effect, machine); !missing.empty()) return missing;

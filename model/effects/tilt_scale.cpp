@@ -35,10 +35,8 @@ EffectDefinition tilt_scale() {
       .check = "compare the axis at its two ends with a clinometer, a polygon or a laser with angular optics",
       .headline = "{where} with a scale error of {um_per_degree}",
       .parameters = {{"um_per_degree", "um/deg", "error of a degree"}},
-      .carrier = Carrier::none,
-      .how =
-          "unless the map contains the rotary axes: `ecs model fit --rotary`, then `ecs map build --rotary`; or use "
-          "a table of the control for this axis",
+      .carrier = Carrier::error_map,
+      .how = "a curve of the rotary axes in the map",
       .separated_by = {55, "Measure {axis} at both ends of its travel and in the middle."},
       .traits = {.is_smooth = true, .one_per_axis = true, .on_rotary_axes = true},
       .preference = 25,

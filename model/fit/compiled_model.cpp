@@ -11,6 +11,7 @@
 #include "model/effects/artefact_place.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
+#include "model/fit/compiled_rotary.hpp"
 #include "model/fit/fit.hpp"
 
 namespace ecs::model {
@@ -24,12 +25,6 @@ std::optional<Component> table_of_effect(const EffectInstance& effect) {
   return curve_of(*effect.sense, *effect.axis);
 }
 
-std::optional<double> size_of(const EffectInstance& effect, std::string_view parameter) {
-  for (const auto* values : {&effect.parameters, &effect.fitted})
-    if (const auto found = values->find(std::string(parameter)); found != values->end()) return found->second;
-  return std::nullopt;
-}
-
 /// What the effect adds to a component along its axis at these positions; of a rotation the angle itself.
 Result<std::vector<double>> along_axis(const Model& fitted, const EffectInstance& effect, Component component,
                                        const params::Machine& machine, const std::vector<double>& grid, int approach) {
@@ -37,7 +32,7 @@ Result<std::vector<double>> along_axis(const Model& fitted, const EffectInstance
   for (const ComponentTerm& term : components_of(effect.definition())) {
     if (term.component != component) continue;
     const double datum_mm = machine.axes[index_of(moving_axis(component))]->datum_mm;
-    for (const double p : grid) values.push_back(*size_of(effect, term.parameter) * (p - datum_mm) / 1000.0);
+    for (const double p : grid) values.push_back(*given_or_fitted(effect, term.parameter) * (p - datum_mm) / 1000.0);
     return values;
   }
   if (effect.definition().place == Place::rotation) {
@@ -107,7 +102,7 @@ Result<ThermalRow> followed(const EffectInstance& effect, const LiveTerm& term, 
                             const params::Machine& machine) {
   ThermalRow row;
   row.law = term.law;
-  if (effect.traits().has_lag) row.lag_s = size_of(effect, kLag).value_or(0.0);
+  if (effect.traits().has_lag) row.lag_s = given_or_fitted(effect, kLag).value_or(0.0);
   const auto input = [&](std::string_view sensor) { return static_cast<std::uint8_t>(*machine.input_of(sensor)); };
   switch (term.source) {
     case LiveSource::material:
@@ -134,7 +129,7 @@ Result<ThermalRow> followed(const EffectInstance& effect, const LiveTerm& term, 
       const Axis axis = *live_motion_of(effect, machine);
       row.source = static_cast<std::uint8_t>(kMotionOfX + index_of(axis));
       row.reference = *machine.full_duty_mm_min[index_of(axis)];
-      row.lag_s = size_of(effect, "tau_s").value_or(0.0);
+      row.lag_s = given_or_fitted(effect, "tau_s").value_or(0.0);
       break;
     }
     case LiveSource::load:
@@ -152,7 +147,7 @@ std::optional<std::string> add_live_rows(const EffectInstance& effect, const Mod
   const Axis axis = effect.axis.value_or(direction_of(*effect.sense));
   std::vector<ThermalRow> rows;
   for (const LiveTerm& term : effect.definition().live) {
-    const auto size = size_of(effect, term.parameter);
+    const auto size = given_or_fitted(effect, term.parameter);
     if (!size || *size == 0.0) continue;
     auto row = followed(effect, term, fitted, machine);
     if (!row) return row.error().message;
@@ -186,7 +181,7 @@ void add_components(const EffectInstance& effect, const params::Machine& machine
                     EffectsOfTables& tables) {
   std::vector<std::string> places;
   for (const ComponentTerm& term : components_of(effect.definition())) {
-    const double size = size_of(effect, term.parameter).value_or(0.0);
+    const double size = given_or_fitted(effect, term.parameter).value_or(0.0);
     if (size == 0.0 || (!is_squareness(term.component) && !machine.axes[index_of(moving_axis(term.component))]))
       continue;
     if (is_squareness(term.component)) {
@@ -222,7 +217,7 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
     return problem(ProblemKind::usage, fmt::format("expected an increment above 0 mm, got {}", increment_mm));
   CompiledModel out;
   EffectsOfTables tables;
-  std::vector<const EffectInstance*> carried;
+  std::vector<const EffectInstance*> carried, rotary;
   for (const EffectInstance& effect : fitted.effects) {
     if (effect.undetermined && effect.undetermined->empty()) {
       out.not_carried.push_back(fmt::format("{}: the fitted readings do not determine it", to_text(effect)));
@@ -230,6 +225,11 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
     }
     if (!components_of(effect.definition()).empty() && is_carried(effect, machine)) {
       add_components(effect, machine, out, tables);
+      carried.push_back(&effect);
+      continue;
+    }
+    if (is_rotary_error(effect) && is_carried(effect, machine)) {
+      rotary.push_back(&effect);
       carried.push_back(&effect);
       continue;
     }
@@ -262,6 +262,7 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
   out.map.header.machine = machine.name;
   out.map.header.configuration = machine.configuration;
   std::vector<Problem> problems = undetermined_beside_others(fitted, carried);
+  if (auto added = add_rotary_axes(out, fitted, machine, rotary); !added) problems.push_back(added.error());
   for (const auto& [component, effects] : tables) {
     const params::MachineAxis& axis = *machine.axes[index_of(moving_axis(component))];
     const std::vector<double> grid = table_positions(axis, increment_mm);

@@ -23,9 +23,10 @@ namespace ecs::model {
 struct CompiledModel {
   laser::ErrorMap map;
   std::vector<std::string> carried;
-  std::map<std::string, double> largest;  ///< what an effect adds to its table at most, by name: um, um/m
-  std::vector<std::string> not_carried;   ///< with the reason
-  ComponentValues squareness{};           ///< C0Y, B0Z, A0Z for the unit's parameters, um/m
+  std::map<std::string, double> largest;              ///< what an effect adds to its table at most, by name: um, um/m
+  std::vector<std::string> not_carried;               ///< with the reason
+  std::map<char, std::vector<std::string>> rotary{};  ///< effects of each rotary axis of the map
+  ComponentValues squareness{};                       ///< C0Y, B0Z, A0Z for the unit's parameters, um/m
 };
 /// @param fitted  a model with values
 [[nodiscard]] Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machine, double increment_mm);

@@ -57,9 +57,11 @@ travel_mm = [-600.0, 0.0]
 [axis.A]
 travel_deg = [-110.0, 30.0]
 pivot_mm = [600.0, 300.0, -560.0]
+resolution_deg = 0.001
 [axis.C]
 travel_deg = [0.0, 360.0]
 pivot_mm = [600.0, 300.0, -560.0]
+resolution_deg = 0.001
 )";
 
 inline WorkshopMachine machine_of(const std::string& text) {

@@ -309,9 +309,11 @@ travel_mm = [-600.0, 600.0]
 [axis.B]
 travel_deg = [-100.0, 100.0]
 pivot_mm = [0.0, 0.0, 0.0]
+resolution_deg = 0.001
 [axis.C]
 travel_deg = [-180.0, 180.0]
 pivot_mm = [0.0, 0.0, 0.0]
+resolution_deg = 0.001
 )";
 
 MeasurementSet ball_of(const char* machine, const std::string& errors, BallPlan plan) {
@@ -337,6 +339,49 @@ Shown ball_off(const std::string& id, Vector3 BallPlan::*off) {
                   kTrunnion);
 }
 
+std::string with_ideal_drives(std::string machine) {
+  for (const char* axis : {"X", "Y", "Z"}) machine += fmt::format("[emulator.axis.{}]\ndrive = \"ideal\"\n", axis);
+  return machine;
+}
+
+/// An error of a rotary axis that readings have shown, compensated by the map of the model that was fitted to them; at
+/// the tool, over many places and angles.
+Shown by_rotary_axes(MeasurementSet set, const std::string& effect, const std::string& errors, const char* text,
+                     const Vector3& tool_mm) {
+  for (std::size_t k = 0; k < set.readings.size(); ++k) set.readings[k].row = static_cast<int>(k) + 1;
+  const WorkshopMachine machine = machine_of(with_ideal_drives(text));
+  const model::Model model = must(model::parse_model(effect, "model.toml", "."));
+  const auto data = model::observations_of(set, model, machine.machine);
+  const model::WhatIf what = must(model::what_if(model, data));
+  CHECK(only(what.shares).carried);
+  CHECK(what.rms_after_um <= 0.1 * what.rms_now_um);
+  MapFromModel built = must(map_built(text, to_toml(model::with_values(model, must(model::fit(model, data))))));
+  CHECK(built.compiled.not_carried.empty());
+  built.parameters.parameters.tool_offset_mm = tool_mm;
+  built.parameters.parameters.tool_range_mm = {50.0, 50.0, 200.0};
+  declare_rest_zero(built.compiled.map, built.parameters.parameters);
+  const auto rms_um = [&](const MapFromModel& with) {
+    Mill mill(machine, errors_of(errors), image_of(with));
+    return at_turned_tool(mill, machine.machine, tool_mm).rms_um;
+  };
+  const double after_um = rms_um(built);
+  built.compiled.map.header.rotary.clear();
+  built.compiled.map.header.rotary_configuration.clear();
+  return {rms_um(built), after_um};
+}
+
+Shown location_by_ball() {
+  const std::string errors = "[location]\nXOC = 20.0\n";
+  return by_rotary_axes(ball_of(kTrunnion, errors, on_trunnion()), table_of_effect("location", "code = \"XOC\"\n"),
+                        errors, kTrunnion, {});
+}
+
+Shown head_bending_by_ball() {
+  const std::string errors = "[[contribution]]\ncomponent = \"EXB\"\nformula = \"20*sin(p*pi/180)\"\n";
+  return by_rotary_axes(ball_of(kHead, errors, under_head()), table_of_effect("head_bending", ""), errors, kHead,
+                        under_head().tool_offset_mm);
+}
+
 Shown bent(const std::string& id, const std::string& contribution, bool turned) {
   BallPlan plan = under_head();
   if (!turned) plan.sweeps.resize(1);
@@ -355,9 +400,7 @@ Shown linear_axes_by_ball() {
   const model::Fit fit = must(model::fit(
       model, model::observations_of(set, model, must(params::parse_machine(kTrunnion, "machine.toml")).machine)));
   const std::string fitted = to_toml(model::with_values(model, fit));
-  std::string text = kTrunnion;
-  for (const char* axis : {"X", "Y", "Z"}) text += fmt::format("[emulator.axis.{}]\ndrive = \"ideal\"\n", axis);
-  const WorkshopMachine machine = machine_of(text);
+  const WorkshopMachine machine = machine_of(with_ideal_drives(kTrunnion));
   const auto rms_um = [&](const std::vector<std::uint8_t>& image) {
     return root_um(Mill(machine, errors_of(errors), image).square_um2());
   };
@@ -366,13 +409,13 @@ Shown linear_axes_by_ball() {
 }
 
 Shown scale_of_tilting_axis() {
-  Simulation simulation(machine_of(kTrunnion),
-                        errors_of("[[contribution]]\ncomponent = \"EAA\"\nformula = \"0.4*p\"\n"), 1);
+  const std::string errors = "[[contribution]]\ncomponent = \"EAA\"\nformula = \"0.4*p\"\n";
+  Simulation simulation(machine_of(kTrunnion), errors_of(errors), 1);
   const TurnPlan plan{.sweep = must(sweep_in("A=-100:20:10")), .sense = Sense::EA, .runs = 2, .noise = 0.0};
   // counted from the first target, where an offset comes from
   MeasurementSet set = must(turn_readings(simulation, plan));
   for (laser::Reading& reading : set.readings) reading.error += 0.4 * -100.0;
-  return left_out(set, table_of_effect("tilt_scale", "axis = \"A\"\nsense = \"EA\"\n"), kTrunnion);
+  return by_rotary_axes(set, table_of_effect("tilt_scale", "axis = \"A\"\nsense = \"EA\"\n"), errors, kTrunnion, {});
 }
 
 Shown friction_on_circle() {
@@ -521,18 +564,10 @@ const std::map<std::string, Row, std::less<>>& rows() {
       {"ball_in_spindle",
        {"ball in the spindle 17 µm off, then measured", 0.02, kAbsent,
         [] { return ball_off("ball_in_spindle", &BallPlan::tool_off_um); }}},
-      not_by_unit("location", "XOC 20 µm",
-                  [] {
-                    return left_out(ball_of(kTrunnion, "[location]\nXOC = 20.0\n", on_trunnion()),
-                                    table_of_effect("location", "code = \"XOC\"\n"), kTrunnion);
-                  }),
+      {"location", {"XOC 20 µm, found with a ball", 0.1, kTable, location_by_ball}},
       {"linear_axes", {"scale of X 40 µm/m and C0Y 25 µm/m, found with a ball", 0.1, kTable, linear_axes_by_ball}},
-      not_by_unit("tilt_scale", "A 0.4 µm/m per degree, errors in µm/m", scale_of_tilting_axis),
-      not_by_unit("head_bending", "EX of B 20 µm x sin b, frame of C",
-                  [] {
-                    return bent("head_bending",
-                                "[[contribution]]\ncomponent = \"EXB\"\nformula = \"20*sin(p*pi/180)\"\n", true);
-                  }),
+      {"tilt_scale", {"EA of A 0.4 µm/m per degree", 0.1, kTable, scale_of_tilting_axis}},
+      {"head_bending", {"EX of B 20 µm x sin b, frame of C, found with a ball", 0.1, kTable, head_bending_by_ball}},
       not_by_unit(
           "machine_bending", "EX of B 20 µm x sin b, with C at 0",
           [] {
@@ -597,20 +632,17 @@ std::string page_of(const std::vector<std::string>& lines) {
       "- *error map*, *parameters*, *thermal rows*: the unit compensates the effect. The error at the tool is measured "
       "at nine places in the\n"
       "  working volume, over hours for thermal rows, without and with the map that `ecs map build --from-model` "
-      "makes. "
-      "For faults of the map\n"
-      "  the first column is measured with the fault. Its size is then fitted to readings that are taken while the "
-      "unit "
-      "compensates, and the\n"
-      "  parameter is corrected by this size.\n"
+      "makes; for errors\n"
+      "  of rotary axes at 60 places and angles. For faults of the map the first column is measured with the fault. "
+      "Its "
+      "size is then fitted to\n"
+      "  readings that are taken while the unit compensates, and the parameter is corrected by this size.\n"
       "- *remove the cause*: an error of the measurement or of the commissioning. The readings are taken with the "
       "cause "
       "and again without it.\n"
       "- *no*: a map made from the model cannot compensate the effect. `ecs model what-if` and `ecs map build` state "
       "the "
-      "reason. Errors of\n"
-      "  rotary axes reach the unit by a file of them "
-      "([five_axes.md](five_axes.md#compensation-by-the-unit)).\n\n"
+      "reason.\n\n"
       "*Limit* is the largest permitted part of the error before.\n\n"
       "| effect | compensated by | emulated machine | before | after | limit | reason |\n"
       "|---|---|---|---|---|---|---|\n{}",

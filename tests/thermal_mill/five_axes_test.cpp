@@ -8,7 +8,13 @@
 
 #include <fmt/format.h>
 
+#include "base/answer_table.hpp"
+#include "commissioning/maps/from_model.hpp"
 #include "commissioning/maps/rotary_part.hpp"
+#include "model/diagnosis/diagnose.hpp"
+#include "model/diagnosis/ladder.hpp"
+#include "model/regression/candidates.hpp"
+#include "tests/support/folder.hpp"
 #include "tests/thermal_mill/mill.hpp"
 
 using namespace ecs;
@@ -107,11 +113,7 @@ std::vector<std::uint8_t> image_with(const FiveAxes& chain, const WorkshopMachin
   UnitParameters parameters = params::default_parameters_for(machine.machine);
   parameters.tool_offset_mm = chain.tool_mm;
   parameters.tool_range_mm = {50.0, 50.0, 200.0};
-  for (std::size_t i = 0; i < kComponents; ++i) {
-    const auto c = static_cast<Component>(i);
-    if (components_needed(parameters).contains(c) && c != Component::EXX)
-      map.header.declared_zero.push_back({c, "test"});
-  }
+  declare_rest_zero(map, parameters);
   std::vector<std::string> notes;
   if (rotary) {
     const auto with_rotary = must(params::parse_rotary_machine(machine_text(chain), "machine.toml"));
@@ -122,37 +124,10 @@ std::vector<std::uint8_t> image_with(const FiveAxes& chain, const WorkshopMachin
   return must(laser::image_of(map, parameters)).bytes;
 }
 
-struct ToolErrors {
-  double rms_um = 0.0, largest_um = 0.0;
-};
-
-/// At 60 places and angles, each with its own approaches.
 ToolErrors at_the_tool(const FiveAxes& chain, bool rotary) {
   const WorkshopMachine machine = machine_of(machine_text(chain));
   Mill mill(machine, errors_of(errors_text(chain)), image_with(chain, machine, rotary));
-  const auto part = [](int k, double step) { return std::fmod(0.5 + k * step, 1.0); };
-  constexpr int kPlaces = 60;
-  ToolErrors errors;
-  for (int k = 0; k < kPlaces; ++k) {
-    Vector3 angle_deg{};
-    for (std::size_t i = 0; i < 2; ++i) {
-      const auto r = static_cast<std::size_t>(chain.rotary[i] - 'A');
-      const auto [low, high] = machine.machine.rotary[r]->travel_deg;
-      angle_deg[r] = low + (high - low) * part(k, i == 0 ? 0.6180339887 : 0.7548776662);
-    }
-    mill.simulation.machine().turn_to(angle_deg);
-    REQUIRE(mill.simulation.move_to(
-        {600.0 * part(k, 0.5698402910), 500.0 * part(k, 0.8191725134), -400.0 * part(k, 0.6710436067)}, 0.0));
-    const TurningPose pose = mill.simulation.turned_tool(chain.tool_mm);
-    const double square =
-        pose.error_um[0] * pose.error_um[0] + pose.error_um[1] * pose.error_um[1] + pose.error_um[2] * pose.error_um[2];
-    errors.rms_um += square / kPlaces;
-    errors.largest_um = std::max(errors.largest_um, std::sqrt(square));
-  }
-  errors.rms_um = std::sqrt(errors.rms_um);
-  CHECK(mill.unit.mode() == UnitMode::compensating);
-  CHECK(mill.unit.fault() == Fault::none);
-  return errors;
+  return at_turned_tool(mill, machine.machine, chain.tool_mm);
 }
 
 void check_compensated(const FiveAxes& chain) {
@@ -162,6 +137,60 @@ void check_compensated(const FiveAxes& chain) {
   CHECK(before.rms_um > 10.0);
   CHECK(after.rms_um <= 0.01 * before.rms_um);
   CHECK(after.largest_um <= 0.02 * before.largest_um);
+}
+
+// From the readings of a ball to the machine: the model begins without errors of the machine but those of its set-up,
+// the diagnosis finds the rest, and the map of the model compensates it.
+
+/// Sets of a ball in two places, at angles of both axes, with the noise of a probe.
+laser::MeasurementSet ball_sets(const FiveAxes& chain, const std::string& errors,
+                                const std::vector<Vector3>& balls_mm) {
+  Simulation simulation(machine_of(machine_text(chain)), errors_of(errors), 1);
+  laser::MeasurementSet set;
+  for (const Vector3& ball_mm : balls_mm) {
+    BallPlan plan{.ball_mm = ball_mm, .tool_offset_mm = chain.tool_mm, .off_um = {12.0, -7.0, 9.0}, .noise_um = 0.2};
+    const auto one = must(ball_readings(simulation, plan));
+    set.readings.insert(set.readings.end(), one.readings.begin(), one.readings.end());
+  }
+  for (std::size_t k = 0; k < set.readings.size(); ++k) set.readings[k].row = static_cast<int>(k) + 1;
+  return set;
+}
+
+struct FoundModel {
+  model::Model model;
+  std::vector<std::string> named;  ///< by the diagnosis
+  model::WhatIf what;
+};
+
+/// As `ecs model new`, `diagnose`, `add` and `fit` one after the other; what is proved is added.
+FoundModel found_from(const laser::MeasurementSet& set, const params::Machine& machine) {
+  FoundModel found;
+  const auto data = [&] { return model::observations_of(set, found.model, machine); };
+  found.model.effects = model::usual_effects(data());
+  for (;;) {
+    const auto diagnosis = must(model::diagnose(found.model, data()));
+    const auto proved = std::ranges::find_if(diagnosis.candidates, &model::Candidate::named);
+    if (proved == diagnosis.candidates.end()) break;
+    const auto added = must(model::add_effect(found.model, data(), model::request_of(proved->effect), "ball.csv"));
+    found.named.push_back(to_text(added.effect.effect));
+    found.model = added.model;
+  }
+  found.what = must(model::what_if(found.model, data()));
+  found.model = model::with_values(found.model, must(model::fit(found.model, data())));
+  return found;
+}
+
+commissioning::MapFromModel map_of(const FiveAxes& chain, const model::Model& model) {
+  const Folder folder;
+  commissioning::NoMessages messages;
+  auto built = must(planned_map_from_model(messages, {.model = folder.with("model.toml", to_toml(model)),
+                                                      .machine = folder.with("machine.toml", machine_text(chain)),
+                                                      .zero_missing = "exact in this test"}));
+  built.compiled.map.header.serial_number = EmulatorSettings{}.serial_number;
+  built.parameters.parameters.tool_offset_mm = chain.tool_mm;
+  built.parameters.parameters.tool_range_mm = {50.0, 50.0, 200.0};
+  declare_rest_zero(built.compiled.map, built.parameters.parameters);  // what only a tool levers is needed as well
+  return built;
 }
 
 }  // namespace
@@ -176,4 +205,120 @@ TEST_CASE("a fork head: the unit compensates the errors of both axes at a tool t
 
 TEST_CASE("a swivelling head and a rotary table: the unit compensates the errors of both axes") {
   check_compensated(kHeadAndTable);
+}
+
+TEST_CASE("errors of a tilting table found with a ball reach the machine in the map of the model") {
+  const std::string of_rotary_axes =
+      "[location]\nXOC = 9.0\nYOC = -7.0\nAOC = 18.0\nBOC = -12.0\nYOA = 6.0\nZOA = -8.0\nBOA = 15.0\nCOA = -9.0\n"
+      "[[effect]]\nid = \"cyclic\"\naxis = \"C\"\n"
+      "parameters = { period_deg = 360.0, amplitude_um = 20.0, phase_rad = 0.4 }\n"
+      "[[effect]]\nid = \"backlash\"\naxis = \"A\"\nparameters = { um = 14.0 }\n";
+  const WorkshopMachine machine = machine_of(machine_text(kTiltingTable));
+  FoundModel found = found_from(
+      ball_sets(kTiltingTable, of_rotary_axes, {{420.0, 250.0, -300.0}, {300.0, 330.0, -250.0}}), machine.machine);
+  CHECK(only(found.named) == "cyclic:C:EC");
+  for (const model::WhatIf::Share& share : found.what.shares)
+    CHECK(share.carried == !share.effect.starts_with("ball_on_table"));
+  // X has been measured with a laser
+  const std::string scale = "[[effect]]\nid = \"scale\"\naxis = \"X\"\nparameters = { um_per_m = -32.0 }\n";
+  found.model.effects.push_back(must(model::parse_model(scale + "sense = \"EX\"\n", "x.toml", ".")).effects.front());
+  const commissioning::MapFromModel built = map_of(kTiltingTable, found.model);
+  CHECK(built.compiled.not_carried.size() == 2);  // the positions of the ball
+  const auto tool_with = [&](const std::vector<std::uint8_t>& image) {
+    Mill mill(machine, errors_of(of_rotary_axes + scale), image);
+    return at_turned_tool(mill, machine.machine, kTiltingTable.tool_mm);
+  };
+  const ToolErrors before = tool_with(image_from("", machine.machine, machine.settings.serial_number, true));
+  const ToolErrors after = tool_with(must(laser::image_of(built.compiled.map, built.parameters.parameters)).bytes);
+  MESSAGE("rms ", before.rms_um, ", largest ", before.largest_um, " um; with the map of the model ", after.rms_um,
+          " and ", after.largest_um, " um");
+  CHECK(before.rms_um > 10.0);
+  CHECK(after.rms_um <= 0.1 * before.rms_um);
+  CHECK(after.largest_um <= 0.1 * before.largest_um);
+}
+
+namespace {
+
+const char* const kHeadModel = R"(
+[[effect]]
+id = "location"
+code = "XOB"
+parameters = { um = 5.0 }
+[[effect]]
+id = "head_bending"
+parameters = { x_sin_um = 20.0, z_cos_um = 3.0 }
+[[effect]]
+id = "tilt_scale"
+axis = "B"
+sense = "EB"
+parameters = { um_per_degree = 0.5 }
+[[effect]]
+id = "cyclic"
+axis = "C"
+sense = "EC"
+parameters = { period_deg = 90.0, amplitude_um = 4.0, phase_rad = 0.0 }
+[[effect]]
+id = "tool_bending"
+parameters = { x_sin_um_per_m = 100.0 }
+[[effect]]
+id = "offset"
+axis = "B"
+sense = "EX"
+parameters = { um = 2.0 }
+)";
+
+model::Model head_model() { return must(model::parse_model(kHeadModel, "model.toml", ".")); }
+
+}  // namespace
+
+TEST_CASE("effects of rotary axes become location errors and curves of the map, and what has no place the reason") {
+  const commissioning::MapFromModel built = map_of(kForkHead, head_model());
+  const auto& axes = built.compiled.map.header.rotary;
+  REQUIRE(axes.size() == 2);  // as in the configuration: C, then B
+  const laser::MapRotaryAxis &c = axes[0], &b = axes[1];
+  CHECK(b.axis.letter == 'B');
+  CHECK(b.axis.location[0] == 5.0);
+  CHECK(b.start_deg == -100.0);
+  CHECK(b.increment_deg == 5.0);
+  REQUIRE(b.compensation[1][0].size() == 41);
+  CHECK(b.compensation[1][0][38] == Approx(-20.0));  // EXB at 90 deg
+  CHECK(b.compensation[0][2][38] == Approx(-3.0));   // EZB
+  CHECK(b.compensation[1][4][38] == Approx(-45.0));  // EBB
+  CHECK(c.axis.location == std::array<double, 6>{});
+  CHECK(c.increment_deg == 2.5);  // 32 values in a period
+  CHECK(c.start_deg == -180.0);
+  REQUIRE(c.compensation[1][5].size() == 144);
+  CHECK(c.compensation[0][5][72 + 9] == Approx(-4.0));  // ECC at 22.5 deg
+  CHECK(built.compiled.rotary.at('B') == std::vector<std::string>{"location:B:XOB", "head_bending", "tilt_scale:B:EB"});
+  REQUIRE(built.compiled.not_carried.size() == 2);
+  CHECK(contains(built.compiled.not_carried[0], "tool_bending: it grows with the length of the tool"));
+  CHECK(contains(built.compiled.not_carried[1], "offset:B:EX: a constant in readings of a rotary axis is the zero"));
+  const std::string text = from_model_cell(built, {}).text;
+  CHECK(contains(text, "B from location:B:XOB + head_bending + tilt_scale:B:EB"));
+  CHECK(contains(text, "NOT COMPENSATED: tool_bending"));
+}
+
+TEST_CASE("without an input for an angle a map from a model compensates no rotary axis, and says why") {
+  const std::string text = machine_text(kForkHead);
+  const std::size_t at = text.rfind("resolution_deg");
+  const auto machine = machine_of(text.substr(0, at) + text.substr(text.find('\n', at) + 1)).machine;
+  const model::CompiledModel made = must(model::compiled(head_model(), machine, 50.0));
+  CHECK(made.map.header.rotary.empty());
+  CHECK(made.not_carried.size() == 6);
+  CHECK(contains(made.not_carried[0], "location:B:XOB: the machine file states no resolution_deg of the axis C"));
+}
+
+TEST_CASE("a file of the errors of rotary axes takes the place of those of a model") {
+  const Folder folder;
+  commissioning::NoMessages messages;
+  const auto built = must(planned_map_from_model(
+      messages, {.model = folder.with("model.toml", kHeadModel),
+                 .machine = folder.with("machine.toml", machine_text(kForkHead)),
+                 .rotary = folder.with("rotary.csv", "component,approach,p_deg,error\nYOC,,,3\n"),
+                 .zero_missing = "exact in this test"}));
+  const auto& axes = built.compiled.map.header.rotary;
+  REQUIRE(axes.size() == 2);
+  CHECK(axes[0].axis.location[1] == 3.0);
+  CHECK(axes[1].axis.location == std::array<double, 6>{});
+  CHECK(contains(only(built.notes), "rotary.csv, not from the model: location:B:XOB, head_bending, tilt_scale:B:EB"));
 }

@@ -2,6 +2,8 @@
 // tool.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -21,6 +23,19 @@ using protocol::Command;
 using protocol::CommandCode;
 using protocol::CommandState;
 
+/// What the parameters need and the map lacks is declared zero.
+inline void declare_rest_zero(laser::ErrorMap& map, const UnitParameters& parameters) {
+  auto& zeros = map.header.declared_zero;
+  const ComponentSet needed = components_needed(parameters);
+  for (std::size_t i = 0; i < kComponents; ++i) {
+    const auto c = static_cast<Component>(i);
+    const bool has = is_squareness(c) ? squareness_um_per_m(parameters, c) != 0.0
+                                      : laser::table_of(map, c, Approach::forward) != nullptr;
+    const auto is_same = [c](const laser::DeclaredZero& zero) { return zero.component == c; };
+    if (needed.contains(c) && !has && std::ranges::none_of(zeros, is_same)) zeros.push_back({c, "exact in this test"});
+  }
+}
+
 /// The image for this machine: what the model lacks is declared zero. @param thermal  false: without its rows
 inline std::vector<std::uint8_t> image_from(const std::string& model_text, const params::Machine& machine,
                                             const std::string& serial_number, bool thermal) {
@@ -34,13 +49,7 @@ inline std::vector<std::uint8_t> image_from(const std::string& model_text, const
     squareness_um_per_m(parameters, static_cast<Component>(i)) = made.squareness[i];
   laser::MapHeader& header = made.map.header;
   header.serial_number = serial_number;
-  const ComponentSet needed = components_needed(parameters);
-  for (std::size_t i = 0; i < kComponents; ++i) {
-    const auto c = static_cast<Component>(i);
-    const bool has = is_squareness(c) ? squareness_um_per_m(parameters, c) != 0.0
-                                      : laser::table_of(made.map, c, Approach::forward) != nullptr;
-    if (needed.contains(c) && !has) header.declared_zero.push_back({c, "exact in this test"});
-  }
+  declare_rest_zero(made.map, parameters);
   if (!thermal) header.thermal.clear();
   return must(laser::image_of(made.map, parameters)).bytes;
 }
@@ -98,6 +107,42 @@ struct Mill {
     return sum / 9.0;
   }
 };
+
+/// Distances between tool and workpiece from where they should be [um].
+struct ToolErrors {
+  double rms_um = 0.0, largest_um = 0.0;
+};
+
+/// At 60 places and angles, each with its own approaches; the unit compensates until the end. They lie between 10 and
+/// 90 % of the travels of X, Y, Z and over the whole travels of A, B, C.
+inline ToolErrors at_turned_tool(Mill& mill, const params::Machine& machine, const Vector3& tool_mm) {
+  constexpr int kPlaces = 60;
+  constexpr std::array kSteps{0.5698402910, 0.8191725134, 0.6710436067};
+  constexpr std::array kTurnSteps{0.6180339887, 0.7548776662, 0.6180339887};
+  const auto part = [](int k, double step) { return std::fmod(0.5 + k * step, 1.0); };
+  ToolErrors errors;
+  for (int k = 0; k < kPlaces; ++k) {
+    Vector3 angle_deg{}, place_mm{};
+    std::size_t rotary = 0;
+    for (std::size_t a = 0; a < kAxes; ++a) {
+      if (const auto& axis = machine.rotary[a])
+        angle_deg[a] = std::lerp(axis->travel_deg[0], axis->travel_deg[1], part(k, kTurnSteps[rotary++]));
+      const auto [low, high] = machine.axes[a]->travel_mm;
+      place_mm[a] = std::lerp(low, high, 0.1 + 0.8 * part(k, kSteps[a]));
+    }
+    mill.simulation.machine().turn_to(angle_deg);
+    REQUIRE(mill.simulation.move_to(place_mm, 0.0));
+    const TurningPose pose = mill.simulation.turned_tool(tool_mm);
+    const double square =
+        pose.error_um[0] * pose.error_um[0] + pose.error_um[1] * pose.error_um[1] + pose.error_um[2] * pose.error_um[2];
+    errors.rms_um += square / kPlaces;
+    errors.largest_um = std::max(errors.largest_um, std::sqrt(square));
+  }
+  errors.rms_um = std::sqrt(errors.rms_um);
+  CHECK(mill.unit.mode() == UnitMode::compensating);
+  CHECK(mill.unit.fault() == Fault::none);
+  return errors;
+}
 
 /// Rms over the times of a course, with the map's geometry alone and with its thermal rows.
 struct BeforeAfter {

@@ -87,7 +87,8 @@ struct BuildRequest : FromModelArguments {
              "machine file (.toml) for --from-model and for the travels to cover; default: machine.toml in the folder "
              "of the parameters"},
             {"--rotary", &R::rotary,
-             "errors of the rotary axes (.csv) that the unit compensates as well; needs --machine (docs/five_axes.md)"},
+             "errors of the rotary axes (.csv) that the unit compensates as well, in place of those of a model; needs "
+             "--machine (docs/five_axes.md)"},
             {"--increment", &R::increment_mm,
              "increment of the tables made by --from-model [mm]; chosen automatically if not given"},
             {"-o,--output", &R::output, "map CSV to write", Is::output},
