@@ -419,13 +419,11 @@ Cell squareness_of_model(const MapFromModel& b, const FromModelArguments& argume
 }
 
 /// "  C from location:C:XOC + cyclic:C:EC"
-Cell rotary_effects_cell(const MapFromModel& b) {
-  Cell axes{Json::object(), {}};
-  for (const auto& [letter, effects] : b.compiled.rotary) {
-    axes.json[std::string(1, letter)] = effects;
-    if (!effects.empty()) axes.text += paragraph(fmt::format("{} from {}", letter, fmt::join(effects, " + ")), 2, 5);
-  }
-  return axes;
+std::string rotary_effects_text(const MapFromModel& b) {
+  std::string text;
+  for (const auto& [letter, effects] : b.compiled.rotary)
+    if (!effects.empty()) text += paragraph(fmt::format("{} from {}", letter, fmt::join(effects, " + ")), 2, 5);
+  return text;
 }
 
 std::string declared_text(const MapFromModel& b) {
@@ -449,7 +447,7 @@ Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments)
       "carried"_is(lines_cell(b.compiled.carried, "")),
       "not_carried"_is(paragraphs_cell(b.compiled.not_carried, "NOT COMPENSATED: ")),
       "components"_is(components_cell(b)), "thermal"_shown(thermal_cell(b.compiled.map.header).text),
-      "rotary"_shown(rotary_cell(b.compiled.map.header).text), "rotary_effects"_is(rotary_effects_cell(b)),
+      "rotary"_shown(rotary_cell(b.compiled.map.header).text), "rotary_effects"_shown(rotary_effects_text(b)),
       "squareness"_is(squareness_of_model(b, arguments)), "declared"_shown(declared_text(b)),
       "missing"_is(lines_cell(objections_in(b.findings), "")), "findings"_is(findings_cell(b.findings)),
       "verdict"_shown(verdict_text(b.compiled.map, b.findings,
