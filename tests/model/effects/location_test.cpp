@@ -464,7 +464,8 @@ TEST_CASE("squareness on a machine of table C and head B is found as that, not a
   CHECK(contains(found.headline, "squareness C0Y of X and Y"));
 }
 
-TEST_CASE("a tilting axis whose scale is wrong is found as that; of an axis that turns fully there is none") {
+TEST_CASE(
+    "a tilting axis whose scale is wrong is found as that; of an axis read over less than its turn there is none") {
   TurningMachine made = head();
   laser::MeasurementSet set = head_set({}, true, 1.0);
   Model model = first_model(set, made);
@@ -482,6 +483,42 @@ TEST_CASE("a tilting axis whose scale is wrong is found as that; of an axis that
   const auto fitted = must(fit(model, observations_of(set, model, made.machine)));
   CHECK(fitted.effects.back().parameters.front().value == Approx(4.0).epsilon(0.05));
   CHECK(fitted.effects.back().parameters.front().unit == "um/m/deg");
+}
+
+TEST_CASE("an angle that is not the same again after a whole turn is a wrong ratio; one that is, is a wave") {
+  const auto found_with = [](double um_per_degree, double wave_um) {
+    laser::MeasurementSet set;
+    std::mt19937_64 random(9);
+    NormalDraws noise(0.0, 1.0);
+    for (int run = 1; run <= 3; ++run)
+      for (const bool forward : {true, false})
+        for (int k = 0; k <= 24; ++k) {
+          const double c_deg = 15.0 * (forward ? k : 24 - k);
+          set.readings.push_back(
+              {.row = static_cast<int>(set.readings.size()) + 1,
+               .axis = Axis::Z,
+               .rotary = true,
+               .angle_deg = {0.0, 0.0, c_deg},
+               .sense = Sense::EC,
+               .error = um_per_degree * c_deg + wave_um * std::sin(c_deg * std::numbers::pi / 180.0) + noise(random),
+               .approach = forward ? Approach::forward : Approach::reverse,
+               .run = run});
+        }
+    Model model;
+    model.effects = usual_effects(observations_of(set, model, std::nullopt));
+    const Diagnosis found = must(diagnose(model, observations_of(set, model, std::nullopt)));
+    std::map<std::string, double> named;
+    for (const Candidate& one : found.candidates)
+      if (one.in_answer()) named[to_text(one.effect)] = one.parameters.front().value;
+    return named;
+  };
+  const auto both = found_with(40.0 / 360.0, 10.0);
+  REQUIRE(both.size() == 2);
+  CHECK(both.at("tilt_scale:C:EC") == Approx(40.0 / 360.0).epsilon(0.03));
+  CHECK(both.contains("cyclic:C:EC"));
+  const auto wave = found_with(0.0, 10.0);
+  REQUIRE(wave.size() == 1);
+  CHECK(wave.contains("cyclic:C:EC"));
 }
 
 TEST_CASE(
