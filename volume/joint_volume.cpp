@@ -59,58 +59,70 @@ Angles reference_angles(const RotaryAxes& rotary) {
   return angles;
 }
 
-JointVolume::JointVolume(const CompensatedMachine& machine, const Grid& grid, Components components,
-                         RotaryErrors rotary, Field compensation)
-    : grid_(grid),
-      machine_(machine.rotary->machine),
-      rotary_(std::move(rotary)),
-      components_(std::move(components)),
-      compensation_(std::move(compensation)) {
-  machine_.lines_mm = machine.errors.kinematics.lines_mm;
-  machine_.tool_offset_mm = machine.errors.kinematics.tool_offset_mm;
-  machine_.curves = machine.errors.curves;
-  compensation_.count_from_reference();
-  at_reference_ = mean_at_reference({grid, components_, machine.errors.kinematics});
-  const Angles zero = reference_angles(*machine.rotary);
-  at_zero_ = mean_at_reference(errors_at(pose_at(machine_, zero), zero));
+ChainOver::ChainOver(kinematics::JointMachine machine, const Kinematics& linear, const Grid& grid,
+                     Components components, RotaryErrors rotary, const Angles& from_deg)
+    : grid_(grid), machine_(std::move(machine)), rotary_(std::move(rotary)), components_(std::move(components)) {
+  machine_.lines_mm = linear.lines_mm;
+  machine_.tool_offset_mm = linear.tool_offset_mm;
+  at_reference_ = mean_at_reference({grid, components_, linear});
+  at_zero_ = mean_at_reference(from_reference(from_deg));
 }
 
-Result<JointVolume> JointVolume::over(const CompensatedMachine& machine, const Grid& grid) {
-  ECS_TRY(components, machine.errors.components(grid));
-  return JointVolume(machine, grid, std::move(components), machine.rotary->errors, compensation_over(machine, grid));
-}
-
-JointVolume JointVolume::of(const CompensatedMachine& machine, const Grid& grid, Components components,
-                            RotaryErrors rotary) {
-  return {machine, grid, std::move(components), std::move(rotary), Field(grid, {}, {})};
-}
-
-Field JointVolume::errors(const Angles& angles_deg) const {
-  Field field = errors_at(pose_at(machine_, angles_deg), angles_deg);
+Field ChainOver::at(const Angles& angles_deg) const {
+  Field field = from_reference(angles_deg);
   field.shift(minus(at_zero_));
   return field;
 }
 
-Field JointVolume::errors_at(const kinematics::MachinePose& pose, const Angles& angles_deg) const {
+Field ChainOver::from_reference(const Angles& angles_deg) const {
+  const kinematics::MachinePose pose = pose_at(machine_, angles_deg);
   std::array<kinematics::JointValues, 2> rotary;
   for (std::size_t side = 0; side < kSides.size(); ++side)
     rotary[side] = rotary_values(rotary_, angles_deg, kSides[side]);
-  Field errors(grid_, components_, pose, rotary);
-  errors.shift(minus(along_axes(pose.along, at_reference_)));
-  return errors;
+  Field field(grid_, components_, pose, rotary);
+  field.shift(minus(along_axes(pose.along, at_reference_)));
+  return field;
+}
+
+JointVolume JointVolume::of(const CompensatedMachine& machine, const Grid& grid, Components components,
+                            RotaryErrors rotary) {
+  kinematics::JointMachine chain = machine.rotary->machine;
+  chain.curves = machine.errors.curves;
+  return JointVolume({std::move(chain), machine.errors.kinematics, grid, std::move(components), std::move(rotary),
+                      reference_angles(*machine.rotary)});
+}
+
+Result<JointVolume> JointVolume::over(const CompensatedMachine& machine, const Grid& grid) {
+  ECS_TRY(components, machine.errors.components(grid));
+  JointVolume over = of(machine, grid, std::move(components), machine.rotary->errors);
+  if (machine.map.header.rotary.empty()) {
+    over.linear_.emplace(compensation_over(machine, grid));
+    over.linear_->count_from_reference();
+    return over;
+  }
+  kinematics::JointMachine chain = machine.rotary->machine;
+  for (const laser::MapRotaryAxis& one : machine.map.header.rotary)
+    chain.rotary[index_of(*kinematics::joint_of(one.axis.letter)) - kAxes] = {one.axis.direction, one.axis.pivot_mm};
+  chain.curves = CurveKind::measured;
+  const UnitParameters& unit = machine.parameters;
+  over.whole_.emplace(std::move(chain),
+                      Kinematics{terms_of_machine(unit, unit.convention, CurveKind::measured),
+                                 unit.measurement_lines_mm, unit.tool_offset_mm},
+                      grid, compensation_in(machine.map, unit, grid), rotary_errors_in(machine.map.header, -1.0),
+                      reference_angles(*machine.rotary));
+  return over;
 }
 
 BeforeAfter JointVolume::at(const Angles& angles_deg) const {
-  const kinematics::MachinePose pose = pose_at(machine_, angles_deg);
   BeforeAfter out;
-  out.before.field.emplace(errors_at(pose, angles_deg));
-  out.before.field->shift(minus(at_zero_));
-  out.after.field.emplace(compensation_.along(pose.along));
+  out.before.field.emplace(errors_.at(angles_deg));
+  out.after.field.emplace(whole_ ? whole_->at(angles_deg)
+                                 : linear_->along(pose_at(errors_.machine(), angles_deg).along));
   out.after.field->add(*out.before.field);
   return out;
 }
 
-std::array<Vector3, 2> JointVolume::orientation_at(const Angles& angles_deg) const {
+std::array<Vector3, 2> ChainOver::orientation_at(const Angles& angles_deg) const {
   const kinematics::MachinePose pose = pose_at(machine_, angles_deg);
   std::array<Vector3, 2> out{};
   for (std::size_t side = 0; side < kSides.size(); ++side) {

@@ -10,6 +10,7 @@
 #include "base/text.hpp"
 #include "laser/csv_table.hpp"
 #include "laser/groups.hpp"
+#include "volume/field.hpp"
 
 namespace ecs::volume {
 namespace {
@@ -198,6 +199,26 @@ kinematics::JointValues rotary_values(const RotaryErrors& errors, const kinemati
       values.curve[joint][static_cast<std::size_t>(table.sense)] += value_at(table, angles_deg[joint - kAxes]);
   }
   return values;
+}
+
+RotaryErrors rotary_errors_in(const laser::MapHeader& header, double factor) {
+  RotaryErrors errors;
+  for (const laser::MapRotaryAxis& one : header.rotary) {
+    const Joint joint = *kinematics::joint_of(one.axis.letter);
+    for (std::size_t s = 0; s < kSenseNames.size(); ++s) {
+      errors.location[index_of(joint) - kAxes][s] = factor * one.axis.location[s];
+      errors.location_given[index_of(joint) - kAxes][s] = true;
+      for (std::size_t side = 0; side < kSides.size(); ++side) {
+        RotaryTable table{joint, static_cast<Sense>(s), kSides[side], {}, {}, {}};
+        for (const double compensation : one.compensation[side][s]) {
+          table.p_deg.push_back(one.start_deg + one.increment_deg * static_cast<double>(table.p_deg.size()));
+          table.error.push_back(-factor * compensation);
+        }
+        if (!table.p_deg.empty()) errors.tables.push_back(std::move(table));
+      }
+    }
+  }
+  return errors;
 }
 
 std::string rotary_name(Joint joint, Sense sense) {

@@ -13,6 +13,7 @@
 
 #include "base/result.hpp"
 #include "kinematics/machine_pose.hpp"
+#include "laser/map/error_map.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::volume {
@@ -58,6 +59,10 @@ struct TableWeights {
 /// Error motions and location errors of every rotary axis by one side, at these angles; linear axes are left at 0.
 [[nodiscard]] kinematics::JointValues rotary_values(const RotaryErrors& errors, const kinematics::Angles& angles_deg,
                                                     Approach side);
+
+/// The errors of the rotary axes that a map says the machine has.
+/// @param factor  -1: what the unit adds by it
+[[nodiscard]] RotaryErrors rotary_errors_in(const laser::MapHeader& header, double factor = 1.0);
 
 /// The table of a component by that side; null: none.
 [[nodiscard]] const RotaryTable* table_of(const RotaryErrors& errors, kinematics::Joint joint, Sense sense,

@@ -105,7 +105,7 @@ struct ErrorSource {
   std::function<Result<std::vector<Vector3>>(const std::vector<Place>&)> vectors;
 };
 
-/// The rotary axes of a machine. A unit knows nothing of them: it compensates X, Y and Z as with all angles at 0.
+/// The rotary axes of a machine. A map without them compensates X, Y and Z as with all angles at 0.
 struct RotaryAxes {
   kinematics::JointMachine machine;  ///< chain, terms, directions and pivots; the rest comes from the source of errors
   RotaryErrors errors;

@@ -95,6 +95,8 @@ Result<void> take_rotary(const VolumeArguments& arguments, const std::string& ma
   if (!arguments.rotary.empty()) {
     ECS_TRY(errors, volume::read_rotary_errors(arguments.rotary, rotary.machine.chain));
     rotary.errors = std::move(errors);
+  } else {
+    rotary.errors = volume::rotary_errors_in(evaluated_machine.map.header);
   }
   rotary.angles_deg = reference_angles(rotary);
   expected.rotary = rotary;
@@ -110,13 +112,18 @@ Result<void> take_rotary(const VolumeArguments& arguments, const std::string& ma
 /// What the unit does not compensate, and errors that nobody gave.
 void note_rotary(VolumeWork& work) {
   const auto& rotary = work.prepared.machine.rotary;
-  if (!rotary) return;
-  if (!work.prepared.machine.map.header.rotary.empty())
+  const bool in_map = !work.prepared.machine.map.header.rotary.empty();
+  if (!rotary && in_map)
     work.notes.emplace_back(
-        "the map also compensates the errors of the rotary axes. This is not taken into account here");
-  work.notes.push_back(
-      "the unit compensates X, Y and Z as if the rotary axes were at 0. The errors of the rotary axes remain, and so "
-      "do the effects of angular errors of X, Y and Z at other angles");
+        "the map also compensates the errors of rotary axes, which are at 0 here: give the machine file that has them "
+        "(--machine)");
+  if (!rotary) return;
+  work.notes.emplace_back(!in_map ? "the unit compensates X, Y and Z as if the rotary axes were at 0. The errors of "
+                                    "the rotary axes remain, and "
+                                    "so do the effects of angular errors of X, Y and Z at other angles"
+                                  : "the unit compensates along X, Y and Z, at all angles, the errors of the rotary "
+                                    "axes that the map contains; "
+                                    "the orientation of the tool is not compensated");
   std::vector<std::string> missing;
   for (const kinematics::ChainJoint& one : rotary->machine.chain) {
     if (!is_rotary(one.joint)) continue;

@@ -99,6 +99,56 @@ TEST_CASE("what the unit adds along X, Y, Z turns with the table; rotary errors 
   CHECK(after[1] == Approx(10.0));
 }
 
+TEST_CASE("a map with the errors of the rotary axes leaves nothing of them, one with half of them leaves half") {
+  for (const char* const chain : {"TXYZCB", "XYACTZ", "XYCTZB"}) {
+    CAPTURE(chain);
+    CompensatedMachine machine = machine_of(chain);
+    RotaryAxes& rotary = *machine.rotary;
+    constexpr double kIncrement_deg = 10.0, kTurn_deg = 360.0;
+    for (std::size_t r = 0; r < kAxes; ++r) {
+      if (!rotary.travel_deg[r]) continue;
+      laser::MapRotaryAxis one{.axis = {.letter = "ABC"[r],
+                                        .direction = rotary.machine.rotary[r].direction,
+                                        .pivot_mm = rotary.machine.rotary[r].pivot_mm,
+                                        .location = rotary.errors.location[r]},
+                               .increment_deg = kIncrement_deg};
+      RotaryErrors motions = rotary.errors;
+      motions.location = {};
+      for (double angle_deg = 0.0; angle_deg < kTurn_deg; angle_deg += kIncrement_deg) {
+        Angles angles{};
+        angles[r] = angle_deg;
+        for (std::size_t side = 0; side < kSides.size(); ++side)
+          for (std::size_t s = 0; s < kSenseNames.size(); ++s)
+            one.compensation[side][s].push_back(-rotary_values(motions, angles, kSides[side]).curve[kAxes + r][s]);
+      }
+      machine.map.header.rotary.push_back(std::move(one));
+    }
+    rotary.errors = rotary_errors_in(machine.map.header);
+    rotary.angles_deg = {37.0, -51.0, 128.0};
+    const Grid grid = grid_over(machine.travel_mm, 27, {});
+    const auto largest = [&](const VolumeError& error) {
+      double most = 0.0;
+      for (std::size_t side = 0; side < kSides.size(); ++side)
+        for (std::size_t i = 0; i < 3; ++i)
+          for (const double e : error.at(grid, side, {i, 2 - i, (i + side) % 3})) most = std::max(most, std::abs(e));
+      return most;
+    };
+    const BeforeAfter whole = *errors_over(machine, grid);
+    CHECK(largest(whole.before) > 5.0);
+    CHECK(largest(whole.after) < 1e-6);
+    CompensatedMachine doubled = machine;  // errors twice as large as the map says: half of them remains
+    doubled.rotary->errors = rotary_errors_in(machine.map.header, 2.0);
+    const BeforeAfter half = *errors_over(doubled, grid);
+    CompensatedMachine none = machine;
+    none.rotary->errors = {};
+    const BeforeAfter linear = *errors_over(none, grid);
+    for (std::size_t side = 0; side < kSides.size(); ++side)
+      for (std::size_t d = 0; d < kAxes; ++d)
+        CHECK(half.after.at(grid, side, {1, 2, 0})[d] ==
+              Approx(whole.before.at(grid, side, {1, 2, 0})[d] - linear.before.at(grid, side, {1, 2, 0})[d]));
+  }
+}
+
 TEST_CASE("settings cover the travels; a whole turn does not count its beginning twice") {
   RotaryAxes rotary;
   rotary.travel_deg[0] = {-90.0, 30.0};
