@@ -136,6 +136,7 @@ void set_motions(Observations& data) {
   }
   if (std::ranges::all_of(rows.travel_since_reversal_mm, [](double mm) { return std::isnan(mm); }))
     rows.travel_since_reversal_mm.clear();
+  set_natural_axes(rows);
   motions->take_out_free(data.reading.data());
   data.moved = std::move(motions);
   data.of_moved.resize(data.size());
@@ -154,6 +155,7 @@ Observations without_paths(const Observations& data) {
   part.place.clear();
   part.moved.reset();
   part.of_moved.clear();
+  set_natural_axes(part);
   return part;
 }
 

@@ -235,6 +235,32 @@ void take_places(Observations& data) {
   }
 }
 
+double apart_mm(const Vector3& a, const Vector3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
+/// More lines of a sense along one axis are the rows of a grid, which is read without a new zero.
+constexpr std::size_t kMostLines = 8;
+constexpr double kSameParked_mm = 1e-3;
+
+void set_lines(Observations& data) {
+  const auto set_up = data.extras.find("set_up");
+  std::map<std::pair<Axis, Sense>, std::vector<std::pair<Vector3, double>>> seen;
+  data.line.assign(data.size(), 1);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    Vector3 parked_mm = data.position_mm[k];
+    parked_mm[index_of(data.axis[k])] = 0.0;
+    const double number = set_up == data.extras.end() || std::isnan(set_up->second[k]) ? 1.0 : set_up->second[k];
+    auto& lines = seen[{data.axis[k], data.sense[k]}];
+    if (lines.size() > kMostLines) continue;
+    const auto found = std::ranges::find_if(lines, [&](const auto& one) {
+      return one.second == number && apart_mm(one.first, parked_mm) < kSameParked_mm;
+    });
+    data.line[k] = static_cast<int>(found - lines.begin()) + 1;
+    if (found == lines.end()) lines.emplace_back(parked_mm, number);
+  }
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (seen[{data.axis[k], data.sense[k]}].size() > kMostLines) data.line[k] = 1;
+}
+
 void put_on_paths(Observations& data, Paths paths, const std::vector<std::size_t>& order) {
   data.paths = std::move(paths.all);
   for (const std::size_t k : order) {
@@ -268,8 +294,6 @@ Vector3 moved_by(const kinematics::Gain& gain, const Vector3& place_mm) {
     for (std::size_t d = 0; d < kAxes; ++d) moved[d] += gain.slope[l][d] * place_mm[l];
   return moved;
 }
-
-double apart_mm(const Vector3& a, const Vector3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
 /// How the errors of the machine's axes reach a reading, in the directions of the bed, or of the workpiece where the
 /// sensor turns with it.
@@ -495,8 +519,22 @@ Observations observations_of(const MeasurementSet& set, const KnownTables& table
     data.in_history.resize(data.size());
     std::iota(data.in_history.begin(), data.in_history.end(), std::size_t{0});
   }
+  set_natural_axes(data);
+  if (!data.rotary && paths.all.empty()) set_lines(data);
   if (!paths.all.empty()) put_on_paths(data, std::move(paths), order);
   return data;
+}
+
+void set_natural_axes(Observations& data) {
+  for (std::size_t s = 0; s < kSenseNames.size(); ++s) {
+    const Axis own = direction_of(static_cast<Sense>(s));
+    std::optional<Axis> first;
+    for (std::size_t k = 0; k < data.size(); ++k)
+      if (static_cast<std::size_t>(data.sense[k]) == s && first != own &&
+          (!first || data.axis[k] < *first || data.axis[k] == own))
+        first = data.axis[k];
+    data.natural_axes[s] = first.value_or(own);
+  }
 }
 
 const Observations& Observations::motions() const { return moved ? moved->rows : *this; }
@@ -532,7 +570,7 @@ Observations subset(const Observations& all, const std::vector<std::size_t>& cho
   const auto keep = [&](auto&... columns) { ((columns = taken(columns, chosen)), ...); };
   keep(part.row, part.file_order, part.axis, part.sense, part.run, part.approach, part.position_mm, part.place_mm,
        part.pose_deg, part.through_chain, part.compensated, part.path, part.along, part.place, part.of_moved,
-       part.aside, part.in_history);
+       part.aside, part.in_history, part.line);
   keep(part.reading, part.time_s, part.feed_mm_min, part.load_kg, part.travel_since_reversal_mm, part.pressure_hPa,
        part.humidity_pct);
   for (auto* columns : {&part.sensors_degC, &part.extras})

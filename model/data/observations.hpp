@@ -132,6 +132,12 @@ struct Observations {
   std::vector<std::size_t> of_moved;     ///< number of the row among the readings of `moved`
   std::vector<bool> aside;               ///< of motions: only what the approach of the moving axis does counts
 
+  /// Number, from 1, of the measured line among those of its sense along its axis: another parked position or set-up is
+  /// another line. Empty: as if all were one, as for readings over a grid, along paths and of rotary axes.
+  std::vector<int> line;
+  /// By sense: its own axis where that moved, else the first that did.
+  std::array<Axis, kSenseNames.size()> natural_axes{Axis::X, Axis::Y, Axis::Z, Axis::X, Axis::Y, Axis::Z};
+
   params::Machine machine;   ///< may be without axes: datum 0, lines 0; of rotary axes only their letters are known
   TermTable terms;           ///< empty: no chain known, or rotary axes
   MeasurementLines lines{};  ///< where each axis was measured [mm]
@@ -144,6 +150,8 @@ struct Observations {
   std::vector<std::string> notes;  ///< what was assumed, in words
 
   [[nodiscard]] std::size_t size() const { return reading.size(); }
+  [[nodiscard]] Axis natural_axis(Sense of) const { return natural_axes[static_cast<std::size_t>(of)]; }
+  [[nodiscard]] int line_of(std::size_t k) const { return line.empty() ? 1 : line[k]; }
   [[nodiscard]] bool on_path(std::size_t k) const { return !path.empty() && path[k] != 0; }
   /// @pre on_path(k)
   [[nodiscard]] const Path& path_of(std::size_t k) const { return paths[path[k] - 1]; }
@@ -200,6 +208,9 @@ struct Observations {
 /// Places of about `wanted` of this many readings, at random one from each stretch: an even step could fall in with the
 /// order of senses or targets. The same for the same numbers.
 [[nodiscard]] std::vector<std::size_t> even_choice(std::size_t readings, std::size_t wanted);
+
+/// From the axes that moved. @pre data.axis and data.sense are complete
+void set_natural_axes(Observations& data);
 
 /// The rows `chosen` (places in canonical order, ascending), everything else the same.
 [[nodiscard]] Observations subset(const Observations& all, const std::vector<std::size_t>& chosen);

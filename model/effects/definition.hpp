@@ -71,11 +71,11 @@ struct EffectInstance {
   std::optional<Component> code;  ///< of angular, squareness, measurement_line; of a map fault of one component
   bool rotary = false;            ///< `axis` is A, B or C: positions and lengths are in degrees
   ApproachMode approach = ApproachMode::both;
-  int ball = 1;                              ///< of a ball on the table: which, in the order of the readings
-  std::string sensor;                        ///< column of the sensor, where one is used
-  std::string sensor2;                       ///< of the second, where their difference is
-  std::string name;                          ///< of a user effect
-  std::string tied_with;                     ///< what the data cannot tell it from: names with commas between them
+  int ball = 1;           ///< of a ball on the table, a tool, a measured line: which, in the order of the readings
+  std::string sensor;     ///< column of the sensor, where one is used
+  std::string sensor2;    ///< of the second, where their difference is
+  std::string name;       ///< of a user effect
+  std::string tied_with;  ///< what the data cannot tell it from: names with commas between them
   std::vector<UserFormula> formulas;         ///< of a user effect
   std::vector<UserParameter> user;           ///< of a user effect
   std::map<std::string, double> parameters;  ///< given: held. Absent ones are fitted from the data
@@ -238,9 +238,10 @@ struct EffectTraits {
   bool of_condition = false;       ///< its size depends on a condition that a run can set
   bool in_motion = false;          ///< shows only in readings taken on the fly
   bool shows_at_zero = false;      ///< shows at the place where the readout was zeroed
-  bool until_new_set_up = false;   ///< ends when the optics are aligned and reset again (column `set_up`)
-  bool of_measurement = false;     ///< the readings show it, the machine does not have it
-  bool from_origin = false;        ///< counts time or a temperature from Observations::origin
+  bool of_lines = false;          ///< at another than the natural axis of its sense in lines along it; numbered: in one
+  bool until_new_set_up = false;  ///< ends when the optics are aligned and reset again (column `set_up`)
+  bool of_measurement = false;    ///< the readings show it, the machine does not have it
+  bool from_origin = false;       ///< counts time or a temperature from Observations::origin
   // how often it can be there
   bool is_usual = false;       ///< every measured line has it: part of a new model
   bool one_per_axis = false;   ///< may act in a sense once for each axis; else once, whatever the axis
@@ -267,6 +268,8 @@ enum class Need : std::uint8_t {
 
 /// Targets from which a curve over a line is looked for: ISO 230-2:2014 asks for five a line at least.
 inline constexpr std::size_t kFewestCurveTargets = 5;
+/// And a wave, which has a size, a phase and a period beside the zero and the slope of the line.
+inline constexpr std::size_t kFewestWaveTargets = 6;
 
 /// What an effect looks like at a limit of a searched parameter or of its data.
 enum class Limit : std::uint8_t { at_least, at_greatest, tied_to_runs };

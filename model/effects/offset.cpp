@@ -1,8 +1,31 @@
-// A shift c of all readings of a sense: datum or laser zero.
+// A shift c of all readings of a sense: datum or laser zero; and of single lines of it, for the readout is set to zero
+// anew when the optics move to another line.
+#include <algorithm>
+
 #include "model/effects/definition.hpp"
 #include "model/effects/separations.hpp"
 
 namespace ecs::model::effects {
+
+namespace {
+
+/// The first line of a sense has the shift of the sense; every other one may have one of its own.
+std::vector<EffectInstance> of_further_lines(const Site& site) {
+  std::vector<EffectInstance> each;
+  if (site.data.rotary || !site.data.paths.empty()) return each;
+  int lines = 0;
+  for (std::size_t k = 0; k < site.data.size(); ++k)
+    if (site.data.axis[k] == site.axis && site.data.sense[k] == site.sense)
+      lines = std::max(lines, site.data.line_of(k));
+  const bool natural = site.data.natural_axis(site.sense) == site.axis;
+  for (int number = natural ? 2 : 1; number <= lines; ++number) {
+    each.push_back(site.once().front());
+    each.back().ball = number;
+  }
+  return each;
+}
+
+}  // namespace
 
 EffectDefinition offset() {
   return {
@@ -17,11 +40,13 @@ EffectDefinition offset() {
       .carrier = Carrier::error_map,
       .how = "a constant in the map, or the null offset of the datum (null_offset_mm)",
       .separated_by = separations::kFinerTargets,
-      .traits = {.shows_at_zero = true, .is_usual = true, .one_per_axis = true, .on_rotary_axes = true},
+      .traits =
+          {.shows_at_zero = true, .of_lines = true, .is_usual = true, .one_per_axis = true, .on_rotary_axes = true},
       .place = Place::sense,
       .preference = 0,
       .columns = [](const ReadingAt&, std::span<double> row) { row[0] = 1.0; },
       .of_sense = [](const Site& site) { return site.once(); },
+      .along_axis = of_further_lines,
   };
 }
 

@@ -24,9 +24,9 @@ namespace {
 
 const std::vector<std::string> kModelKeys{"name",  "effect",  "candidate", "map",
                                           "known", "history", "origin",    "compensated_readings"};
-const std::vector<std::string> kEffectKeys{"id",         "axis",   "sense",   "approach",    "code",
-                                           "ball",       "sensor", "sensor2", "name",        "formula",
-                                           "parameters", "fitted", "curve",   "undetermined"};
+const std::vector<std::string> kEffectKeys{"id",      "axis",       "sense",  "approach", "code",
+                                           "ball",    "line",       "sensor", "sensor2",  "name",
+                                           "formula", "parameters", "fitted", "curve",    "undetermined"};
 
 constexpr double kMostReadings = 1e9;
 
@@ -242,6 +242,11 @@ void complete(TomlReader& reader, const toml::table& table, EffectInstance& effe
   };
   want(!table.contains("ball") || definition.place == Place::artefact,
        "no key ball, which is of ball_on_table and ball_in_spindle");
+  want(!table.contains("line") || definition.traits.of_lines, "no key line, which is of offset");
+  const auto number = reader.number(table, definition.traits.of_lines ? "line" : "ball");
+  want(!number || (*number >= 1.0 && *number == std::floor(*number)),
+       "ball or line = 1, 2 …, in the order of the readings");
+  effect.ball = number ? static_cast<int>(*number) : 1;
   const bool rotation = effect.code && is_angular(*effect.code);
   if (definition.place == Place::rotation) want(rotation, "code = one of EAX … ECZ");
   if (definition.place == Place::known_component) want(rotation, "code = the known angular component, EAX … ECZ");
@@ -261,9 +266,6 @@ void complete(TomlReader& reader, const toml::table& table, EffectInstance& effe
   if (definition.place == Place::location)
     return want(table.contains("code") && effect.axis && effect.sense, fmt::format("code = {}", kLocationCodes));
   if (definition.place == Place::artefact) {
-    const auto ball = reader.number(table, "ball");
-    want(!ball || (*ball >= 1.0 && *ball == std::floor(*ball)), "ball = 1, 2 …, in the order of the readings");
-    effect.ball = ball ? static_cast<int>(*ball) : 1;
     effect.axis = std::nullopt;
     effect.sense = std::nullopt;
     effect.rotary = true;

@@ -294,13 +294,7 @@ std::vector<EffectInstance> Site::once(bool worth_trying) const {
   return {effect};
 }
 
-Axis natural_axis(const Observations& all, Sense sense) {
-  const Observations& data = all.motions();
-  const std::vector<Axis> moved = moved_axes(data, sense);
-  const Axis own = direction_of(sense);
-  if (moved.empty() || std::ranges::find(moved, own) != moved.end()) return own;
-  return moved.front();
-}
+Axis natural_axis(const Observations& all, Sense sense) { return all.motions().natural_axis(sense); }
 
 std::vector<Axis> varied_axes(const Observations& all, Sense sense) {
   const Observations& data = all.motions();
@@ -343,6 +337,22 @@ std::vector<EffectInstance> candidate_instances(const Observations& all) {
   return out;
 }
 
+namespace {
+
+/// Its line was measured in another set-up than the first of its sense and axis: the readout has a new zero.
+bool has_own_set_up(const Observations& data, const EffectInstance& of_line) {
+  const auto set_up = data.extras.find("set_up");
+  if (set_up == data.extras.end()) return false;
+  std::array<double, 2> first{kNotMeasured, kNotMeasured};  // of line 1, and of this one
+  for (std::size_t k = data.size(); k-- > 0;)
+    if (data.axis[k] == of_line.axis && data.sense[k] == of_line.sense)
+      for (const int line : {1, of_line.ball})
+        if (data.line_of(k) == line) first[line == 1 ? 0 : 1] = set_up->second[k];
+  return first[0] != first[1];
+}
+
+}  // namespace
+
 std::vector<EffectInstance> usual_effects(const Observations& all) {
   constexpr std::size_t kForSlope = 3;
   const Observations data = without_paths(all);
@@ -358,6 +368,7 @@ std::vector<EffectInstance> usual_effects(const Observations& all) {
         add_at(site(axis), &EffectDefinition::of_reversal, true, usual);
     }
   }
+  std::erase_if(usual, [&](const EffectInstance& one) { return one.ball > 1 && !has_own_set_up(data, one); });
   return usual;
 }
 

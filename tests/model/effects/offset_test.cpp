@@ -1,0 +1,116 @@
+// Constants of measured lines: the readout is set to zero anew when the optics move from one line to the next.
+#include <map>
+#include <set>
+
+#include "model/diagnosis/ladder.hpp"
+#include "model/fit/model_file.hpp"
+#include "model/regression/candidates.hpp"
+#include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+
+namespace {
+
+constexpr double kPeriod_mm = 10.0;
+
+double pitch_wave(const Reading& r) {
+  if (r.axis != Axis::Y || r.sense != Sense::EY) return 0.0;
+  return 1.8 * std::sin(2.0 * std::numbers::pi * p(r, Axis::Y) / kPeriod_mm);
+}
+
+/// EX and EY along X and Y, each line with its own zero, and a pitch wave in EYY.
+laser::MeasurementSet four_lines(const std::map<std::pair<Axis, Sense>, double>& zeros) {
+  laser::MeasurementSet set;
+  unsigned seed = 1;
+  for (const Axis axis : {Axis::X, Axis::Y})
+    for (const Sense sense : {Sense::EX, Sense::EY})
+      measure(
+          set, {.axis = axis, .sense = sense, .step_mm = 20.0, .targets = 31}, kNoise_um,
+          [&](const Reading& r) {
+            return pitch_wave(r) + zeros.at({axis, sense});
+          },
+          ++seed);
+  return set;
+}
+
+std::vector<std::string> names_of(const std::vector<EffectInstance>& effects) {
+  std::vector<std::string> names;
+  for (const EffectInstance& one : effects) names.push_back(to_text(one));
+  return names;
+}
+
+std::vector<std::string> answer_to(const laser::MeasurementSet& set) {
+  Model model;
+  model.effects = usual_effects(observations_of(set, model, mill()));
+  std::vector<std::string> names;
+  for (const Candidate& one : diagnosed(model, set).candidates)
+    if (one.in_answer()) names.push_back(to_text(one.effect));
+  return names;
+}
+
+}  // namespace
+
+TEST_CASE("a new model has an offset for each line of a sense, and a wave is found beside lines of any zero") {
+  const std::map<std::pair<Axis, Sense>, double> zeros{{{Axis::X, Sense::EX}, 2.0},
+                                                       {{Axis::X, Sense::EY}, -12.0},
+                                                       {{Axis::Y, Sense::EX}, 9.0},
+                                                       {{Axis::Y, Sense::EY}, -3.0}};
+  const laser::MeasurementSet set = four_lines(zeros);
+  const auto names = names_of(usual_effects(observations_of(set, Model{}, mill())));
+  for (const char* name : {"offset:X:EX", "offset:Y:EX", "offset:X:EY", "offset:Y:EY"})
+    CHECK(std::ranges::count(names, name) == 1);
+  CHECK(answer_to(set) == std::vector<std::string>{"cyclic:Y:EY"});
+}
+
+TEST_CASE("an offset at the natural axis of a sense acts on all its lines, at another axis on those along it") {
+  const laser::MeasurementSet set = four_lines({{{Axis::X, Sense::EX}, 2.0},
+                                                {{Axis::X, Sense::EY}, 0.0},
+                                                {{Axis::Y, Sense::EX}, 9.0},
+                                                {{Axis::Y, Sense::EY}, 0.0}});
+  Model model;
+  model.effects = {effect(ecs::model::test::effects::offset, Axis::X, Sense::EX),
+                   effect(ecs::model::test::effects::offset, Axis::Y, Sense::EX)};
+  const Fit fitted = must(fit(model, observations_of(set, model, mill())));
+  CHECK(fitted.effects[0].parameters.front().value == Approx(2.0).epsilon(0.03));
+  CHECK(fitted.effects[1].parameters.front().value == Approx(7.0).epsilon(0.03));
+}
+
+TEST_CASE("two lines at unlike zeros are a shift of the second one or a squareness, in one answer") {
+  laser::MeasurementSet set;
+  measure(set, {.targets = 21}, kNoise_um, nothing, 3);
+  measure(
+      set, {.targets = 21, .parked_mm = {0.0, 400.0, 0.0}}, kNoise_um, [](const Reading&) { return 8.0; }, 4);
+  Model model;
+  model.effects = usual_effects(observations_of(set, model, mill()));
+  CHECK(std::ranges::count(names_of(model.effects), "offset:X:EX:2") == 0);  // one set-up, as far as the file says
+  const Diagnosis found = diagnosed(model, set);
+  REQUIRE_FALSE(found.candidates.empty());
+  std::set<std::string> group{to_text(found.candidates.front().effect)};
+  for (const EffectInstance& rival : found.candidates.front().rivals) group.insert(to_text(rival));
+  CHECK(group.contains("offset:X:EX:2"));
+  CHECK(group.contains("squareness:Y:C0Y"));
+
+  for (Reading& r : set.readings) r.extras["set_up"] = r.position_mm[1] > 0.0 ? 2.0 : 1.0;
+  Model own_zeros;
+  own_zeros.effects = usual_effects(observations_of(set, own_zeros, mill()));
+  CHECK(std::ranges::count(names_of(own_zeros.effects), "offset:X:EX:2") == 1);
+  CHECK(diagnosed(own_zeros, set).verdict == Verdict::adequate);
+}
+
+TEST_CASE("the offset of a numbered line is written to a model file and read again; the rows of a grid have one zero") {
+  Model model = straight();
+  model.effects.push_back(effect(ecs::model::test::effects::offset, Axis::X, Sense::EX));
+  model.effects.back().ball = 3;
+  const std::string text = to_toml(model);
+  CHECK(contains(text, "line = 3"));
+  CHECK(must(parse_model(text, "model.toml", "")).effects.back() == model.effects.back());
+  CHECK(must(parse_add_request("offset:X:EX:3")).ball == 3);
+  laser::MeasurementSet grid;
+  for (int y = 0; y < 9; ++y)
+    measure(grid, {.targets = 9, .runs = 1, .both_ways = false, .parked_mm = {0.0, 50.0 * y, 0.0}}, kNoise_um, nothing);
+  const Observations data = observations_of(grid, Model{}, mill());
+  CHECK(std::ranges::all_of(data.line, [](int line) { return line == 1; }));
+}
