@@ -20,13 +20,8 @@
 #include "model/regression/needs.hpp"
 
 namespace ecs::model {
-namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
-bool allowed(const EffectInstance& effect, const AddRequest& request) {
+bool is_requested(const EffectInstance& effect, const AddRequest& request) {
   if (effect.id != request.id || effect.ball != request.ball) return false;
   if (request.axis && (effect.axis != request.axis || effect.rotary != request.rotary)) return false;
   if (request.sense && effect.sense != request.sense) return false;
@@ -36,14 +31,20 @@ bool allowed(const EffectInstance& effect, const AddRequest& request) {
   return request.sensor2.empty() || effect.sensor2 == request.sensor2;
 }
 
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
 /// Instances the request allows: those that the data show, else the one that it spells out.
 std::vector<EffectInstance> places_for(const Model& model, const Observations& data, const AddRequest& request) {
+  if (request.as_named) return {*request.as_named};
   std::vector<EffectInstance> list;
   for (const EffectInstance& effect : candidate_instances(data))
-    if (allowed(effect, request)) list.push_back(effect);
+    if (is_requested(effect, request)) list.push_back(effect);
   for (const EffectInstance& effect : model.candidates)
     if (effect.id == request.id && (request.name.empty() || effect.name == request.name)) list.push_back(effect);
-  if (list.empty() && request.formula) return {*request.formula};
   if (!list.empty() || request.id->place == Place::formulas) return list;
   if ((request.axis && (request.sense || request.code)) || (request.id->place == Place::set_up && request.sense) ||
       request.id->place == Place::artefact) {
@@ -94,7 +95,7 @@ std::optional<EffectInstance> best_place(const State& state, const Regressors& r
 AddRequest request_of(const EffectInstance& effect) {
   AddRequest request{effect.id,       effect.axis,   effect.rotary,  effect.sense, effect.code,
                      effect.approach, effect.sensor, effect.sensor2, effect.name,  effect.ball};
-  if (effect.is_user()) request.formula = effect;
+  request.as_named = effect;
   return request;
 }
 
@@ -132,7 +133,8 @@ Result<AddRequest> parse_add_request(std::string_view text) {
       request.sense = coded->sense;
     } else if (sense && id->place != Place::location && (id->place != Place::set_up || is_rotation(*sense))) {
       request.sense = sense;
-    } else if (const auto ball = number_in(part); id->place == Place::artefact && ball && *ball >= 1.0) {
+    } else if (const auto ball = number_in(part);
+               (id->place == Place::artefact || id->traits.of_lines) && ball && *ball >= 1.0) {
       request.ball = static_cast<int>(*ball);
     } else if (code) {
       request.code = code;
@@ -161,7 +163,7 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
         ProblemKind::usage,
         fmt::format("{}: these data cannot show it there (`ecs model diagnose` lists their axes, senses and columns)",
                     name_of(request.id)));
-  auto effect = best_place(before, regressors, places);
+  auto effect = request.as_named ? request.as_named : best_place(before, regressors, places);
   if (!effect) return problem(ProblemKind::usage, fmt::format("{}: no place to add it", name_of(request.id)));
   Added added;
   added.model = model;

@@ -21,11 +21,14 @@ struct AddRequest {
   std::optional<ApproachMode> approach;
   std::string sensor;
   std::string sensor2;
-  std::string name;                         ///< of a user effect
-  int ball = 1;                             ///< of a ball on the table
-  std::optional<EffectInstance> formula{};  ///< of a user effect that the model does not know yet
+  std::string name;  ///< of a user effect
+  int ball = 1;      ///< of a ball on the table
+  /// As a diagnosis names it, its values as a start; or a user effect that the model does not know yet.
+  std::optional<EffectInstance> as_named{};
 };
-/// This effect at its place.
+/// The effect is one that the request allows.
+[[nodiscard]] bool is_requested(const EffectInstance& effect, const AddRequest& request);
+/// This effect at its place, as it is.
 [[nodiscard]] AddRequest request_of(const EffectInstance& effect);
 /// "cyclic:X:EX", "angular:X:ECX", "backlash:X", "scale", "user:encoder tilt".
 [[nodiscard]] Result<AddRequest> parse_add_request(std::string_view text);

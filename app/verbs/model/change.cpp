@@ -146,6 +146,19 @@ Result<model::AddRequest> proposed_formula(const ModelWork& work) {
   return model::request_of(diagnosis.formula->effect);
 }
 
+/// The effect as a diagnosis of these data names it, where it does: a search for this effect alone could find another
+/// period or another part of it, which explains nearly as much.
+Result<void> take_as_named(const ModelWork& work, model::AddRequest& wanted) {
+  const bool has_shape = !wanted.id->searched_parameter().empty() || !wanted.id->column_sets.empty();
+  if (!has_shape || wanted.as_named) return {};
+  ECS_TRY(diagnosis, model::diagnose(work.model, work.data));
+  const auto named = std::ranges::find_if(diagnosis.candidates, [&](const model::Candidate& one) {
+    return one.in_answer() && model::is_requested(one.effect, wanted);
+  });
+  if (named != diagnosis.candidates.end()) wanted.as_named = named->effect;
+  return {};
+}
+
 Result<Outcome> add(VerbContext& context, const AddRequest& request) {
   const bool is_formula = request.effect == "formula";
   model::AddRequest wanted;
@@ -164,6 +177,7 @@ Result<Outcome> add(VerbContext& context, const AddRequest& request) {
     ECS_TRY(proposed, in_file(proposed_formula(*work), request.model));
     wanted = std::move(proposed);
   }
+  ECS_DO(in_file(take_as_named(*work, wanted), request.model));
   ECS_TRY(added, in_file(model::add_effect(work->model, work->data, wanted, work->data_name), request.model));
   added.effect.effect.tied_with = added.model.effects.back().tied_with = alternatives;
   if (!request.output.empty()) ECS_DO(model::write_model(request.output, added.model, request.model));
