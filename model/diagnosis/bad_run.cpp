@@ -27,6 +27,8 @@ constexpr double kNoisier = 1.5, kFarSigmas = 4.5, kFewestInRun = 8.0;
 /// Passes of a line and approach from which one can be odd, readings in each, and the chance at which it is: one in
 /// a million, since it denies that noise explains everything.
 constexpr std::size_t kFewestPasses = 5, kFewestInPass = 4;
+/// That show by how much they scatter: two say too little.
+constexpr std::size_t kFewestThatScatter = 3;
 constexpr double kOddChance = 1e-6;
 /// Means of passes vary no more than readings inside them where the ratio of variances is below this: then these count.
 constexpr double kSameScatter = 3.0;
@@ -42,9 +44,9 @@ struct Pass {
 };
 using Passes = std::map<std::size_t, Pass>;
 
-/// Of each line and approach with enough of them.
+/// Of each line and approach with so many of them.
 std::vector<Passes> passes_of_lines(const Observations& data, const Eigen::VectorXd& residual,
-                                    const std::vector<bool>& left_out) {
+                                    const std::vector<bool>& left_out, std::size_t fewest) {
   std::map<std::tuple<Channel, Axis, int>, Passes> lines;
   const std::vector<std::size_t> number = passes_of(data);
   for (std::size_t k = 0; k < data.size(); ++k) {
@@ -56,7 +58,7 @@ std::vector<Passes> passes_of_lines(const Observations& data, const Eigen::Vecto
   std::vector<Passes> enough;
   for (auto& [line, passes] : lines) {
     std::erase_if(passes, [](const auto& each) { return each.second.values.size() < kFewestInPass; });
-    if (passes.size() < kFewestPasses) continue;
+    if (passes.size() < fewest) continue;
     for (auto& [number_of_pass, pass] : passes) {
       for (const double v : pass.values) pass.mean += v / static_cast<double>(pass.values.size());
       for (const double v : pass.values) pass.squares += (v - pass.mean) * (v - pass.mean);
@@ -240,7 +242,7 @@ std::optional<OddPass> odd_pass(const Observations& data, const Eigen::VectorXd&
                                 const std::vector<bool>& left_out) {
   std::optional<OddPass> oddest;
   double least = std::log(kOddChance);
-  for (const Passes& passes : passes_of_lines(data, residual, left_out)) {
+  for (const Passes& passes : passes_of_lines(data, residual, left_out, kFewestPasses)) {
     for (const auto& each : passes) {  // against the others: Welch's t, their scatter pooled where it is the same
       const Pass& one = each.second;
       const double others = static_cast<double>(passes.size() - 1);
@@ -277,7 +279,7 @@ RunBeside run_beside(const RunOffset& run, const EffectInstance& effect, double 
 std::optional<ScatterOfPasses> scatter_of_passes(const Observations& data, const Eigen::VectorXd& residual,
                                                  const std::vector<bool>& left_out) {
   std::optional<ScatterOfPasses> widest;
-  for (const Passes& passes : passes_of_lines(data, residual, left_out)) {
+  for (const Passes& passes : passes_of_lines(data, residual, left_out, kFewestThatScatter)) {
     double readings = 0.0, sum = 0.0, counts_squared = 0.0, inside = 0.0, between = 0.0;
     for (const auto& [number, pass] : passes) {
       const double count = static_cast<double>(pass.values.size());

@@ -60,7 +60,7 @@ struct OddPass {
 struct ScatterOfPasses {
   double between_um = 0.0, within_um = 0.0;  ///< standard deviations, um or um/m
 };
-/// Of the line and approach whose passes, five or more, lie furthest apart; nothing where chance or the scatter inside
+/// Of the line and approach whose passes, three or more, lie furthest apart; nothing where chance or the scatter inside
 /// the passes is more of it. @param residual  um or um/m  @param left_out  outliers, not counted
 [[nodiscard]] std::optional<ScatterOfPasses> scatter_of_passes(const Observations& data,
                                                                const Eigen::VectorXd& residual,

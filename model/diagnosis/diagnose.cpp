@@ -242,9 +242,15 @@ void state_sets(Candidate& candidate, const ReportInput& in, const std::vector<R
                 const Whitener& whitener, const Fit& after) {
   const RankedCandidate& ranked = order[i];
   const EffectDefinition& definition = ranked.effect.definition();
-  if (ranked.values.empty()) return;
+  std::vector<Choice> values = ranked.values;
+  for (const double period : aliases_of(candidate.effect, in.regressors.data())) {
+    if (values.empty()) values.push_back(ranked.choice);
+    values.push_back(ranked.choice);
+    values.back().nonlinear = period;
+  }
+  if (values.empty()) return;
   if (!definition.search.has_slope) {
-    for (const Choice& value : ranked.values)
+    for (const Choice& value : values)
       candidate.parameters_set[std::string(definition.searched_parameter())].push_back(value.nonlinear);
     return;
   }
@@ -252,7 +258,7 @@ void state_sets(Candidate& candidate, const ReportInput& in, const std::vector<R
   for (std::size_t j = 0; j < order.size(); ++j)
     if (j != i && order[j].in_answer())
       others = joined_with(others, columns_on(in.regressors, order[j].effect, order[j].choice));
-  for (const Choice& value : ranked.values) {
+  for (const Choice& value : values) {
     RankedCandidate at = ranked;
     at.choice = value;
     const LinearProblem problem = joined_with(others, columns_on(in.regressors, at.effect, at.choice));
@@ -548,7 +554,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
       diagnosis.headline += fmt::format(
           " Each pass has a zero of its own: passes differ by {:.3g} {} (one standard deviation), but readings within "
           "a "
-          "pass by {:.3g}. No map corrects that: check datum, clamping and instrument.",
+          "pass by {:.3g}. No map corrects that: check datum, lost motion, clamping and instrument.",
           passes->between_um, in.found.noise.pure.unit, passes->within_um);
   return diagnosis;
 }

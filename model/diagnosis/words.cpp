@@ -103,7 +103,9 @@ std::string duration_text(double s) {
 
 /// Of the readings that the effect acts on.
 std::string where_word(const EffectInstance& effect) {
-  if (effect.sense) return readings_word(*effect.sense, effect.axis, effect.rotary);
+  if (effect.sense)
+    return readings_word(*effect.sense, effect.axis, effect.rotary) +
+           (effect.traits().of_lines && effect.ball > 1 ? fmt::format(" in line {}", effect.ball) : "");
   return effect.axis ? fmt::format("Readings along {}", axis_letter(effect)) : "Readings";
 }
 
@@ -234,6 +236,7 @@ std::string findings_text(const Diagnosis& diagnosis, const Observations& data, 
       text += values->second.size() == 2
                   ? ", or another period that fits as well"
                   : fmt::format(", or one of {} other periods that fit as well", values->second.size() - 1);
+    if (may_be_wave(candidate.effect, data)) text += ", which a periodic error can look like on so few targets";
     findings.push_back(with_alternatives(text, candidate, diagnosis));
   }
   return fmt::format("{}", fmt::join(findings, "; and "));
@@ -619,6 +622,39 @@ std::vector<EvenTargets> even_targets(const Observations& data) {
                    data.rotary || (facts && (facts->screw_pitch_mm || facts->scale_pitch_mm))});
   }
   return all;
+}
+
+bool may_be_wave(const EffectInstance& curve, const Observations& data) {
+  const EffectTraits& traits = curve.traits();
+  if (!traits.is_smooth || traits.of_approach || curve.rotary || !curve.axis || !curve.sense) return false;
+  std::set<double> targets_mm;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (data.on_path(k) || !data.through_chain.empty()) return false;
+    if (data.axis[k] == *curve.axis && data.sense[k] == *curve.sense) targets_mm.insert(data.p_mm(k, *curve.axis));
+  }
+  return targets_mm.size() < kFewestWaveTargets;
+}
+
+std::vector<double> aliases_of(const EffectInstance& wave, const Observations& data) {
+  constexpr double kWholeTurn_deg = 360.0, kLeastOfTurn_deg = 180.0;
+  const auto period = searched_value(wave);
+  if (!wave.traits().periodic || !period || !wave.axis || !wave.sense) return {};
+  if (wave.rotary ? *period >= kLeastOfTurn_deg : !pitch_match(wave, std::nullopt, data).empty()) return {};
+  std::vector<double> targets_mm;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (data.on_path(k) || !data.through_chain.empty()) return {};
+    if (data.axis[k] == *wave.axis && data.sense[k] == *wave.sense)
+      targets_mm.push_back(data.position_mm[k][index_of(*wave.axis)]);
+  }
+  if (wave.rotary && !targets_mm.empty()) {  // the end of a whole turn is its beginning
+    const double least_deg = std::ranges::min(targets_mm);
+    std::erase_if(targets_mm, [&](double at_deg) { return at_deg >= least_deg + kWholeTurn_deg - 1e-9; });
+  }
+  const auto step_mm = even_step_mm(targets_mm);
+  if (!step_mm || *period <= *step_mm) return {};
+  const double fewer = 1.0 / *step_mm - 1.0 / *period, more = 1.0 / *step_mm + 1.0 / *period;
+  if (fewer * *period < 1.0 + 1e-6) return {1.0 / more};  // two targets a period: that is the wave itself
+  return {1.0 / fewer, 1.0 / more};
 }
 
 std::optional<std::string> even_targets_note(const Observations& data) {

@@ -70,6 +70,14 @@ struct EvenTargets {
 };
 [[nodiscard]] std::vector<EvenTargets> even_targets(const Observations& data);
 
+/// The two longest periods that targets at equal steps cannot distinguish from that of a wave, because it turns once
+/// more or once less from target to target; none where it is a pitch of the machine, or one or two waves a turn, which
+/// an eccentric or tilted axis has.
+[[nodiscard]] std::vector<double> aliases_of(const EffectInstance& wave, const Observations& data);
+
+/// A curve that was found on so few targets that no wave was looked for there.
+[[nodiscard]] bool may_be_wave(const EffectInstance& curve, const Observations& data);
+
 /// "targets are even at 50 mm along X (EX): periods below 100 mm cannot be told from longer ones, …" for every axis and
 /// sense of `even_targets`; nothing where there are none.
 [[nodiscard]] std::optional<std::string> even_targets_note(const Observations& data);

@@ -24,8 +24,6 @@ double cosine_of(double angle_rad) { return unless_rounding(std::cos(angle_rad))
 constexpr double kRestOfStep = 1e-3;
 /// Least common step, in mean distances of targets: below it the targets have none in practice.
 constexpr double kLeastStep = 0.02;
-/// Targets from which a period is looked for: a wave has three parameters, the model at least an offset and a slope.
-constexpr std::size_t kFewestTargets = 6;
 /// Highest frequency, in turns between two targets: uneven targets see more than half a turn; a choice. A wave that the
 /// user knows of is sought further, as far as this many shapes over all targets go.
 constexpr double kHighestTurns = 5.0, kHighestTurnsOfModel = 25.0;
@@ -91,7 +89,7 @@ double scan_step(const Observations& data, const Acting& acting, Axis axis) {
     std::ranges::sort(p);
     for (std::size_t i = 1; i < p.size(); ++i)
       if (p[i] > p[i - 1]) steps.push_back(p[i] - p[i - 1]);
-    if (steps.size() < kFewestTargets) continue;
+    if (steps.size() < kFewestWaveTargets) continue;
     std::ranges::sort(steps);
     const double usual = steps[steps.size() / 2];
     const auto alike = std::ranges::count_if(steps, [&](double s) { return std::abs(s - usual) <= kAlike * usual; });
@@ -132,7 +130,7 @@ TriedValues periods(const Observations& data, const EffectInstance& effect, cons
                     const SearchExtent& extent) {
   TriedValues tried;
   const std::vector<double> p = acting_positions(data, acting, *effect.axis);
-  if (p.size() < kFewestTargets) return tried;
+  if (p.size() < kFewestWaveTargets) return tried;
   if (data.rotary)
     return fractions_of_turn(p, scan_step(data, acting, *effect.axis), is_bending(data, effect) ? 2.0 : 1.0, extent);
   const double travel = p.back() - p.front();
@@ -212,12 +210,12 @@ EffectDefinition cyclic() {
           },
       .column_sets = {{0, 1}, {0, 1, 2, 3}},
       .search = {.tried = periods, .assumed = assumed_period, .limits = period_limits},
-      .along_axis = [](const Site& site) { return site.once(site.places >= kFewestTargets); },
+      .along_axis = [](const Site& site) { return site.once(site.places >= kFewestWaveTargets); },
       .of_reversal =
           [](const Site& site) {
             std::vector<EffectInstance> all;
             for (const ApproachMode mode : {ApproachMode::forward, ApproachMode::reverse})
-              for (EffectInstance& one : site.once(site.places >= kFewestTargets)) {
+              for (EffectInstance& one : site.once(site.places >= kFewestWaveTargets)) {
                 all.push_back(std::move(one));
                 all.back().approach = mode;
               }

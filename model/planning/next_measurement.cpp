@@ -553,7 +553,9 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
 
 NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis,
                              const MeasuringTimes& times) {
-  if (const auto settled = nothing_in_doubt(diagnosis)) {
+  const bool may_be_waves = std::ranges::any_of(
+      diagnosis.candidates, [&](const Candidate& one) { return one.in_answer() && may_be_wave(one.effect, data); });
+  if (const auto settled = nothing_in_doubt(diagnosis); settled && !may_be_waves) {
     NextMeasurement next;
     bool is_said = diagnosis.headline.ends_with(diagnosis.reservation);
     for (Candidate& candidate : diagnosis.candidates) {
