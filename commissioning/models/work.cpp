@@ -219,10 +219,12 @@ std::vector<std::string> warnings_of_travel(const laser::MeasurementSet& set, co
 /// What a model of readings of rotary axes cannot hold.
 std::vector<std::string> warnings_of_ball(const ModelWork& work) {
   std::vector<std::string> warnings;
-  if (work.data.rotary && work.data.through_chain.empty())
-    warnings.emplace_back(
+  const bool may_be_ball = std::ranges::any_of(work.data.sense, [](Sense sense) { return !is_rotation(sense); });
+  if (work.data.rotary && work.data.through_chain.empty() && may_be_ball)
+    warnings.push_back(fmt::format(
         "these readings are interpreted as errors of the axis itself; readings of a ball on the table need x_mm, y_mm, "
-        "z_mm, and --machine FILE with the rotary axes");
+        "z_mm{}",
+        work.machine ? "" : ", and --machine FILE with the rotary axes"));
   const auto is_kept = [&](const std::string& name) {
     return std::any_of(work.model.effects.begin(), work.model.effects.end(), [&](const model::EffectInstance& effect) {
       return effect.tied_with.find(name) != std::string::npos;
