@@ -548,6 +548,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.different_run = different_run(in.found, diagnosis, data, in.base.residual);
   diagnosis.headline =
       headline_for(diagnosis, data, diagnosis.different_run ? diagnosis.different_run->text : run_note(in.found));
+  diagnosis.headline += beside_formulas(in.model, diagnosis);
   if (motions) diagnosis.headline = words_for(*motions) + " " + diagnosis.headline;
   if (diagnosis.verdict == Verdict::adequate)
     if (const auto passes = scatter_of_passes(data, in.base.residual, in.base.core.left_out))

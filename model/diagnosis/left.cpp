@@ -451,7 +451,7 @@ std::optional<ProposedFormula> fitted_formula(const LeftReadings& r, const Model
   for (int number = 1; effect.name.empty() || std::ranges::any_of(model.effects, is_taken) ||
                        std::ranges::any_of(model.candidates, is_taken);
        ++number)
-    effect.name = fmt::format("formula {}", number);
+    effect.name = fmt::format("{} {}", kProposedName, number);
   std::vector<std::string> texts;
   for (std::size_t j = 0; j < terms.size(); ++j) {
     const std::string size = fmt::format("k{}", j + 1);
@@ -511,6 +511,20 @@ Left what_is_left(const Model& model, const Observations& data, const LinearProb
   left.formula->why = fmt::format("{} term{}{}", sizes, sizes == 1 ? "" : "s",
                                   known.empty() ? "" : fmt::format(" ({})", fmt::join(known, ", ")));
   return left;
+}
+
+std::string beside_formulas(const Model& model, const Diagnosis& diagnosis) {
+  for (const EffectInstance& formula : model.effects) {
+    if (!formula.is_user() || !formula.name.starts_with(kProposedName)) continue;
+    for (const Candidate& candidate : diagnosis.candidates)
+      for (const UserFormula& of : formula.formulas)
+        if (candidate.in_answer() && candidate.effect.sense == of.sense)
+          return fmt::format(
+              " The model contains user:{}, which has no known cause: {} may be a part of the same error, which the "
+              "formula does not describe completely.",
+              formula.name, to_text(candidate.effect));
+  }
+  return {};
 }
 
 }  // namespace ecs::model

@@ -4,12 +4,17 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "model/diagnosis/diagnose.hpp"
 #include "model/diagnosis/trial.hpp"
 
 namespace ecs::model {
+
+/// Proposed formulas are named so, with a number.
+inline constexpr std::string_view kProposedName = "formula";
 
 struct Left {
   std::vector<LeftProperty> properties;    ///< empty: too few readings, or too little above noise, to ask
@@ -20,5 +25,9 @@ struct Left {
 /// @param problem  of the model with every effect of the answer  @param with  its fit
 [[nodiscard]] Left what_is_left(const Model& model, const Observations& data, const LinearProblem& problem,
                                 const FittedWith& with);
+
+/// A sentence where something is found in a sense whose error a proposed formula describes without a cause, for it may
+/// be part of the same error; else "".
+[[nodiscard]] std::string beside_formulas(const Model& model, const Diagnosis& diagnosis);
 
 }  // namespace ecs::model

@@ -13,6 +13,7 @@
 
 #include "model/data/motions.hpp"
 #include "model/diagnosis/investigation.hpp"
+#include "model/diagnosis/left.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
@@ -555,7 +556,8 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
                              const MeasuringTimes& times) {
   const bool may_be_waves = std::ranges::any_of(
       diagnosis.candidates, [&](const Candidate& one) { return one.in_answer() && may_be_wave(one.effect, data); });
-  if (const auto settled = nothing_in_doubt(diagnosis); settled && !may_be_waves) {
+  if (const auto settled = nothing_in_doubt(diagnosis);
+      settled && !may_be_waves && beside_formulas(model, diagnosis).empty()) {
     NextMeasurement next;
     bool is_said = diagnosis.headline.ends_with(diagnosis.reservation);
     for (Candidate& candidate : diagnosis.candidates) {
