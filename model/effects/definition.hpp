@@ -234,6 +234,7 @@ struct EffectTraits {
   bool of_approach = false;        ///< acts only on readings of known approach of its own moving axis
   bool shape_of_position = false;  ///< free shape over one axis: three together follow any curve
   bool is_smooth = false;          ///< bends slowly over the travel
+  bool adds_up = false;            ///< of a rotary axis: is not the same again after a whole turn
   bool is_drift = false;           ///< changes in time, the same at all positions: three together follow any drift
   bool of_condition = false;       ///< its size depends on a condition that a run can set
   bool in_motion = false;          ///< shows only in readings taken on the fly

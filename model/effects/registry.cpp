@@ -147,14 +147,27 @@ std::string rotary_axes_refused(const params::Machine& machine) {
   return machine.rotary_configuration.empty() ? "no machine file with rotary axes was given" : "";
 }
 
+namespace {
+
+/// Why no map of this machine has the error of a rotary axis; "" where it has.
+std::string rotary_error_refused(const EffectInstance& effect, const params::Machine& machine) {
+  constexpr double kWholeTurn_deg = 360.0;
+  if (std::string refused = rotary_axes_refused(machine); !refused.empty()) return refused;
+  const auto& axis = effect.axis ? machine.rotary[index_of(*effect.axis)] : std::nullopt;
+  if (!effect.traits().adds_up || !axis || axis->travel_deg[1] - axis->travel_deg[0] < kWholeTurn_deg) return "";
+  return "the curve of an axis that turns fully is the same again after a turn: correct its ratio in the control";
+}
+
+}  // namespace
+
 bool is_carried(const EffectInstance& effect, const params::Machine& machine) {
-  if (acts_on_rotary_axes(effect)) return is_rotary_error(effect) && rotary_axes_refused(machine).empty();
+  if (acts_on_rotary_axes(effect)) return is_rotary_error(effect) && rotary_error_refused(effect, machine).empty();
   return effect.definition().is_carried() && !missing_axis(effect, machine) && missing_input(effect, machine).empty();
 }
 
 std::string how_compensated(const EffectInstance& effect, const params::Machine& machine) {
   if (is_rotary_error(effect)) {
-    std::string refused = rotary_axes_refused(machine);
+    std::string refused = rotary_error_refused(effect, machine);
     if (!refused.empty() || effect.definition().place != Place::axis_and_sense)
       return refused.empty() ? std::string(effect.definition().how) : refused;
     return fmt::format("curve {}{} of the rotary axes in the map", name_of(*effect.sense), axis_letter(effect));

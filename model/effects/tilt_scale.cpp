@@ -45,7 +45,7 @@ EffectDefinition tilt_scale() {
       .carrier = Carrier::error_map,
       .how = "a curve of the rotary axes in the map",
       .separated_by = {55, "Measure {axis} at both ends of its travel and in the middle."},
-      .traits = {.is_smooth = true, .one_per_axis = true, .on_rotary_axes = true},
+      .traits = {.is_smooth = true, .adds_up = true, .one_per_axis = true, .on_rotary_axes = true},
       .preference = 25,
       .columns_of_place = [](double angle_deg, double, std::span<double> row) { row[0] = angle_deg; },
       .along_axis =

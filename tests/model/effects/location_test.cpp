@@ -519,6 +519,16 @@ TEST_CASE("an angle that is not the same again after a whole turn is a wrong rat
   const auto wave = found_with(0.0, 10.0);
   REQUIRE(wave.size() == 1);
   CHECK(wave.contains("cyclic:C:EC"));
+
+  EffectInstance scale = effect(effect_named("tilt_scale"), Axis::Z, Sense::EC);
+  scale.rotary = true;
+  params::Machine machine = trunnion().machine;
+  for (auto& axis : machine.rotary)
+    if (axis) axis->resolution_deg = 0.001;
+  CHECK_FALSE(is_carried(scale, machine));
+  CHECK(contains(how_compensated(scale, machine), "correct its ratio in the control"));
+  machine.rotary[2]->travel_deg = {-100.0, 100.0};
+  CHECK(is_carried(scale, machine));
 }
 
 TEST_CASE(
