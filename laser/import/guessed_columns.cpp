@@ -21,6 +21,10 @@ constexpr double kGreatestOffset = 3.0;
 constexpr double kClose = 0.001, kLooselyClose = 0.05;
 /// An axis at one place for so many rows one after the other rests.
 constexpr std::size_t kRowsAtRest = 10;
+/// Over a tenth of a run no body of a machine and no air round it warms faster: a spindle at its greatest speed warms
+/// by about 1 degC/min at first, and slower from then on.
+constexpr double kFastest_degC_per_s = 3.0 / 60.0;
+constexpr std::size_t kPartsOfRun = 10;
 /// Farther than any axis goes, and what the readers refuse: stamps of time in ticks.
 constexpr double kFarthest_mm = 1e6;
 
@@ -198,6 +202,25 @@ bool counts_rows_of_runs(const TableColumn& column) {
     ++begins;
   }
   return begins > 1 && (column.values.front() == 0.0 || column.values.front() == 1.0);
+}
+
+std::string_view interval_of_rows(const TableColumn& counter, const Columns& columns) {
+  const double first = counter.values.front();
+  double fastest = 0.0;  // degC a row
+  for (const TableColumn& column : columns) {
+    if (!column.is_number() || column.meaning != Meaning::temperature) continue;
+    const double degC = column.unit ? column.unit->factor : 1.0;
+    for (std::size_t begin = 0, end = 1; begin < column.values.size(); begin = end++) {
+      while (end < column.values.size() && counter.values[end] != first) ++end;
+      const std::size_t part = std::max<std::size_t>(1, (end - begin) / kPartsOfRun);
+      for (std::size_t i = begin + part; i < end; ++i)
+        fastest =
+            std::max(fastest, degC * std::abs(column.values[i] - column.values[i - part]) / static_cast<double>(part));
+    }
+  }
+  constexpr double kMinute_s = 60.0;
+  if (fastest <= kFastest_degC_per_s) return "s";
+  return fastest <= kMinute_s * kFastest_degC_per_s ? "min" : "h";
 }
 
 }  // namespace ecs::laser

@@ -67,8 +67,11 @@ using Columns = std::vector<TableColumn>;
 /// Whether the headings allow it: a column named so where there is one, no count of runs.
 [[nodiscard]] bool could_be_readings(const TableColumn& column, const Columns& columns);
 [[nodiscard]] bool go_both_ways(const TableColumn& targets);
-/// 0, 1, 2, ... or 1, 2, 3, ... again in each run: in place of a time, one a second.
+/// 0, 1, 2, ... or 1, 2, 3, ... again in each run: in place of a time.
 [[nodiscard]] bool counts_rows_of_runs(const TableColumn& column);
+/// Unit of one step of such a column, which no file states: "s", or the shortest of "min" and "h" in which no
+/// temperature of the table changes faster than the bodies and the air of a machine do.
+[[nodiscard]] std::string_view interval_of_rows(const TableColumn& counter, const Columns& columns);
 
 /// The options for columns that look like a measurement: of a ball, of points, else the first pair of targets and
 /// positions reached, else of targets and errors, else readings over time.

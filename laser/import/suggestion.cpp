@@ -61,6 +61,25 @@ std::string pass_rules(const Columns& columns, bool moves) {
   return approach + run;
 }
 
+const TableColumn* counter_of_runs(const Columns& columns) {
+  const auto found = std::ranges::find_if(columns, [](const TableColumn& column) {
+    return column.is_number() && column.meaning == Meaning::counter && counts_rows_of_runs(column);
+  });
+  return found == columns.end() ? nullptr : &*found;
+}
+
+/// What is assumed of a column that counts rows in place of a time: lags, and the correlation of noise, depend on it.
+std::string interval_text(const Columns& columns, std::string_view rules) {
+  const TableColumn* counter = counter_of_runs(columns);
+  if (counter == nullptr || rules.find(fmt::format(",time_s={}[", counter->number)) == rules.npos) return {};
+  const std::string_view unit = interval_of_rows(*counter, columns);
+  return fmt::format(
+      "; column {0} counts the readings of each run, and the file does not state their interval. It is assumed to be 1 "
+      "{1}{2}. Write time_s={0}*30 if it is 30 s",
+      counter->number, unit,
+      unit == "s" ? "" : ", because with a shorter unit a temperature would change faster than 3 degC/min");
+}
+
 /// Temperatures, air and time as their headings name them.
 std::string condition_rules(const Columns& columns, bool dated) {
   std::string rules;
@@ -75,9 +94,9 @@ std::string condition_rules(const Columns& columns, bool dated) {
     if (column.meaning == Meaning::humidity && !column.unit) add("humidity_pct", column);
     if (column.meaning == Meaning::time && !dated) add("time_s", column);
   }
-  for (const TableColumn& column : columns)
-    if (column.is_number() && column.meaning == Meaning::counter && !dated && counts_rows_of_runs(column))
-      add("time_s", column);
+  if (const TableColumn* counter = dated ? nullptr : counter_of_runs(columns);
+      counter != nullptr && rules.find(",time_s=") == rules.npos)
+    rules += fmt::format(",time_s={}[{}]", counter->number, interval_of_rows(*counter, columns));
   if (!dated && rules.find(",time_s=") == rules.npos) rules += stamp_rule(columns);
   return rules;
 }
@@ -162,11 +181,11 @@ TableSuggestion pair_suggestion(const TableColumn& targets, const TableColumn& r
                                    condition_rules(columns, !date.empty()));
   suggestion.actual = actual;
   suggestion.reads = fmt::format(
-      "column {} as targets and {} as {}, if that is their meaning{}{}", targets.number,
+      "column {} as targets and {} as {}, if that is their meaning{}{}{}", targets.number,
       passes.empty() ? fmt::format("column {}", readings.number) : "the columns of passes",
       actual ? "the positions reached" : "errors",
       !turns && readings.turns() && !actual ? " (EB is a rotation about Y; EA and EC are those about X and Z)" : "",
-      others);
+      others, interval_text(columns, suggestion.columns));
   return suggestion;
 }
 
@@ -317,7 +336,8 @@ std::optional<TableSuggestion> growth_columns(const Columns& columns) {
                                    pass_rules(columns, false), condition_rules(columns, !date.empty()));
   suggestion.axis = "X";
   suggestion.parked = date.empty() ? "x=0" : "";
-  suggestion.reads = fmt::format("column {} as errors at one position, if that is their meaning", number);
+  suggestion.reads = fmt::format("column {} as errors at one position, if that is their meaning{}", number,
+                                 interval_text(columns, suggestion.columns));
   return suggestion;
 }
 

@@ -203,5 +203,20 @@ TEST_CASE("a column that counts the readings of each run is suggested in place o
   for (int run = 1; run <= 3; ++run)
     for (int i = 0; i < 5; ++i) text += fmt::format("{},{},{:.1f},{:.2f}\n", run, i, 20.0 + i, 1.5 * i + run);
   const Problem why = must_fail(parse_any(text, "days.csv", {}));
-  CHECK_MESSAGE(contains(why.message, "reading=4[um],run=1,t_spindle_degC=3[degC],time_s=2"), why.message);
+  CHECK_MESSAGE(contains(why.message, "reading=4[um],run=1,t_spindle_degC=3[degC],time_s=2[min]"), why.message);
+  CHECK_MESSAGE(contains(why.message,
+                         "column 2 counts the readings of each run, and the file does not state their "
+                         "interval. It is assumed to be 1 min, because with a shorter unit"),
+                why.message);
+}
+
+TEST_CASE(
+    "readings that are counted are a second apart where no temperature changes fast, whatever its sensor scatters") {
+  std::string text = "run,sample,spindle_C,disp_um\n";
+  for (int run = 1; run <= 3; ++run)
+    for (int i = 0; i < 100; ++i)
+      text += fmt::format("{},{},{:.1f},{:.2f}\n", run, i, 20.0 + 0.01 * i + (i % 2 == 0 ? 0.1 : 0.0), 0.1 * i + run);
+  const Problem why = must_fail(parse_any(text, "seconds.csv", {}));
+  CHECK_MESSAGE(contains(why.message, "time_s=2[s]"), why.message);
+  CHECK_MESSAGE(contains(why.message, "It is assumed to be 1 s. Write time_s=2*30 if it is 30 s"), why.message);
 }
