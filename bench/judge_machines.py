@@ -193,6 +193,9 @@ class Setup:
                         rows += [(axis, sense, approach, run, clock, feeds[level], loads[level],
                                   abs(target - start), *at, line) for sense in senses]
                 clock += pause * r.uniform(0.5, 1.5)
+        self.take_rows(rows)
+
+    def take_rows(self, rows):
         table = np.array(rows)
         self.axis, self.sense, self.approach, self.run = (table[:, k].astype(int) for k in range(4))
         self.time, self.feed, self.load = rounded(table[:, 4], 0.1), *table[:, 5:7].T
@@ -572,6 +575,74 @@ class Volume(Setup):
         return np.moveaxis(np.add.reduceat(raw, motions.first, axis=1), -1, place)
 
 
+class Days(Setup):
+    """A machine that warms, read at one place in several runs, each with a clock of its own: cold on one day, warm on another. A body may
+    follow its sensor late; it also followed it before the first reading of a run, which the file does not show."""
+    SENSORS = ("t_spindle_degC", "t_column_degC", "t_hall_degC")
+
+    def __init__(self, r, wishes):
+        super().__init__(r, wishes)
+        self.shows = dict.fromkeys(self.shows, False)
+
+    def passes(self, r, wishes, count):
+        self.layout, axis = "line", r.randint(0, 2)
+        return [(axis, [axis], [float(rounded(r.uniform(a.low, a.high), 10.0)) for a in self.axes], [])]
+
+    def travel_along(self, r, wishes, passes, runs):
+        (axis, senses, parked, _), = passes
+        self.both, self.readings, self.interval = False, r.randint(25, 60), 0.0
+        self.interval = float(rounded(r.log(600.0, 10800.0) / self.readings, 1.0))
+        self.take_rows([(axis, senses[0], 1, run, self.interval * k, 0.0, 0.0, 0.0, *parked, 0)
+                        for run in range(1, r.randint(3, 9) + 1) for k in range(self.readings)])
+
+    def add_climates(self, r, wishes):
+        """Courses from a while before each run on: a spindle that heats itself, a column that it heats, the hall."""
+        length = self.interval * self.readings
+        earlier = math.ceil(r.uniform(0.5, 2.0) * self.readings)
+        slow, spindle, column = r.uniform(0.3, 1.0) * length, r.uniform(0.1, 0.4) * length, r.uniform(0.4, 1.5) * length
+        self.earlier, self.courses, self.warm, rest = earlier, {name: [] for name in self.SENSORS}, 0, r.uniform(17.0, 24.0)
+        for _ in range(int(self.run[-1])):
+            steps = earlier + self.readings
+            hall = rest + r.uniform(-2.0, 2.0) + r.uniform(-1.0, 3.0) * (1 - np.exp(-np.arange(steps) * self.interval / slow))
+            hall[:earlier] = hall[0] if (cold := r.chance(0.6)) else hall[:earlier]
+            self.warm += not cold
+            power = np.where(np.arange(steps) < (earlier if cold else 0), 0.0, r.uniform(3.0, 12.0))
+            if r.chance(0.3):  # the spindle stops in the run
+                power[earlier + int(r.uniform(0.4, 0.8) * self.readings):] = 0.0
+            courses = self.low_pass(power, spindle), self.low_pass(hall + r.uniform(0.1, 0.4) * self.low_pass(power, spindle), column)
+            for name, course in zip(self.SENSORS, (hall + courses[0], courses[1], hall)):
+                self.courses[name].append(rounded(course, 0.01))
+        self.pressure = self.humidity = 0 * self.time
+        self.sensors = {name: np.concatenate([course[earlier:] for course in of]) for name, of in self.courses.items()}
+
+    def low_pass(self, degC, lag_s):
+        """First order, from a steady state at its first value, straight lines between the others; one row for each of several lags."""
+        step = self.interval / np.maximum(lag_s, 1e-9)
+        kept, mean = np.exp(-step), -np.expm1(-step) / step
+        late = [degC[0] + 0 * step]
+        for before, now in zip(degC, degC[1:]):
+            late.append(kept * late[-1] + (mean - kept) * before + (1 - mean) * now)
+        return np.stack(late, axis=-1)
+
+    def columns(self, t, values=None, curve=CURVE, place=-1):
+        if t.id != "thermal_drift":
+            return super().columns(t, values, curve, place)
+        lags = np.array([t.nonlinear] if values is None else values, float)
+        key = t.sensor, *lags
+        if key not in self.kept:
+            self.kept[key] = np.concatenate([self.low_pass(course, lags)[:, self.earlier:] for course in self.courses[t.sensor]], axis=1)
+        return np.stack([self.kept[key] - self.kept[key][:, :1]], axis=place)
+
+    def grid(self, t):
+        return [0.0, *np.geomspace(self.session / 30, self.session, 10)] if t.id == "thermal_drift" else super().grid(t)
+
+    @functools.cached_property
+    def library(self):
+        axis = int(self.axis[0])
+        return [Term(id, axis, axis) for id in ("offset", "time_drift", "warm_up")] + [
+            Term("thermal_drift", axis, axis, sensor=sensor) for sensor in self.sensors]
+
+
 @dataclasses.dataclass(frozen=True)
 class Noise:
     law: str = "white"
@@ -583,7 +654,7 @@ class Noise:
     def drawn(r, row):
         if row == "coarse" and r.chance(0.5):
             return Noise("rounded", r.log(0.35, 1.5), step=1.0)
-        laws = ["heavy"] if row == "coarse" else ["white", "white", "rounded", "ar", "heavy", "outliers"]
+        laws = ["heavy"] if row == "coarse" else ["white", "white", "rounded", "ar", "heavy", "outliers"] + ["ar"] * 6 * (row == "days")
         law, sigma = r.choice(laws), r.log(0.15, 2.0)
         return Noise(law, sigma, r.uniform(0.2, 0.75) * (law == "ar"), sigma * r.uniform(0.5, 2.0) * (law == "rounded"))
 
