@@ -1,6 +1,7 @@
 // A shift of mean in one block: the mean-shift outlier model (Cook and Weisberg 1982, 2.2) with a run in place of a
-// reading, priced by Schwarz's criterion (1978); scatter compared by mean absolute deviations (Levene 1960; Brown and
-// Forsythe 1974), the variances of which need not be the same (Welch 1947).
+// reading, priced by Schwarz's criterion (1978), apart from the others by Grubbs's test (1969); scatter compared by
+// mean absolute deviations (Levene 1960; Brown and Forsythe 1974), the variances of which need not be the same (Welch
+// 1947).
 #include "model/diagnosis/bad_run.hpp"
 
 #include <algorithm>
@@ -32,6 +33,8 @@ constexpr std::size_t kFewestThatScatter = 3;
 constexpr double kOddChance = 1e-6;
 /// Means of passes vary no more than readings inside them where the ratio of variances is below this: then these count.
 constexpr double kSameScatter = 3.0;
+/// A run is apart from others that disagree where chance puts it so far from them once in a hundred sets.
+constexpr double kApartChance = 0.01;
 /// Runs beyond which there is no single bad one to look for.
 constexpr std::size_t kMostRunsCompared = 60;
 /// Passes differ where chance does it once in a thousand lines, and where they do so more than readings inside them.
@@ -70,6 +73,43 @@ std::vector<Passes> passes_of_lines(const Observations& data, const Eigen::Vecto
 
 }  // namespace
 
+namespace {
+
+/// Offset of one run of a channel, and slope along its axis.
+Eigen::MatrixXd columns_of_run(const Observations& data, Channel channel, int run) {
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(data.size()), 2);
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (data.run[k] == run && data.channel(k) == channel)
+      columns.row(static_cast<Eigen::Index>(k)) << 1.0, data.along_of(k);
+  return columns;
+}
+
+double gain_of(const Space& space, const Eigen::MatrixXd& white) {
+  Space more = space;
+  absorb(more, white);
+  return space.chi2() - more.chi2();
+}
+
+/// Whether the other runs agree, or this one is further from them than they are from each other (Grubbs 1969): where
+/// each run has a zero of its own, the one that is furthest off is no bad run.
+/// @param count  columns of the run that explain `gain`
+bool is_apart(const Observations& data, const Whitener& whitener, const Space& space, Channel channel,
+              const std::set<int>& runs, int run, Eigen::Index count, double gain) {
+  Space beside = space;
+  absorb(beside, whitener(Eigen::MatrixXd(columns_of_run(data, channel, run).leftCols(count))));
+  const double others = static_cast<double>(runs.size()) - 2.0;  // beside their common mean
+  double between = 0.0;
+  for (const int other : runs)
+    if (other != run)
+      between += gain_of(beside, whitener(Eigen::MatrixXd(columns_of_run(data, channel, other).leftCols(1)))) / others;
+  if (ln_chi2_tail(between * others, others) > std::log(kOddChance)) return true;
+  const auto freedom = static_cast<double>(count);
+  return ln_f_tail(gain / freedom / between, freedom, others) + std::log(static_cast<double>(runs.size())) <
+         std::log(kApartChance);
+}
+
+}  // namespace
+
 std::optional<RunOffset> best_run_offset(const Observations& data, const Whitener& whitener, const Space& space) {
   std::map<Channel, std::set<int>> runs_of;
   std::map<Channel, Sense> sense_of;
@@ -78,24 +118,28 @@ std::optional<RunOffset> best_run_offset(const Observations& data, const Whitene
     sense_of.try_emplace(data.channel(k), data.sense[k]);
   }
   std::optional<RunOffset> best;
+  Channel channel_of_best = 0;
+  Eigen::Index count_of_best = 1;
   const double coefficient = std::log(static_cast<double>(data.size()));
   for (const auto& [channel, runs] : runs_of) {
     if (runs.size() < kFewestRuns || runs.size() > kMostRunsCompared) continue;
     const double choice = 2.0 * std::log(static_cast<double>(runs.size() * runs_of.size()));
     for (const int run : runs) {
-      Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(data.size()), 2);
-      for (std::size_t k = 0; k < data.size(); ++k)
-        if (data.run[k] == run && data.channel(k) == channel)
-          columns.row(static_cast<Eigen::Index>(k)) << 1.0, data.along_of(k);
+      const Eigen::MatrixXd columns = columns_of_run(data, channel, run);
       for (const Eigen::Index count : {1, 2}) {
-        Space more = space;
-        absorb(more, whitener(Eigen::MatrixXd(columns.leftCols(count))));
-        const double gain = space.chi2() - more.chi2();
+        const double gain = gain_of(space, whitener(Eigen::MatrixXd(columns.leftCols(count))));
         const double score = gain - choice - static_cast<double>(count) * coefficient;
-        if (!best || score > best->score) best = RunOffset{run, sense_of.at(channel), gain, score};
+        if (best && score <= best->score) continue;
+        best = RunOffset{run, sense_of.at(channel), gain, score};
+        channel_of_best = channel;
+        count_of_best = count;
       }
     }
   }
+  if (best && best->score > 0.0 &&
+      !is_apart(data, whitener, space, channel_of_best, runs_of.at(channel_of_best), best->run, count_of_best,
+                best->gain))
+    return std::nullopt;
   return best;
 }
 

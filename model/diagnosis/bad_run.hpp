@@ -17,7 +17,8 @@ struct RunOffset {
 };
 
 /// The best offset of one run in one sense, or offset and slope along the axis, beyond what `space` absorbs; nothing
-/// with fewer than three runs, for with two it is as much an effect as a run.
+/// with fewer than three runs, for with two it is as much an effect as a run, nor where the other runs disagree among
+/// themselves by as much.
 [[nodiscard]] std::optional<RunOffset> best_run_offset(const Observations& data, const Whitener& whitener,
                                                        const Space& space);
 

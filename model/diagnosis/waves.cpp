@@ -8,6 +8,7 @@
 #include <complex>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -265,6 +266,23 @@ std::optional<FreeWave> free_wave(const Observations& data, const Eigen::VectorX
   return strongest;
 }
 
+namespace {
+
+/// Usual time from one reading of a pass to the next; 0 where no pass has two.
+double interval_in_passes_s(const Observations& data) {
+  const std::vector<std::size_t> number = passes_of(data);
+  std::map<std::size_t, double> last_s;
+  std::vector<double> intervals_s;
+  for (std::size_t k = 0; k < data.time_s.size(); ++k) {
+    if (std::isnan(data.time_s[k])) continue;
+    const auto [last, is_first] = last_s.try_emplace(number[k], data.time_s[k]);
+    if (!is_first) intervals_s.push_back(std::abs(data.time_s[k] - std::exchange(last->second, data.time_s[k])));
+  }
+  return intervals_s.empty() ? 0.0 : upper_median(std::move(intervals_s));
+}
+
+}  // namespace
+
 std::string objection_by_wave_in_time(const Observations& data, const Whitener& whitener, const Space& alone,
                                       double score) {
   constexpr double kTurbulence_s = 60.0;  // what is faster is noise
@@ -275,7 +293,9 @@ std::string objection_by_wave_in_time(const Observations& data, const Whitener& 
     session_s = std::max(session_s, t);
     readings += 1.0;
   }
-  const double highest = std::min(readings / kTargetsATurn, session_s / kTurbulence_s);
+  // runs whose clocks restart share their times: what no pass resolves by itself is no wave
+  const double shortest_s = std::max(kTurbulence_s, 2.0 * interval_in_passes_s(data));
+  const double highest = std::min(readings / kTargetsATurn, session_s / shortest_s);
   if (highest < kFewestTurnsOfWave) return "";
   double most = 0.0, period_s = 0.0;
   Eigen::MatrixXd wave = Eigen::MatrixXd::Zero(alone.y.size(), 2);

@@ -1,5 +1,6 @@
 #include "model/diagnosis/bad_run.hpp"
 
+#include <array>
 #include <numbers>
 
 #include <rapidcheck.h>
@@ -76,6 +77,17 @@ TEST_CASE("whichever run is off, up or down, is the one that is found") {
     RC_ASSERT(found->run == bad);
     RC_ASSERT(found->score > 0.0);
   }));
+}
+
+TEST_CASE("where each run has a zero of its own none is the bad one, unless it is far off all of them") {
+  const auto zeros_and = [](double far_um) {
+    return best_offset_in(measured(line_of_runs(7, 15), kSigma_um, [=](const Reading& r) {
+      constexpr std::array kZeros_um{0.9, -1.1, 1.0, -0.8, 1.3, -0.9, -1.0};
+      return kZeros_um.at(static_cast<std::size_t>(r.run) - 1) + (r.run == 5 ? far_um : 0.0);
+    }));
+  };
+  CHECK_FALSE(zeros_and(0.0));
+  CHECK(must(zeros_and(15.0)).run == 5);
 }
 
 TEST_CASE("of two runs none is the bad one") {

@@ -1,5 +1,6 @@
 #include "model/diagnosis/waves.hpp"
 
+#include <map>
 #include <numbers>
 
 #include <rapidcheck.h>
@@ -237,6 +238,19 @@ TEST_CASE("a wave in time is likelier than the lost motion, the sag or the drift
               seed)
               .in_time,
           "a wave in time with a period of"));
+}
+
+TEST_CASE("runs whose clocks restart show no wave in time that none of them resolves") {
+  laser::MeasurementSet set = measured({.targets = 20, .runs = 6, .both_ways = false}, 0.0, nothing);
+  std::map<int, double> next_s;
+  for (Reading& r : set.readings) {
+    double& now_s = next_s.try_emplace(r.run, 40.0 * r.run).first->second;
+    r.time_s = now_s;
+    now_s += 240.0;
+    r.error = 2.0 * std::sin(2.0 * std::numbers::pi * *r.time_s / 100.0);
+  }
+  const Searching of(set, kSigma_um, {});
+  CHECK(objection_by_wave_in_time(of.data, of.whitener, of.search.base(), 0.0).empty());
 }
 
 TEST_CASE("no wave in time is likelier than an effect that is there") {
