@@ -121,8 +121,8 @@ ecs_folder(app/verbs/map app/cli app/plot base commissioning/maps commissioning/
            commissioning/unit laser/map laser/writers params volume fmt::fmt)
 ecs_folder(app/verbs/memory app/cli base commissioning/memory commissioning/session commissioning/unit fmt::fmt)
 ecs_folder(app/verbs/model app/cli app/plot base commissioning/measurements commissioning/models commissioning/plot
-           commissioning/session commissioning/volume laser/writers model/diagnosis model/effects model/planning
-           volume fmt::fmt)
+           commissioning/session commissioning/volume laser/writers model/diagnosis model/effects model/fit
+           model/planning volume fmt::fmt)
 ecs_folder(app/verbs/params app/cli base commissioning/parameters commissioning/session commissioning/unit core params
            fmt::fmt)
 ecs_folder(app/verbs/unit app/cli base commissioning/link commissioning/unit fmt::fmt)

@@ -265,6 +265,9 @@ std::string note_on_size(const std::vector<Reading>& readings) {
                      kLeastLargest_um, largest);
 }
 
+/// Column of the standard uncertainty of the reading.
+constexpr std::string_view kUncertaintyInFile = "u_um";
+
 /// Columns without a known meaning of which every cell that is not empty is a number.
 std::set<std::string, std::less<>> extra_number_columns(const std::vector<std::string>& columns,
                                                         const std::vector<CsvRow>& rows) {
@@ -288,6 +291,13 @@ Reading reading_in(const CsvRow& row, const std::vector<std::string>& columns,
     if (is_known_column(columns[i])) {
       const std::string fault = set_cell(reading, columns[i], trimmed(field.text));
       if (!fault.empty()) findings.add(row.line, field.column, fault);
+    } else if (columns[i] == kUncertaintyInFile && !field.text.empty()) {
+      const auto uncertainty = number_in(field.text);
+      if (uncertainty && *uncertainty > 0.0)
+        reading.extras[columns[i]] = *uncertainty;
+      else
+        findings.add(row.line, field.column, "{}: expected a standard uncertainty above 0, found {}", columns[i],
+                     in_quotes(field.text));
     } else if (!field.text.empty() && extra_numbers.contains(columns[i])) {
       reading.extras[columns[i]] = *number_in(field.text);
     } else if (!field.text.empty()) {

@@ -19,6 +19,9 @@ namespace {
 
 constexpr std::string_view kTip = "tip_";
 
+/// Column of the standard uncertainty of the reading.
+constexpr std::string_view kUncertaintyField = "u_um";
+
 /// The kind of unit that a field may have; nothing: none.
 std::optional<UnitKind> kind_of(const Field& field) {
   if (field.role == Role::position || field.role == Role::measured) return UnitKind::length;
@@ -26,6 +29,9 @@ std::optional<UnitKind> kind_of(const Field& field) {
   if (is_sensor_column(field.rule.field)) return UnitKind::temperature;
   if (field.rule.field == "pressure_hPa") return UnitKind::pressure;
   if (field.rule.field == "time_s") return UnitKind::time;
+  if (field.rule.field == kUncertaintyField && field.rule.unit && field.rule.unit->kind == UnitKind::angle)
+    return UnitKind::angle;
+  if (field.rule.field == kUncertaintyField) return UnitKind::length;
   return std::nullopt;
 }
 
@@ -189,7 +195,8 @@ std::string set_common(Reading& reading, const Plan& plan, const Field& field, s
   }
   if (cell.empty() && field.role == Role::other) return {};
   const auto number = cell_number(plan, cell);
-  if (!number && is_known_column(field.rule.field)) return expected("a finite number");
+  if (!number && (is_known_column(field.rule.field) || field.rule.field == kUncertaintyField))
+    return expected("a finite number");
   if (!number) {
     reading.text_extras[field.rule.field] = std::string(cell);
     return {};
@@ -199,6 +206,13 @@ std::string set_common(Reading& reading, const Plan& plan, const Field& field, s
                            field.rule.factor +
                        field.rule.offset;
   if (!std::isfinite(value)) return expected("a number that stays finite");
+  if (field.rule.field == kUncertaintyField) {
+    const bool in_mm = field.rule.unit && field.rule.unit->kind == UnitKind::length;
+    const double uncertainty = value * (in_mm ? kUmPerMm : 1.0);
+    if (!(uncertainty > 0.0)) return expected("a standard uncertainty above 0");
+    reading.extras[field.rule.field] = uncertainty;
+    return {};
+  }
   if (!is_known_column(field.rule.field)) {
     reading.extras[field.rule.field] = value;
     return {};

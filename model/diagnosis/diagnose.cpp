@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -542,6 +543,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
                                           advice.empty() ? "" : ": ", advice));
   }
   for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
+  if (const std::span residual(in.base.residual.data(), data.size()); !in.found.noise.relative.empty())
+    diagnosis.notes.push_back(
+        words_for(stated_uncertainty(data, residual, diagnosis.noise.noise_um), diagnosis.noise.unit));
   diagnosis.reservation = reservation_for(data);
   diagnosis.cannot_tell = cannot_tell;
   diagnosis.best_sum_leaves = !in.found.solution.chosen.empty() && leaves_structure(in.found, in.options);

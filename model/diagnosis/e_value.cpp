@@ -207,6 +207,10 @@ std::optional<double> weighed_in_part(const Evidence& all, const MatrixXd& colum
       if (place[k] >= 0) rows.push_back(static_cast<std::size_t>(place[k]));
     group.rows = std::move(rows);
   }
+  if (!all.noise.relative.empty()) {
+    noise.relative.clear();
+    for (const std::size_t k : chosen) noise.relative.push_back(all.noise.relative[k]);
+  }
   std::erase_if(noise.groups, [](const NoiseGroup& group) { return group.rows.empty(); });
   std::vector<bool> left_out(chosen.size());
   MatrixXd part_columns(static_cast<Index>(chosen.size()), columns.cols());

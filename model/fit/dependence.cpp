@@ -367,7 +367,8 @@ std::vector<Variable> variables_of(const Observations& data) {
   add_condition(data, "humidity_pct", data.humidity_pct, scaled, out);
   for (const auto& [name, column] : data.sensors_degC) add_condition(data, name, column, scaled, out);
   for (const auto& [name, column] : data.extras)
-    if (name != laser::kReadingSlopeColumn) add_condition(data, name, column, scaled, out);  // made of the readings
+    if (name != laser::kReadingSlopeColumn && name != kUncertaintyColumn)  // made of the readings
+      add_condition(data, name, column, scaled, out);
   add_compensated(data, scaled, out);
   return out;
 }

@@ -388,21 +388,22 @@ std::optional<LackOfFit> lack_of_fit_of(const Observations& data, const VectorXd
                                         const std::vector<bool>& left_out, double fitted_parameters) {
   const Repeats repeats = repeats_of(data);
   const std::vector<double> sigma = noise.sigma_by_row(data.size());
-  std::vector<double> sum(repeats.nodes, 0.0), count(repeats.nodes, 0.0);
-  double total = 0.0;
+  std::vector<double> sum(repeats.nodes, 0.0), weights(repeats.nodes, 0.0);
+  double total = 0.0, readings = 0.0;
   for (std::size_t k = 0; k < data.size(); ++k) {
     if (left_out[k]) continue;
     const double r = residual(static_cast<Index>(k)) / sigma[k];
-    sum[repeats.node_of[k]] += r;
-    count[repeats.node_of[k]] += 1.0;
+    const double relative = noise.relative_of(k);  // of the same group in a node
+    sum[repeats.node_of[k]] += r / relative;
+    weights[repeats.node_of[k]] += 1.0 / (relative * relative);
     total += r * r;
+    readings += 1.0;
   }
-  double between = 0.0, nodes = 0.0, readings = 0.0;
+  double between = 0.0, nodes = 0.0;
   for (std::size_t i = 0; i < sum.size(); ++i) {
-    if (count[i] <= 0.0) continue;
-    between += sum[i] * sum[i] / count[i];
+    if (weights[i] <= 0.0) continue;
+    between += sum[i] * sum[i] / weights[i];
     nodes += 1.0;
-    readings += count[i];
   }
   const double pure_freedom = readings - nodes, freedom = nodes - fitted_parameters;
   if (pure_freedom < 4.0 || freedom < 1.0) return std::nullopt;
@@ -454,6 +455,8 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
       lack_of_fit_of(data, core.residual, core.noise, core.left_out, static_cast<double>(fit.fitted_parameters));
   fit.origin = data.origin;
   fit.notes.insert(fit.notes.end(), data.notes.begin(), data.notes.end());
+  if (!core.noise.relative.empty())
+    fit.notes.push_back(words_for(stated_uncertainty(data, fit.residual, fit.noise.noise_um), fit.noise.unit));
   return fit;
 }
 

@@ -13,6 +13,8 @@
 #include <tuple>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "base/linear/decompositions.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/statistics.hpp"
@@ -57,21 +59,26 @@ std::array<double, kAxes> rounded(const Vector3& p) {
   return {rounded(p[0], kSamePlace_mm), rounded(p[1], kSamePlace_mm), rounded(p[2], kSamePlace_mm)};
 }
 
-/// Deviations from the mean of the repeats, widened for the mean that was taken off; NaN where there is no repeat.
+/// Deviations from the weighted mean of the repeats, by the relative size of their noise, widened for the mean that was
+/// taken off; NaN where there is no repeat.
 std::vector<double> deviations_from_repeats(const Repeats& repeats, const Eigen::VectorXd& residual,
-                                            const std::vector<bool>& left_out) {
+                                            const std::vector<bool>& left_out, const NoiseModel& noise) {
   const std::size_t n = repeats.node_of.size();
-  std::vector<double> sum(repeats.nodes, 0.0), count(repeats.nodes, 0.0);
+  std::vector<double> sum(repeats.nodes, 0.0), weights(repeats.nodes, 0.0), count(repeats.nodes, 0.0);
+  const auto weight_of = [&](std::size_t k) { return 1.0 / (noise.relative_of(k) * noise.relative_of(k)); };
   for (std::size_t k = 0; k < n; ++k) {
     if (left_out[k]) continue;
-    sum[repeats.node_of[k]] += residual(static_cast<Eigen::Index>(k));
+    sum[repeats.node_of[k]] += weight_of(k) * residual(static_cast<Eigen::Index>(k));
+    weights[repeats.node_of[k]] += weight_of(k);
     count[repeats.node_of[k]] += 1.0;
   }
   std::vector<double> deviation(n, kNotMeasured);
   for (std::size_t k = 0; k < n; ++k) {
-    const double c = count[repeats.node_of[k]];
-    if (left_out[k] || c < 2.0) continue;
-    deviation[k] = (residual(static_cast<Eigen::Index>(k)) - sum[repeats.node_of[k]] / c) * std::sqrt(c / (c - 1.0));
+    const std::size_t node = repeats.node_of[k];
+    if (left_out[k] || count[node] < 2.0) continue;
+    const double others = weights[node] - weight_of(k);
+    deviation[k] = (residual(static_cast<Eigen::Index>(k)) - sum[node] / weights[node]) / noise.relative_of(k) *
+                   std::sqrt(weights[node] / others);
   }
   return deviation;
 }
@@ -171,14 +178,18 @@ struct Deviations {
 
 /// Deviations from what the smooth columns can produce.
 Deviations deviations_from_smooth(const Observations& data, const Eigen::VectorXd& residual,
-                                  const Eigen::MatrixXd& smooth, const std::vector<bool>& left_out) {
+                                  const Eigen::MatrixXd& smooth, const std::vector<bool>& left_out,
+                                  const NoiseModel& noise) {
   std::vector<double> deviation(data.size(), kNotMeasured);
   double kept = 0.0, rank = 0.0;
   for (const SmoothBlock& block : blocks_of(data, smooth, left_out)) {
     kept += static_cast<double>(block.rows.size());
-    Eigen::VectorXd y = residual(block.rows);
+    Eigen::VectorXd weight(std::ssize(block.rows));
+    for (Eigen::Index i = 0; i < weight.size(); ++i)
+      weight(i) = 1.0 / noise.relative_of(static_cast<std::size_t>(block.rows[static_cast<std::size_t>(i)]));
+    Eigen::VectorXd y = residual(block.rows).cwiseProduct(weight);
     if (!block.columns.empty()) {
-      const Eigen::MatrixXd columns = smooth(block.rows, block.columns);
+      const Eigen::MatrixXd columns = weight.asDiagonal() * smooth(block.rows, block.columns);
       const PivotedQr qr(columns);
       y -= columns * qr.solve(y);
       rank += static_cast<double>(qr.rank());
@@ -196,7 +207,8 @@ Deviations deviations_from_smooth(const Observations& data, const Eigen::VectorX
 /// differences, one that turns its sign with the direction out of sums, whatever its shape.
 /// @param basis  orthonormal, of what was fitted: its part of the deviations is gone from the residual
 Deviations deviations_of_directions(const Observations& data, const Eigen::VectorXd& residual,
-                                    const std::vector<bool>& left_out, bool shared, const Eigen::MatrixXd& basis) {
+                                    const std::vector<bool>& left_out, bool shared, const Eigen::MatrixXd& basis,
+                                    const NoiseModel& noise) {
   using Place = std::pair<std::array<double, kAxes>, std::array<double, kAxes>>;
   struct Both {
     std::optional<std::size_t> forward, reverse;
@@ -231,8 +243,11 @@ Deviations deviations_of_directions(const Observations& data, const Eigen::Vecto
       const Eigen::VectorXd y = half.col(j);
       half.col(j) -= straight * line_of.solve(y);
     }
-    for (Eigen::Index i = 0; i < n; ++i)
-      deviations.of[static_cast<std::size_t>(forward[static_cast<std::size_t>(i)])] = half(i, 0);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto f = static_cast<std::size_t>(forward[static_cast<std::size_t>(i)]);
+      const auto r = static_cast<std::size_t>(reverse[static_cast<std::size_t>(i)]);
+      deviations.of[f] = half(i, 0) * (std::numbers::sqrt2 / std::hypot(noise.relative_of(f), noise.relative_of(r)));
+    }
     deviations.freedom += static_cast<double>(n - 2) - half.rightCols(basis.cols()).squaredNorm();
     places_seen += static_cast<double>(n);
   }
@@ -298,7 +313,7 @@ double NoiseGroup::sigma() const { return std::sqrt(white * white + correlated *
 std::vector<double> NoiseModel::sigma_by_row(std::size_t n) const {
   std::vector<double> sigma(n, 1.0);
   for (const NoiseGroup& group : groups)
-    for (const std::size_t k : group.rows) sigma[k] = group.sigma();
+    for (const std::size_t k : group.rows) sigma[k] = group.sigma() * relative_of(k);
   return sigma;
 }
 
@@ -352,6 +367,46 @@ std::vector<std::size_t> passes_of(const Observations& data) {
   return pass;
 }
 
+std::vector<double> relative_uncertainty(const Observations& data) {
+  const auto column = data.extras.find(kUncertaintyColumn);
+  if (column == data.extras.end()) return {};
+  std::vector<double> relative(data.size(), 1.0);
+  for (const NoiseGroup& group : groups_of(data)) {
+    std::vector<double> stated;
+    for (const std::size_t k : group.rows)
+      if (cell(column->second, k) > 0.0) stated.push_back(column->second[k]);
+    if (stated.empty()) continue;
+    const double mean = rms_of(stated);
+    for (const std::size_t k : group.rows)
+      if (column->second[k] > 0.0) relative[k] = column->second[k] / mean;
+  }
+  return relative;
+}
+
+std::optional<StatedUncertainty> stated_uncertainty(const Observations& data, std::span<const double> residual,
+                                                    double noise_um) {
+  const auto column = data.extras.find(kUncertaintyColumn);
+  if (column == data.extras.end()) return std::nullopt;
+  std::vector<double> stated, ratios;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const double uncertainty = column->second[k];
+    if (!(uncertainty > 0.0)) continue;
+    stated.push_back(uncertainty);
+    ratios.push_back(residual[k] / uncertainty);
+  }
+  if (stated.empty()) return std::nullopt;
+  return StatedUncertainty{rms_of(stated), rms_of(ratios), noise_um / rms_of(stated)};
+}
+
+std::string words_for(const std::optional<StatedUncertainty>& stated, std::string_view unit) {
+  if (!stated) return {};
+  return fmt::format(
+      "the file states a standard uncertainty of {:.3g} {} (rms) for a reading ({}): the residual is {:.2g} times the "
+      "stated uncertainties, and the noise of one reading {:.2g} times. Readings are weighted by them, and the size of "
+      "the noise comes from the readings",
+      stated->um, unit, kUncertaintyColumn, stated->of_residual, stated->of_noise);
+}
+
 NoiseModel plain_noise(const Observations& data, double sigma_um) {
   NoiseModel noise;
   noise.groups = groups_of(data);
@@ -384,16 +439,17 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
                     const std::vector<bool>& left_out, const Eigen::MatrixXd& absorbed) {
   NoiseModel noise;
   noise.groups = groups_of(data);
+  noise.relative = relative_uncertainty(data);
   noise.has_time = !data.time_s.empty();
   Repeats repeats = repeats_of(data);
-  std::vector<double> deviation = deviations_from_repeats(repeats, residual, left_out);
+  std::vector<double> deviation = deviations_from_repeats(repeats, residual, left_out, noise);
   noise.pure.unit = data.reading_unit();
   const bool of_poses = !data.through_chain.empty();
   noise.pure.from_repeats = many(deviation, of_poses);
   bool from_places = noise.pure.from_repeats;
   if (!from_places) {
     repeats = places_of(data);
-    deviation = deviations_from_repeats(repeats, residual, left_out);
+    deviation = deviations_from_repeats(repeats, residual, left_out, noise);
     from_places = many(deviation, of_poses);
   }
   const double size = std::max<double>(1.0, static_cast<double>(residual.size()));
@@ -404,8 +460,8 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
       if (!left_out[k]) nodes.insert(repeats.node_of[k]);
     noise.pure.dof = std::max(size - static_cast<double>(nodes.size()), 1.0);
   } else {
-    Deviations rough =
-        deviations_from_smooth(data, residual, absorbed.cols() > 0 ? beside(smooth(), absorbed) : smooth(), left_out);
+    Deviations rough = deviations_from_smooth(
+        data, residual, absorbed.cols() > 0 ? beside(smooth(), absorbed) : smooth(), left_out, noise);
     deviation = std::move(rough.of);
     noise.pure.dof = rough.freedom;
   }
@@ -413,7 +469,7 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
                                                                                 : Eigen::MatrixXd(residual.size(), 0);
   for (const bool shared : {false, true}) {
     if (noise.pure.from_repeats) break;
-    if (Deviations directions = deviations_of_directions(data, residual, left_out, shared, basis);
+    if (Deviations directions = deviations_of_directions(data, residual, left_out, shared, basis, noise);
         scatter_less(directions, {deviation, noise.pure.dof})) {
       deviation = std::move(directions.of);
       noise.pure.dof = directions.freedom;
@@ -428,8 +484,10 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
   for (std::size_t g = 0; g < noise.groups.size(); ++g) {
     NoiseGroup& group = noise.groups[g];
     double group_square = 0.0;
-    for (const std::size_t k : group.rows)
-      group_square += residual(static_cast<Eigen::Index>(k)) * residual(static_cast<Eigen::Index>(k));
+    for (const std::size_t k : group.rows) {
+      const double r = residual(static_cast<Eigen::Index>(k)) / noise.relative_of(k);
+      group_square += r * r;
+    }
     group_square /= static_cast<double>(group.rows.size());
     const double of_step = kFloorOfStep * resolution_of(data, group);
     const double floor = std::max({of_step, kFloorOfResidual * std::sqrt(group_square), kFloor_um});
@@ -450,6 +508,7 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
 bool wanders(const Observations& data, const NoiseModel& noise, const Eigen::VectorXd& residual,
              const std::vector<bool>& left_out) {
   const std::vector<std::size_t> pass = passes_of(data);
+  const auto of_row = [&](std::size_t k) { return residual(static_cast<Eigen::Index>(k)) / noise.relative_of(k); };
   for (const NoiseGroup& group : noise.groups) {
     if (noise.has_time && group.correlated > group.white && group.time < kTurbulence_s) continue;
     std::map<std::size_t, std::vector<std::size_t>> passes;
@@ -458,9 +517,7 @@ bool wanders(const Observations& data, const NoiseModel& noise, const Eigen::Vec
     std::vector<double> squares;
     for (const auto& [number, rows] : passes)
       for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
-        const auto at = [&residual, &rows = rows](std::size_t j) {
-          return residual(static_cast<Eigen::Index>(rows[j]));
-        };
+        const auto at = [&of_row, &rows = rows](std::size_t j) { return of_row(rows[j]); };
         const double second = at(i - 1) - 2.0 * at(i) + at(i + 1);
         squares.push_back(second * second / kSquaresOfSecond);
       }
@@ -470,7 +527,7 @@ bool wanders(const Observations& data, const NoiseModel& noise, const Eigen::Vec
     double sum = 0.0, count = 0.0;
     for (const auto& [number, rows] : passes)
       for (const std::size_t k : rows) {
-        sum += residual(static_cast<Eigen::Index>(k)) * residual(static_cast<Eigen::Index>(k));
+        sum += of_row(k) * of_row(k);
         count += 1.0;
       }
     if (std::min(group.sigma(), std::sqrt(sum / count)) > kMostOfScatter * scatter) return true;

@@ -6,7 +6,11 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <random>
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -49,6 +53,10 @@ struct NoiseModel {
   PureError pure;                  ///< over all groups
   std::vector<NoiseShape> shapes;  ///< what the data leave possible; the groups hold the likeliest
   bool has_time = false;
+  /// Size of the noise of each reading, that of its group being 1: as their standard uncertainties are to their root
+  /// mean square. Empty: all the same.
+  std::vector<double> relative;
+  [[nodiscard]] double relative_of(std::size_t k) const { return k < relative.size() ? relative[k] : 1.0; }
   [[nodiscard]] std::vector<double> sigma_by_row(std::size_t n) const;
 };
 
@@ -64,6 +72,24 @@ struct Repeats {
 
 /// Number of the pass of each reading: same run, approach, axis, sense and parked place.
 [[nodiscard]] std::vector<std::size_t> passes_of(const Observations& data);
+
+/// Column with the standard uncertainty (k = 1) of each reading, in its own unit.
+inline constexpr std::string_view kUncertaintyColumn = "u_um";
+/// What a file states of the uncertainty of its readings, beside what they show.
+struct StatedUncertainty {
+  double um = 0.0;           ///< standard uncertainty of one reading, root mean square over the readings that state one
+  double of_residual = 0.0;  ///< root mean square of residual ÷ standard uncertainty, reading by reading
+  double of_noise = 0.0;     ///< noise of one reading ÷ um: the factor by which the stated ones are too small
+};
+/// NoiseModel::relative from the standard uncertainties that a file states; a reading without one counts as the root
+/// mean square of its group. Empty where no reading has one.
+[[nodiscard]] std::vector<double> relative_uncertainty(const Observations& data);
+/// What is stated of the readings beside what they show; nothing where nothing is stated.
+/// @param residual  um or um/m, canonical order
+[[nodiscard]] std::optional<StatedUncertainty> stated_uncertainty(const Observations& data,
+                                                                  std::span<const double> residual, double noise_um);
+/// The same as a sentence; "" for nothing. @param unit  of the readings
+[[nodiscard]] std::string words_for(const std::optional<StatedUncertainty>& stated, std::string_view unit);
 
 /// Gives columns that a smooth machine could produce (readings × columns); they are made when they are asked for first,
 /// for where readings are repeated nobody does.
@@ -130,6 +156,7 @@ class Whitener {
     double memory = 0.0;  ///< of the correlated part since the step before
     double gain = 0.0;
     double scale = 0.0;  ///< 1/standard deviation of the innovation; 0: left out
+    double share = 1.0;  ///< 1/relative size of the noise of this reading
   };
   std::vector<Step> steps_;  ///< group after group; memory 0 at the start of each
   /// So many columns of this many rows, one behind the other.

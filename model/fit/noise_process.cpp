@@ -67,7 +67,9 @@ Eigen::MatrixXd SimulatedNoise::next(std::size_t count) {
       double state = correlated > 0.0 ? normal_(random_) : 0.0;
       for (const std::size_t k : noise_.groups[g].rows) {
         if (correlated > 0.0) state = memory_at[k].kept * state + memory_at[k].fresh * normal_(random_);
-        if (!left_out_[k]) sets(static_cast<Eigen::Index>(k), b) = white * normal_(random_) + correlated * state;
+        if (!left_out_[k])
+          sets(static_cast<Eigen::Index>(k), b) =
+              noise_.relative_of(k) * (white * normal_(random_) + correlated * state);
       }
     }
   }
@@ -85,7 +87,7 @@ Whitener::Whitener(const Observations& data, const NoiseModel& noise, const std:
     std::size_t before = 0;
     double carry = 1.0;  // memory over rows left out
     for (const std::size_t k : group.rows) {
-      Step step{k, 0.0, 0.0, 0.0};
+      Step step{k, 0.0, 0.0, 0.0, 1.0 / noise.relative_of(k)};
       const double memory = !first && stationary > 0.0 ? memory_of(data, noise, pass, group.time, before, k) : 0.0;
       carry *= memory;
       variance = memory * memory * (variance - stationary) + stationary;
@@ -123,7 +125,7 @@ void Whitener::apply(const double* from, double* to, Eigen::Index rows) const {
         continue;
       }
       const double expected = step.memory * state(j);
-      const double innovation = from[at] - expected;
+      const double innovation = step.share * from[at] - expected;
       state(j) = expected + step.gain * innovation;
       to[at] = innovation * step.scale;
     }
@@ -142,7 +144,7 @@ void Whitener::apply_transposed(const double* from, double* to, Eigen::Index row
         continue;
       }
       const double scaled = step.scale * from[at];
-      to[at] = scaled + step.gain * later(j);
+      to[at] = step.share * (scaled + step.gain * later(j));
       later(j) = step.memory * ((1.0 - step.gain) * later(j) - scaled);
     }
   }
@@ -151,7 +153,7 @@ void Whitener::apply_transposed(const double* from, double* to, Eigen::Index row
 double Whitener::ln_determinant() const {
   double sum = 0.0;
   for (const Step& step : steps_)
-    if (step.scale > 0.0) sum -= 2.0 * std::log(step.scale);
+    if (step.scale > 0.0) sum -= 2.0 * std::log(step.scale * step.share);
   return sum;
 }
 

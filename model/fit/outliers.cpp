@@ -188,7 +188,10 @@ std::vector<bool> isolated_outliers(const Observations& data, const Eigen::Vecto
   if (data.size() < kFewestReadings) return out;
   std::map<std::pair<Channel, Axis>, Rows> groups;
   for (std::size_t k = 0; k < data.size(); ++k) groups[{data.channel(k), data.axis[k]}].push_back(k);
-  const std::vector<double> oddness = oddness_of(data, residual, groups);
+  Eigen::VectorXd weighed = residual;
+  const std::vector<double> relative = relative_uncertainty(data);
+  for (std::size_t k = 0; k < relative.size(); ++k) weighed(static_cast<Eigen::Index>(k)) /= relative[k];
+  const std::vector<double> oddness = oddness_of(data, weighed, groups);
   for (const auto& [place, rows] : groups) {
     std::vector<std::pair<double, std::size_t>> found;
     for (const std::size_t k : rows)

@@ -165,6 +165,17 @@ TEST_CASE("columns count characters, not bytes") {
   CHECK(refusal_of("note,axis,sense,reading\n\xC3\xA4\xC3\xB6,X,EX,oops\n").column == 9);
 }
 
+TEST_CASE("a standard uncertainty that is no number above 0 is refused with its place, an empty one is not stated") {
+  const Problem zero = refusal_of("axis,x_mm,sense,reading,u_um\nX,0,EX,1,0.5\nX,1,EX,1,0\n");
+  CHECK(contains(zero.message, "u_um: expected a standard uncertainty above 0, found \"0\""));
+  CHECK(zero.line == 3);
+  CHECK(zero.column == 10);
+  CHECK(contains(refusal_of("axis,x_mm,sense,reading,u_um\nX,0,EX,1,good\n").message, "found \"good\""));
+  const auto set = must(parse_measurement_set("axis,x_mm,sense,reading,u_um\nX,0,EX,1,0.5\nX,1,EX,1,\n", "m.csv"));
+  CHECK(set.readings[0].extras.at("u_um") == 0.5);
+  CHECK_FALSE(set.readings[1].extras.contains("u_um"));
+}
+
 TEST_CASE("a column with one word among numbers stays text as a whole") {
   const auto set = must(parse_measurement_set("axis,sense,reading,probe,count\nX,EX,1,7,7\nX,EX,1,left,8\n", "m.csv"));
   CHECK(set.readings[0].text_extras.at("probe") == "7");

@@ -20,6 +20,7 @@
 #include "commissioning/volume/fitted_rotary.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "model/effects/definition.hpp"
+#include "model/fit/noise.hpp"
 #include "volume/rotary_errors.hpp"
 
 namespace ecs::app {
@@ -144,6 +145,13 @@ Cell fit_cell(const Fit& fit, const model::Observations& data, bool rotary, cons
       "notes"_is(fit.notes, notes_text(fit.notes)), "model"_is(text_cell(output)));
 }
 
+/// What the file states of its readings beside what they show; no key where it states nothing.
+void add_uncertainty(Cell& answer, const Fit& fit, const model::Observations& data) {
+  if (const auto stated = model::stated_uncertainty(data, fit.residual, fit.noise.noise_um))
+    answer.json["uncertainty"] = object_of("stated_um"_is(stated->um), "residual_ratio"_is(stated->of_residual),
+                                           "noise_ratio"_is(stated->of_noise));
+}
+
 Result<void> write(const model::Model& model, const ModelWork& work, const Fit& fit, const FitRequest& request) {
   if (!request.output.empty())
     if (auto kept = model::write_model(request.output, model_to_keep(model, fit, work.data, work.data_name),
@@ -167,6 +175,7 @@ Result<Outcome> fit(VerbContext& context, const FitRequest& request) {
   result.notes.insert(result.notes.end(), ties.notes.begin(), ties.notes.end());
   ECS_DO(write(ties.model, work, result, request));
   Cell answer = fit_cell(result, work.data, work.data.rotary, request.output);
+  add_uncertainty(answer, result, work.data);
   if (!request.output.empty()) answer.text += fmt::format("model written to {}\n", request.output);
   if (!request.rotary.empty()) {
     ECS_TRY(found, fitted_rotary(ties.model, result, work.machine, work.data));
@@ -322,6 +331,7 @@ Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {
   const model::Comparison comparison = model::compare(fit, work.data, static_cast<std::size_t>(request.worst));
   Cell answer = comparison_cell(comparison, work.data.size());
   answer.json["notes"] = fit.notes;
+  add_uncertainty(answer, fit, work.data);
   if (!fit.notes.empty()) answer.text += "\n" + notes_text(fit.notes);
   const model::Model fitted = with_values(work.model, fit);
   ECS_DO(tell_place(answer, work, fitted, request));

@@ -72,6 +72,16 @@ TEST_CASE("a table with a column for each pass") {
   CHECK(set.readings[6].error == 8.0);
 }
 
+TEST_CASE("a column of standard uncertainties is read in the unit of the readings, of lengths in any unit") {
+  const auto set = read_table("0 1.5 0.0002\n10 1.6 0.0004\n", by_columns("x_mm=1,reading=2,u_um=3[mm]"));
+  CHECK(set.readings[0].extras.at("u_um") == Approx(0.2));
+  CHECK(set.readings[1].extras.at("u_um") == Approx(0.4));
+  CHECK(contains(refused_table("0 1.5 0\n10 1.6 1\n", by_columns("x_mm=1,reading=2,u_um=3")),
+                 "u_um: expected a standard uncertainty above 0, found \"0\""));
+  CHECK(contains(refused_table("0 1.5 1\n10 1.6 1\n", by_columns("x_mm=1,reading=2,u_um=3[degC]")),
+                 "u_um: degC is no unit of it"));
+}
+
 TEST_CASE("several senses in a row, angles in arc seconds") {
   const auto set = read_table("0|1.5|2\n10|0|-1\n", by_columns("x_mm=1,EX=2,EC=3[arcsec]"));
   REQUIRE(set.readings.size() == 4);

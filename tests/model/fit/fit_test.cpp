@@ -1,9 +1,13 @@
 // Sigma of a decay length and its size by profile likelihood.
 #include <numbers>
+#include <random>
+
+#include <Eigen/Dense>
 
 #include "model/diagnosis/ladder.hpp"
 #include "model/fit/compare.hpp"
 #include "model/fit/compiled_model.hpp"
+#include "model/fit/noise.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "tests/model/support/measured_lines.hpp"
 #include "tests/support/test.hpp"
@@ -40,6 +44,77 @@ TEST_CASE("a fit finds the values that the readings were made of, within three o
   CHECK(found.noise.noise_um == Approx(0.3).epsilon(0.15));
   CHECK(found.noise.from_repeats);
   CHECK(found.fitted_parameters == 3);
+}
+
+namespace {
+
+/// Of runs 1 and 2, and of runs 3 and 4: noise, and what the file states of it.
+laser::MeasurementSet of_two_qualities(double fine_um, double coarse_um, double stated_share, unsigned seed) {
+  std::mt19937_64 random(seed);
+  NormalDraws normal;
+  auto set = measured({.runs = 4}, 0.0, [](const Reading& r) { return 2.0 + 14.0 * p(r) / 1000.0; });
+  for (Reading& r : set.readings) {
+    const double noise_um = r.run > 2 ? coarse_um : fine_um;
+    r.error += noise_um * normal(random);
+    if (stated_share > 0.0) r.extras["u_um"] = stated_share * noise_um;
+  }
+  return set;
+}
+
+double slope_error(double stated_share, unsigned seed) {
+  const Model model = straight();
+  const auto set = of_two_qualities(0.2, 2.0, stated_share, seed);
+  return parameter(must(fit(model, observations_of(set, model, mill()))), 1, "um_per_m").value - 14.0;
+}
+
+}  // namespace
+
+TEST_CASE("readings with a standard uncertainty each are fitted as a weighted least squares of one's own does it") {
+  const auto set = of_two_qualities(0.3, 0.6, 1.0, 3);
+  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  for (const Reading& r : set.readings) {
+    const double weight = 1.0 / std::pow(r.extras.at("u_um"), 2);
+    const Eigen::Vector2d row(1.0, p(r) / 1000.0);
+    normal += weight * row * row.transpose();
+    right += weight * r.error * row;
+  }
+  const Eigen::Vector2d expected = normal.inverse() * right;
+  const Model model = straight();
+  const auto found = must(fit(model, observations_of(set, model, mill())));
+  REQUIRE(found.noise_by_sense.front().correlated_um == 0.0);
+  CHECK(parameter(found, 0, "um").value == Approx(expected(0)).epsilon(1e-9));
+  CHECK(parameter(found, 1, "um_per_m").value == Approx(expected(1)).epsilon(1e-9));
+  const Eigen::Matrix2d covariance = normal.inverse();  // the readings are as uncertain as the file states
+  CHECK(*parameter(found, 1, "um_per_m").sigma == Approx(std::sqrt(covariance(1, 1))).epsilon(0.15));
+}
+
+TEST_CASE("where two runs scatter ten times as much as the others, stated uncertainties make the errors smaller") {
+  double with = 0.0, without = 0.0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    with += std::pow(slope_error(1.0, seed), 2);
+    without += std::pow(slope_error(0.0, seed), 2);
+  }
+  CHECK(std::sqrt(with) < std::sqrt(without) / 3.0);  // (0.04 + 4) / 4 against 1 / (1 / 0.04 + 1 / 4), a factor of 5
+}
+
+TEST_CASE(
+    "only the ratios of stated uncertainties count: their size comes from the readings, and the fit says the factor") {
+  const Model model = straight();
+  const auto fitted_with = [&](double share) {
+    return must(fit(model, observations_of(of_two_qualities(0.2, 2.0, share, 5), model, mill())));
+  };
+  const Fit right = fitted_with(1.0), small = fitted_with(1.0 / 3.0);
+  CHECK(parameter(small, 1, "um_per_m").value == Approx(parameter(right, 1, "um_per_m").value).epsilon(1e-9));
+  CHECK(*parameter(small, 1, "um_per_m").sigma == Approx(*parameter(right, 1, "um_per_m").sigma).epsilon(1e-9));
+  const auto factor_of = [&](double share, const Fit& fit) {
+    const Observations data = observations_of(of_two_qualities(0.2, 2.0, share, 5), model, mill());
+    return must(stated_uncertainty(data, fit.residual, fit.noise.noise_um));
+  };
+  CHECK(factor_of(1.0, right).of_residual == Approx(1.0).epsilon(0.1));
+  CHECK(factor_of(1.0, right).of_noise == Approx(1.0).epsilon(0.1));
+  CHECK(factor_of(1.0 / 3.0, small).of_residual == Approx(3.0).epsilon(0.1));
+  CHECK_MESSAGE(contains(small.notes.back(), "the residual is 2.9 times the stated uncertainties"), small.notes.back());
 }
 
 TEST_CASE("a period that is not given is found and has a sigma") {
