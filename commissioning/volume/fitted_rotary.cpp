@@ -117,6 +117,12 @@ Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& 
       out.left_out.push_back(fmt::format("{}: the readings do not determine it", place_text(effect)));
       continue;
     }
+    const auto& facts = machine && effect.axis ? machine->rotary[index_of(*effect.axis)] : std::nullopt;
+    if (effect.traits().adds_up && facts && facts->travel_deg[1] - facts->travel_deg[0] >= kTurn_deg) {
+      out.left_out.push_back(
+          fmt::format("{}: the table of an axis that turns fully is the same again after a turn", place_text(effect)));
+      continue;
+    }
     any = true;
     if (effect.definition().place == model::Place::location) {
       const auto [r, s] = place_of(effect);
