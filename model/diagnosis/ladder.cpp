@@ -22,7 +22,7 @@
 namespace ecs::model {
 
 bool is_requested(const EffectInstance& effect, const AddRequest& request) {
-  if (effect.id != request.id || effect.ball != request.ball) return false;
+  if (effect.id != request.id || effect.ball != request.ball || effect.line != request.line) return false;
   if (request.axis && (effect.axis != request.axis || effect.rotary != request.rotary)) return false;
   if (request.sense && effect.sense != request.sense) return false;
   if (request.code && effect.code != request.code) return false;
@@ -58,6 +58,7 @@ std::vector<EffectInstance> places_for(const Model& model, const Observations& d
     effect.sensor = request.sensor;
     effect.sensor2 = request.sensor2;
     effect.ball = request.ball;
+    effect.line = request.line;
     list.push_back(effect);
   }
   return list;
@@ -93,8 +94,8 @@ std::optional<EffectInstance> best_place(const State& state, const Regressors& r
 }  // namespace
 
 AddRequest request_of(const EffectInstance& effect) {
-  AddRequest request{effect.id,       effect.axis,   effect.rotary,  effect.sense, effect.code,
-                     effect.approach, effect.sensor, effect.sensor2, effect.name,  effect.ball};
+  AddRequest request{effect.id,     effect.axis,    effect.rotary, effect.sense, effect.code, effect.approach,
+                     effect.sensor, effect.sensor2, effect.name,   effect.ball,  effect.line};
   request.as_named = effect;
   return request;
 }
@@ -133,9 +134,9 @@ Result<AddRequest> parse_add_request(std::string_view text) {
       request.sense = coded->sense;
     } else if (sense && id->place != Place::location && (id->place != Place::set_up || is_rotation(*sense))) {
       request.sense = sense;
-    } else if (const auto ball = number_in(part);
-               (id->place == Place::artefact || id->traits.of_lines) && ball && *ball >= 1.0) {
-      request.ball = static_cast<int>(*ball);
+    } else if (const auto number = number_in(part);
+               (id->place == Place::artefact || id->traits.of_lines) && number && *number >= 1.0) {
+      (id->traits.of_lines ? request.line : request.ball) = static_cast<int>(*number);
     } else if (code) {
       request.code = code;
     } else {

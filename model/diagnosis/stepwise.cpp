@@ -80,7 +80,7 @@ std::vector<Choice> without_member(std::vector<Choice> chosen, std::size_t i) {
 
 /// Whether one effect may act twice in a sense: as several of its kind, each with its sensors or each for its axis.
 bool may_act_twice(const EffectInstance& one, const EffectInstance& other) {
-  return one.traits().several_alike || one.ball != other.ball || !same_sensors(one, other) ||
+  return one.traits().several_alike || one.ball != other.ball || one.line != other.line || !same_sensors(one, other) ||
          (one.traits().one_per_axis && one.axis != other.axis);
 }
 

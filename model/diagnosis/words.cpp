@@ -105,7 +105,7 @@ std::string duration_text(double s) {
 std::string where_word(const EffectInstance& effect) {
   if (effect.sense)
     return readings_word(*effect.sense, effect.axis, effect.rotary) +
-           (effect.traits().of_lines && effect.ball > 1 ? fmt::format(" in line {}", effect.ball) : "");
+           (effect.line > 1 ? fmt::format(" in line {}", effect.line) : "");
   return effect.axis ? fmt::format("Readings along {}", axis_letter(effect)) : "Readings";
 }
 

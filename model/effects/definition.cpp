@@ -40,7 +40,7 @@ char axis_letter(const EffectInstance& effect) { return laser::letter_of(*effect
 std::string to_text(const EffectInstance& effect) {
   if (effect.is_user()) return fmt::format("user:{}", effect.name);
   std::string text(name_of(effect.id));
-  if (effect.ball > 1 && effect.definition().place == Place::artefact) return text + fmt::format(":{}", effect.ball);
+  if (effect.ball > 1) return text + fmt::format(":{}", effect.ball);
   if (!effect.axis && !effect.sense && !effect.code) return text;
   const EffectDefinition& definition = effect.definition();
   if (definition.place != Place::set_up) text += effect.axis ? fmt::format(":{}", axis_letter(effect)) : ":";
@@ -48,7 +48,7 @@ std::string to_text(const EffectInstance& effect) {
   const bool by_sense = definition.place == Place::known_component && effect.sense;
   if (effect.code && !by_sense) return text + fmt::format(":{}", name_of(*effect.code));
   if (effect.sense) text += fmt::format(":{}", name_of(*effect.sense));
-  if (effect.ball > 1) text += fmt::format(":{}", effect.ball);
+  if (effect.line > 0) text += fmt::format(":{}", effect.line);
   return text;
 }
 
@@ -105,7 +105,7 @@ std::string sensors_text(const EffectInstance& effect) {
 
 bool same_place(const EffectInstance& a, const EffectInstance& b) {
   return a.id == b.id && a.axis == b.axis && a.sense == b.sense && a.code == b.code && a.name == b.name &&
-         a.rotary == b.rotary && a.ball == b.ball;
+         a.rotary == b.rotary && a.ball == b.ball && a.line == b.line;
 }
 
 bool same_sensors(const EffectInstance& a, const EffectInstance& b) {

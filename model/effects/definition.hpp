@@ -71,7 +71,8 @@ struct EffectInstance {
   std::optional<Component> code;  ///< of angular, squareness, measurement_line; of a map fault of one component
   bool rotary = false;            ///< `axis` is A, B or C: positions and lengths are in degrees
   ApproachMode approach = ApproachMode::both;
-  int ball = 1;           ///< of a ball on the table, a tool, a measured line: which, in the order of the readings
+  int ball = 1;           ///< of a ball on the table or a tool: which, in the order of the readings
+  int line = 0;           ///< of an offset: 0 in all readings of its sense, 1 in all lines along its axis, n in the nth
   std::string sensor;     ///< column of the sensor, where one is used
   std::string sensor2;    ///< of the second, where their difference is
   std::string name;       ///< of a user effect
@@ -239,10 +240,10 @@ struct EffectTraits {
   bool of_condition = false;       ///< its size depends on a condition that a run can set
   bool in_motion = false;          ///< shows only in readings taken on the fly
   bool shows_at_zero = false;      ///< shows at the place where the readout was zeroed
-  bool of_lines = false;          ///< at another than the natural axis of its sense in lines along it; numbered: in one
-  bool until_new_set_up = false;  ///< ends when the optics are aligned and reset again (column `set_up`)
-  bool of_measurement = false;    ///< the readings show it, the machine does not have it
-  bool from_origin = false;       ///< counts time or a temperature from Observations::origin
+  bool of_lines = false;           ///< may act in the lines along its axis only, or in one of them
+  bool until_new_set_up = false;   ///< ends when the optics are aligned and reset again (column `set_up`)
+  bool of_measurement = false;     ///< the readings show it, the machine does not have it
+  bool from_origin = false;        ///< counts time or a temperature from Observations::origin
   // how often it can be there
   bool is_usual = false;       ///< every measured line has it: part of a new model
   bool one_per_axis = false;   ///< may act in a sense once for each axis; else once, whatever the axis

@@ -20,7 +20,7 @@ std::vector<EffectInstance> of_further_lines(const Site& site) {
   const bool natural = site.data.natural_axis(site.sense) == site.axis;
   for (int number = natural ? 2 : 1; number <= lines; ++number) {
     each.push_back(site.once().front());
-    each.back().ball = number;
+    each.back().line = number;
   }
   return each;
 }

@@ -246,7 +246,7 @@ void complete(TomlReader& reader, const toml::table& table, EffectInstance& effe
   const auto number = reader.number(table, definition.traits.of_lines ? "line" : "ball");
   want(!number || (*number >= 1.0 && *number == std::floor(*number)),
        "ball or line = 1, 2 …, in the order of the readings");
-  effect.ball = number ? static_cast<int>(*number) : 1;
+  if (number) (definition.traits.of_lines ? effect.line : effect.ball) = static_cast<int>(*number);
   const bool rotation = effect.code && is_angular(*effect.code);
   if (definition.place == Place::rotation) want(rotation, "code = one of EAX … ECZ");
   if (definition.place == Place::known_component) want(rotation, "code = the known angular component, EAX … ECZ");

@@ -346,7 +346,7 @@ bool has_own_set_up(const Observations& data, const EffectInstance& of_line) {
   std::array<double, 2> first{kNotMeasured, kNotMeasured};  // of line 1, and of this one
   for (std::size_t k = data.size(); k-- > 0;)
     if (data.axis[k] == of_line.axis && data.sense[k] == of_line.sense)
-      for (const int line : {1, of_line.ball})
+      for (const int line : {1, of_line.line})
         if (data.line_of(k) == line) first[line == 1 ? 0 : 1] = set_up->second[k];
   return first[0] != first[1];
 }
@@ -368,7 +368,7 @@ std::vector<EffectInstance> usual_effects(const Observations& all) {
         add_at(site(axis), &EffectDefinition::of_reversal, true, usual);
     }
   }
-  std::erase_if(usual, [&](const EffectInstance& one) { return one.ball > 1 && !has_own_set_up(data, one); });
+  std::erase_if(usual, [&](const EffectInstance& one) { return one.line > 1 && !has_own_set_up(data, one); });
   return usual;
 }
 

@@ -53,9 +53,8 @@ bool acts_by_place(const Observations& data, std::size_t k, const EffectInstance
     return false;
   if (!effect.axis) return true;
   if (definition.traits.of_lines && effect.sense && data.through_chain.empty()) {
-    const bool of_all = effect.ball == 1 && data.natural_axis(*effect.sense) == *effect.axis;
-    if (!of_all && data.axis[k] != *effect.axis) return false;
-    if (effect.ball > 1 && data.line_of(k) != effect.ball) return false;
+    if (effect.line > 0 && data.axis[k] != *effect.axis) return false;
+    if (effect.line > 1 && data.line_of(k) != effect.line) return false;
   }
   if (definition.traits.of_approach) return is_own_motion(data, k, *effect.axis);
   if (effect.approach == ApproachMode::both) return true;

@@ -60,12 +60,12 @@ TEST_CASE("a new model has an offset for each line of a sense, and a wave is fou
                                                        {{Axis::Y, Sense::EY}, -3.0}};
   const laser::MeasurementSet set = four_lines(zeros);
   const auto names = names_of(usual_effects(observations_of(set, Model{}, mill())));
-  for (const char* name : {"offset:X:EX", "offset:Y:EX", "offset:X:EY", "offset:Y:EY"})
+  for (const char* name : {"offset:X:EX", "offset:Y:EX:1", "offset:X:EY:1", "offset:Y:EY"})
     CHECK(std::ranges::count(names, name) == 1);
   CHECK(answer_to(set) == std::vector<std::string>{"cyclic:Y:EY"});
 }
 
-TEST_CASE("an offset at the natural axis of a sense acts on all its lines, at another axis on those along it") {
+TEST_CASE("an offset acts on all readings of a sense, with a line on those along its axis, whatever its axis is") {
   const laser::MeasurementSet set = four_lines({{{Axis::X, Sense::EX}, 2.0},
                                                 {{Axis::X, Sense::EY}, 0.0},
                                                 {{Axis::Y, Sense::EX}, 9.0},
@@ -73,6 +73,7 @@ TEST_CASE("an offset at the natural axis of a sense acts on all its lines, at an
   Model model;
   model.effects = {effect(ecs::model::test::effects::offset, Axis::X, Sense::EX),
                    effect(ecs::model::test::effects::offset, Axis::Y, Sense::EX)};
+  model.effects[1].line = 1;
   const Fit fitted = must(fit(model, observations_of(set, model, mill())));
   CHECK(fitted.effects[0].parameters.front().value == Approx(2.0).epsilon(0.03));
   CHECK(fitted.effects[1].parameters.front().value == Approx(7.0).epsilon(0.03));
@@ -103,11 +104,11 @@ TEST_CASE("two lines at unlike zeros are a shift of the second one or a squarene
 TEST_CASE("the offset of a numbered line is written to a model file and read again; the rows of a grid have one zero") {
   Model model = straight();
   model.effects.push_back(effect(ecs::model::test::effects::offset, Axis::X, Sense::EX));
-  model.effects.back().ball = 3;
+  model.effects.back().line = 3;
   const std::string text = to_toml(model);
   CHECK(contains(text, "line = 3"));
   CHECK(must(parse_model(text, "model.toml", "")).effects.back() == model.effects.back());
-  CHECK(must(parse_add_request("offset:X:EX:3")).ball == 3);
+  CHECK(must(parse_add_request("offset:X:EX:3")).line == 3);
   laser::MeasurementSet grid;
   for (int y = 0; y < 9; ++y)
     measure(grid, {.targets = 9, .runs = 1, .both_ways = false, .parked_mm = {0.0, 50.0 * y, 0.0}}, kNoise_um, nothing);
