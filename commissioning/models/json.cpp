@@ -57,6 +57,7 @@ Json effect_json(const EffectInstance& effect) {
                        "name"_is(to_text(effect)));
   if (!effect.sensor2.empty()) out["sensor2"] = effect.sensor2;
   if (effect.ball > 1) out["ball"] = effect.ball;
+  if (effect.line > 0) out["line"] = effect.line;
   return out;
 }
 
@@ -75,8 +76,12 @@ std::optional<EffectInstance> effect_in(const Json& object) {
   effect.approach = model::approach_mode_named(word_in(object, "approach")).value_or(model::ApproachMode::both);
   effect.sensor = word_in(object, "sensor");
   effect.sensor2 = word_in(object, "sensor2");
-  if (const auto ball = object.find("ball"); ball != object.end() && ball->is_number_integer())
-    effect.ball = std::max(1, ball->get<int>());
+  const auto number = [&](const char* name, int otherwise) {
+    const auto found = object.find(name);
+    return found != object.end() && found->is_number_integer() ? std::max(otherwise, found->get<int>()) : otherwise;
+  };
+  effect.ball = number("ball", 1);
+  effect.line = number("line", 0);
   if (effect.is_user()) {
     const std::string name = word_in(object, "name");
     effect.name = name.starts_with("user:") ? name.substr(5) : name;
