@@ -293,7 +293,7 @@ std::string objection_by_wave_in_time(const Observations& data, const Whitener& 
     session_s = std::max(session_s, t);
     readings += 1.0;
   }
-  // runs whose clocks restart share their times: what no pass resolves by itself is no wave
+  // If clocks restart, the runs have times in common. A wave that no single pass resolves is not reported.
   const double shortest_s = std::max(kTurbulence_s, 2.0 * interval_in_passes_s(data));
   const double highest = std::min(readings / kTargetsATurn, session_s / shortest_s);
   if (highest < kFewestTurnsOfWave) return "";

@@ -1,5 +1,5 @@
 // A shift c of all readings of a sense: datum or laser zero; and of single lines of it, for the readout is set to zero
-// anew when the optics move to another line.
+// again when the optics move to another line.
 #include <algorithm>
 
 #include "model/effects/definition.hpp"

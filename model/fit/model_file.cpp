@@ -243,9 +243,10 @@ void complete(TomlReader& reader, const toml::table& table, EffectInstance& effe
   want(!table.contains("ball") || definition.place == Place::artefact,
        "no key ball, which is of ball_on_table and ball_in_spindle");
   want(!table.contains("line") || definition.traits.of_lines, "no key line, which is of offset");
-  const auto number = reader.number(table, definition.traits.of_lines ? "line" : "ball");
+  const char* const key = definition.traits.of_lines ? "line" : "ball";
+  const auto number = reader.number(table, key);
   want(!number || (*number >= 1.0 && *number == std::floor(*number)),
-       "ball or line = 1, 2 …, in the order of the readings");
+       fmt::format("{} = 1, 2 …, in the order of the readings", key));
   if (number) (definition.traits.of_lines ? effect.line : effect.ball) = static_cast<int>(*number);
   const bool rotation = effect.code && is_angular(*effect.code);
   if (definition.place == Place::rotation) want(rotation, "code = one of EAX … ECZ");

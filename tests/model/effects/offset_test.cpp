@@ -1,4 +1,4 @@
-// Constants of measured lines: the readout is set to zero anew when the optics move from one line to the next.
+// Constants of measured lines: the readout is set to zero again when the optics move from one line to the next.
 #include <map>
 #include <set>
 
@@ -109,6 +109,9 @@ TEST_CASE("the offset of a numbered line is written to a model file and read aga
   CHECK(contains(text, "line = 3"));
   CHECK(must(parse_model(text, "model.toml", "")).effects.back() == model.effects.back());
   CHECK(must(parse_add_request("offset:X:EX:3")).line == 3);
+  const auto refused =
+      parse_model("[[effect]]\nid = \"offset\"\naxis = \"X\"\nsense = \"EX\"\nline = 0\n", "m.toml", "");
+  CHECK(contains(must_fail(refused).message, "offset: expected line = 1, 2"));
   laser::MeasurementSet grid;
   for (int y = 0; y < 9; ++y)
     measure(grid, {.targets = 9, .runs = 1, .both_ways = false, .parked_mm = {0.0, 50.0 * y, 0.0}}, kNoise_um, nothing);
