@@ -153,6 +153,12 @@ inline RotaryValues values_at(const RotaryAxisWorking& axis, std::uint64_t turn,
   return {{value(0), value(1), value(2)}, value(3)};
 }
 
+/// Of both axes at the angles of the last tick.
+inline PerRotary<RotaryValues> values_at(const RotaryWorking& working, const RotaryTickState& state) noexcept {
+  return {values_at(working.axes[0], state.turn[0], state.counts_rise[0]),
+          values_at(working.axes[1], state.turn[1], state.counts_rise[1])};
+}
+
 /// Angle and approach of the rotary axis at a place, and its values there.
 inline RotaryValues read_rotary(const RotaryAxisWorking& axis, RotaryTickState& state, std::int64_t counts,
                                 std::size_t place) noexcept {
@@ -353,6 +359,26 @@ double rotary_position_deg(const RotaryWorking& working, const RotaryTickState& 
   return static_cast<double>(state.turn[place] + working.axes[place].start) * (360.0 * 0x1p-64);
 }
 
+Approach rotary_approach(const RotaryWorking& working, const RotaryTickState& state, char letter) noexcept {
+  const std::size_t place = working.axes[0].letter == letter ? 0 : 1;
+  const bool backwards = static_cast<std::int64_t>(working.axes[place].turn_per_count) < 0;
+  return (state.counts_rise[place] == 1) == backwards ? Approach::reverse : Approach::forward;
+}
+
+Vector3 rotary_compensation_um(const CompiledMap& map, const TickState& state, const RotaryTickState& rotary) noexcept {
+  using enum RotaryWorking::Arrangement;
+  const RotaryWorking& working = map.rotary;
+  const PerRotary<RotaryValues> values = values_at(working, rotary);
+  const RotaryTickState alone;
+  const auto added = [&](const auto& of_arrangement) {
+    const Compensation um = of_arrangement(working, alone, state.position_mm, PerAxis<CurveValues>{}, values);
+    return Vector3{um.xy_um[0], um.xy_um[1], um.z_um};
+  };
+  if (working.arrangement == tables) return added(rotary_um<tables, RotaryWorking::kOblique>);
+  if (working.arrangement == heads) return added(rotary_um<heads, RotaryWorking::kOblique>);
+  return added(rotary_um<table_and_head, RotaryWorking::kOblique>);
+}
+
 void follow_thermal(const CompiledMap& map, const ThermalState& thermal, RotaryTickState& rotary) noexcept {
   if (!map.rotary.turns_tool() || map.rotary.um_per_mm[0] == 0.0) return;
   const PerAxis<Vector3> effect = thermal_tool_effect_um_per_mm(map.thermal, thermal);
@@ -393,8 +419,7 @@ PerAxis<Vector3> tool_effect_um_per_mm(const CompiledMap& map, const TickState& 
 PerAxis<Vector3> tool_effect_um_per_mm(const CompiledMap& map, const TickState& state, const ThermalState& thermal,
                                        const RotaryTickState& rotary) noexcept {
   const RotaryWorking& working = map.rotary;
-  const PerRotary<RotaryValues> values{values_at(working.axes[0], rotary.turn[0], rotary.counts_rise[0]),
-                                       values_at(working.axes[1], rotary.turn[1], rotary.counts_rise[1])};
+  const PerRotary<RotaryValues> values = values_at(working, rotary);
   const bool apart = working.arrangement == RotaryWorking::Arrangement::table_and_head;
   const Twist twist = both<RotaryWorking::kOblique>(working, values);
   const PerAxis<Vector3> unturned = tool_effect_um_per_mm(map, state, thermal);

@@ -151,6 +151,13 @@ void follow_thermal(const CompiledMap& map, const ThermalState& thermal, RotaryT
 /// Angle at the last tick, 0 … 360 deg.
 [[nodiscard]] double rotary_position_deg(const RotaryWorking& working, const RotaryTickState& state,
                                          std::size_t place) noexcept;
+/// How the axis with this letter came there. @pre the map has it
+[[nodiscard]] Approach rotary_approach(const RotaryWorking& working, const RotaryTickState& state,
+                                       char letter) noexcept;
+/// What the errors of the rotary axes add to X, Y, Z at the last tick [um]; without the rotations of linear axes and
+/// thermal rows, which act at a tool that a head turns. @pre the map has rotary axes
+[[nodiscard]] Vector3 rotary_compensation_um(const CompiledMap& map, const TickState& state,
+                                             const RotaryTickState& rotary) noexcept;
 
 /// What a tool offset does at the place of the last tick: um of compensation along X, Y, Z for each mm along x, y, z.
 [[nodiscard]] PerAxis<Vector3> tool_effect_um_per_mm(const CompiledMap& map, const TickState& state,

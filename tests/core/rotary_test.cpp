@@ -198,6 +198,31 @@ TEST_CASE("the output at any angles is the error of the exact matrices negated, 
     }
 }
 
+TEST_CASE("the part of the rotary axes is the output of a machine without any other error") {
+  RotaryDraws draws(20261201);
+  for (const std::string& chain : kEveryArrangement) {
+    CAPTURE(chain);
+    const MeasuredMachine whole = draws.five_axis_machine(chain, kSmall_um_per_m, 8.0, true);
+    MeasuredMachine rotary_alone = whole;
+    for (auto& sides : rotary_alone.curves)
+      for (ShownCurve& curve : sides) std::ranges::fill(curve.hundredths, std::int16_t{0});
+    rotary_alone.rows.clear();
+    for (const Component square : {Component::C0Y, Component::B0Z, Component::A0Z})
+      squareness_um_per_m(rotary_alone.parameters, square) = 0.0;
+    FiveAxisUnit unit(whole), alone(rotary_alone);
+    for (int place = 0; place < 100; ++place) {
+      const Standing at = draws.five_axis_standing(whole.chain);
+      unit.begin(at);
+      alone.begin(at);
+      const Vector3 part_um = rotary_compensation_um(*unit.map, unit.state, unit.rotary);
+      CHECK(largest(eigen_of(part_um) - eigen_of(alone.state.compensation_um)) < 1e-9);
+      for (std::size_t p = 0; p < kRotaryInputs; ++p)
+        if (const char letter = unit.map->rotary.axes[p].letter; letter != '\0')
+          CHECK(rotary_approach(unit.map->rotary, unit.rotary, letter) == at.turned[unit.axis_at(p)]);
+    }
+  }
+}
+
 TEST_CASE("another tool at a turned head is reached within the limit of every period, and is that of the matrices") {
   RotaryDraws draws(20261127);
   for (const std::string& chain : kEveryArrangement) {
