@@ -74,6 +74,11 @@ Result<ControlLines> UnitClient::control_lines() {
   return link_.ask(kEchoAlone, kEchoOnly, kControlLines).and_then(value_in<ControlLines>);
 }
 
+Result<RotarySample> UnitClient::rotary(const Identity& identity) {
+  if (!shows_rotary(identity)) return RotarySample{};
+  return link_.ask(kEchoAlone, kEchoOnly, kRotary).and_then(value_in<RotarySample>);
+}
+
 Result<UnitClient::ToolRecord> UnitClient::tool_record() {
   ECS_TRY(record, read_memory(kToolRecord.first, kToolRecord.size));
   return ToolRecord{stored_tools(record).value_or(ToolTable{}), damaged_tool_slots(record)};

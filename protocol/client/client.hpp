@@ -88,6 +88,8 @@ class UnitClient {
   [[nodiscard]] Result<MonitorSample> monitor();
   [[nodiscard]] Result<LiveInputs> live_inputs();
   [[nodiscard]] Result<ControlLines> control_lines();
+  /// @param identity  of the unit: one whose firmware does not show rotary axes is not asked, and has none
+  [[nodiscard]] Result<RotarySample> rotary(const Identity& identity);
   struct ToolRecord {
     ToolTable table;
     std::size_t damaged_slots = 0;  ///< of the two that keep it: with one the table is the older one, with both empty

@@ -86,6 +86,13 @@ void FieldReader::letter(bool& present, Axis axis) {
   present = word != 0;
 }
 
+void FieldReader::rotary_letter(char& letter) {
+  const std::uint16_t word = next();
+  if (word != 0 && (word < 'A' || word > 'C'))
+    return fail(fmt::format("rotary axis: expected A, B, C or 0, got {}", word));
+  letter = static_cast<char>(word);
+}
+
 void FieldReader::text(std::string& value, std::size_t bytes, std::string_view name) {
   std::string field_text;
   for (std::size_t i = 0; i + 1 < bytes; i += 2) {

@@ -41,6 +41,7 @@ class FieldWriter {
   void letter(const bool& present, Axis axis) {
     out_.push_back(present ? static_cast<unsigned char>(letter_of(axis)) : 0);
   }
+  void rotary_letter(const char& letter) { out_.push_back(static_cast<unsigned char>(letter)); }
   /// Cut to `bytes`, never inside a UTF-8 character; zero-padded.
   void text(const std::string& value, std::size_t bytes, std::string_view);
   /// Registers from here to the end of a block of `count` stay 0.
@@ -81,6 +82,7 @@ class FieldReader {
   void approach(Approach& value);
   void axes(PerAxis<bool>& set);
   void letter(bool& present, Axis axis);
+  void rotary_letter(char& letter);
   void text(std::string& value, std::size_t bytes, std::string_view name);
   template <std::size_t N>
   void octets(std::array<std::uint8_t, N>& value) {

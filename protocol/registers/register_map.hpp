@@ -76,7 +76,9 @@ inline constexpr Block kInputs{0x0640, 120};
 /// echo, tool, its state, offset x y z, squareness C0Y B0Z A0Z (4 each), tools in the table, wires and outputs as bits,
 /// battery, its age in s (2), state, value (4) and faults of the deviation
 inline constexpr Block kControlLines{0x06C0, 38};
-inline constexpr std::uint16_t kRegisterSpace = 0x0700;  ///< nothing lies at or above
+/// echo, X Y Z of what the rotary axes add (4 each), then for two axes: letter, sensed, angle (4), approach
+inline constexpr Block kRotary{0x06E8, 27};
+inline constexpr std::uint16_t kRegisterSpace = 0x0710;  ///< nothing lies at or above
 
 // The memory window: a stretch of memory is written as up to 64 numbered blocks, then acknowledged all at once.
 inline constexpr std::size_t kKeyedCheckRegisters = 4;

@@ -7,10 +7,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/address_map.hpp"
 #include "core/axis.hpp"
 #include "core/fault.hpp"
+#include "core/rotary.hpp"
 #include "core/thermal.hpp"
 #include "protocol/registers/keys.hpp"
 #include "protocol/registers/register_map.hpp"
@@ -164,6 +166,29 @@ struct ControlLines {
   std::uint32_t battery_age_s = 0;  ///< since it was new, by the clock that it keeps running
   friend bool operator==(const ControlLines&, const ControlLines&) = default;
 };
+
+/// A rotary axis of the active map.
+struct RotaryAxisSample {
+  char letter = '\0';      ///< A, B or C; '\0': no axis
+  bool sensed = false;     ///< its transducer shows an angle
+  double angle_deg = 0.0;  ///< that its absolute transducer shows, not reduced to a turn; 0 unless sensed
+  Approach approach = Approach::unknown;  ///< known while the unit compensates
+  friend bool operator==(const RotaryAxisSample&, const RotaryAxisSample&) = default;
+};
+
+/// The rotary axes of the active map, in its order; a map without them has none.
+struct RotarySample {
+  Vector3 compensation_um{};  ///< what their errors add to X, Y, Z now; part of that of the linear axes
+  PerRotary<RotaryAxisSample> axes{};
+  friend bool operator==(const RotarySample&, const RotarySample&) = default;
+};
+[[nodiscard]] inline bool any_axis(const RotarySample& sample) {
+  return sample.axes[0].letter != '\0' || sample.axes[1].letter != '\0';
+}
+/// Whether the unit has the block of rotary axes: firmware 1.2 and later.
+[[nodiscard]] inline bool shows_rotary(const Identity& identity) {
+  return std::pair(identity.firmware_major, identity.firmware_minor) >= std::pair<std::uint16_t, std::uint16_t>(1, 2);
+}
 
 /// Why the unit does not do what it is asked. The number travels: append only.
 enum class UnitError : std::uint16_t {

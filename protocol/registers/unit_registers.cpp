@@ -207,6 +207,17 @@ void fields(Pass& pass, T& lines) {
   }
 }
 
+template <class Pass, Is<RotarySample> T>
+void fields(Pass& pass, T& sample) {
+  for (auto& um : sample.compensation_um) pass.real(um, "compensation of the rotary axes");
+  for (auto& axis : sample.axes) {
+    pass.rotary_letter(axis.letter);
+    pass.flag(axis.sensed, "transducer");
+    pass.real(axis.angle_deg, "angle");
+    pass.approach(axis.approach);
+  }
+}
+
 /// Three values that travel as whole steps.
 void in_steps(FieldWriter& pass, const Vector3& values, double step, std::string_view name) {
   constexpr double kMost = 2e9;  // what is no number is beyond every range, too
@@ -436,6 +447,7 @@ ECS_BLOCK(ActiveMap, "the active map");
 ECS_BLOCK(MonitorSample, "the monitor sample");
 ECS_BLOCK(LiveInputs, "the live inputs");
 ECS_BLOCK(ControlLines, "the lines to the control");
+ECS_BLOCK(RotarySample, "the sample of the rotary axes");
 ECS_BLOCK(CommandResult, "the command result");
 ECS_BLOCK(WindowAck, "the acknowledgement");
 ECS_BLOCK(SessionState, "the session");

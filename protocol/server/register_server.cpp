@@ -13,8 +13,9 @@
 namespace ecs::protocol {
 namespace {
 
-constexpr std::array kAnswers{kIdentity, kStatus,  kMonitor, kPointers,  kCommandResult, kWindowAck, kMemory,
-                              kChecks,   kSession, kEvents,  kActiveMap, kArmAnswer,     kInputs,    kControlLines};
+constexpr std::array kAnswers{kIdentity,  kStatus,    kMonitor, kPointers,     kCommandResult,
+                              kWindowAck, kMemory,    kChecks,  kSession,      kEvents,
+                              kActiveMap, kArmAnswer, kInputs,  kControlLines, kRotary};
 constexpr std::array kEchoed{kEcho,         kReadSelect,  kCheckSelect, kWindowOpen, kCommand,
                              kResultSelect, kSessionOpen, kEventSelect, kArmShare,   kArmConfirm};
 constexpr std::array kWithCheck{kSessionOpen, kArmShare, kArmConfirm};
@@ -112,6 +113,7 @@ Registers RegisterServer::answer(const Block& block) {
   if (block == kMonitor) return registers_of(unit_->monitor(), echo_);
   if (block == kInputs) return registers_of(unit_->live_inputs(), echo_);
   if (block == kControlLines) return registers_of(unit_->control_lines(), echo_);
+  if (block == kRotary) return registers_of(unit_->rotary(), echo_);
   if (block == kPointers) return pointer_registers_of(unit_->status(), echo_);
   if (block == kCommandResult) return registers_of(result_selected(), echo_);
   if (block == kSession) return registers_of(session_asked(), echo_);

@@ -75,6 +75,7 @@ class UnitPort {
   [[nodiscard]] virtual MonitorSample monitor() = 0;
   [[nodiscard]] virtual LiveInputs live_inputs() { return {}; }
   [[nodiscard]] virtual ControlLines control_lines() { return {}; }
+  [[nodiscard]] virtual RotarySample rotary() { return {}; }
   [[nodiscard]] virtual UnitClock clock() = 0;
   /// A host has armed the unit.
   virtual void host_armed() {}

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <functional>
 #include <future>
@@ -35,6 +36,9 @@ class UnitModel : public UnitPort {
   std::vector<CommandCode> log;
   std::string serial_number = "ECS-0042";
   std::uint16_t protocol_version = kProtocolVersion;
+  std::array<std::uint16_t, 2> firmware{2, 7};
+  RotarySample turning{};
+  int rotary_asked = 0;  ///< so often the rotary axes were read
   std::uint32_t samples = 0;
   std::function<void()> on_commit;   ///< called before the commit is carried out
   std::function<void()> on_abandon;  ///< called before what is staged is abandoned
@@ -54,7 +58,7 @@ class UnitModel : public UnitPort {
   int foreign_replies = 0;  ///< this many of the next identity and monitor blocks are as if another host had asked
 
   Identity identity() override {
-    return {protocol_version, 2, 7, serial_number, "small mill", 1, {true, true, false}, 32'000};
+    return {protocol_version, firmware[0], firmware[1], serial_number, "small mill", 1, {true, true, false}, 32'000};
   }
   UnitStatus status() override {
     UnitStatus status;
@@ -76,10 +80,15 @@ class UnitModel : public UnitPort {
   MonitorSample monitor() override {
     MonitorSample sample;
     sample.number = ++samples;
+    sample.mode = mode;
     sample.unit_time_us = 1'000ull * samples;
     sample.axes[0].present = true;
     sample.axes[0].position_mm = samples;
     return sample;
+  }
+  RotarySample rotary() override {
+    ++rotary_asked;
+    return turning;
   }
   UnitClock clock() override { return unit_clock; }
   ImageDigest active_digest() override { return active == Bank::none ? ImageDigest{} : digest_of(active_image()); }

@@ -62,6 +62,20 @@ TEST_CASE("identity, status, monitor, commands and memory work over TCP") {
   check_everyday_use(shop);
 }
 
+TEST_CASE("a unit is asked for its rotary axes from firmware 1.2 on, before it has none") {
+  auto shop = Workshop::on_tcp();
+  auto unit = shop.client();
+  const RotarySample turning{{0.5, 0.0, -2.0}, {{{'B', true, 45.0, Approach::forward}, {}}}};
+  shop.in_model([&](UnitModel& model) { model.turning = turning; });
+  for (const auto& [firmware, shows] :
+       {std::pair{std::array<std::uint16_t, 2>{1, 1}, false}, std::pair{std::array<std::uint16_t, 2>{0, 9}, false},
+        std::pair{std::array<std::uint16_t, 2>{1, 2}, true}, std::pair{std::array<std::uint16_t, 2>{2, 0}, true}}) {
+    shop.in_model([&](UnitModel& model) { model.firmware = firmware; });
+    CHECK(must(unit.rotary(must(unit.identity()))) == (shows ? turning : RotarySample{}));
+  }
+  shop.in_model([](UnitModel& model) { CHECK(model.rotary_asked == 2); });
+}
+
 TEST_CASE("under every fault of the link a reading is right or a clear error, and the link recovers") {
   for (std::size_t i = 0; i < kLinkFaults; ++i) {
     const auto fault = static_cast<LinkFault>(i);

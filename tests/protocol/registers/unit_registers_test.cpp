@@ -98,6 +98,7 @@ TEST_CASE("every block has the length that the register map gives it") {
   CHECK(registers_of(MonitorSample{}, 0).size() == kMonitor.count);
   CHECK(registers_of(LiveInputs{}, 0).size() == kInputs.count);
   CHECK(registers_of(ControlLines{}, 0).size() == kControlLines.count);
+  CHECK(registers_of(RotarySample{}, 0).size() == kRotary.count);
   CHECK(registers_of(CommandResult{}, 0).size() == kCommandResult.count);
   CHECK(registers_of(WindowAck{}, 0).size() == kWindowAck.count);
   CHECK(registers_of(Command{}, 0).size() == kCommand.count);
@@ -159,6 +160,16 @@ TEST_CASE("the lines to the control and the commands on tools come back from the
   CHECK(back_mm[2] == Approx(-10'000.0));
 }
 
+TEST_CASE("the rotary axes come back from their registers as they were, and no other letter is accepted") {
+  RotarySample sample;
+  sample.compensation_um = {-12.5, 0.25, 1e-3};
+  sample.axes = {{{'A', true, -30.0005, Approach::reverse}, {'C', false, 0.0, Approach::unknown}}};
+  Registers registers = registers_of(sample, 9);
+  CHECK(must(value_in<RotarySample>(registers)) == sample);
+  registers[13] = 'D';
+  CHECK(contains(must_fail(value_in<RotarySample>(registers)).message, "rotary axis: expected A, B, C or 0, got 68"));
+}
+
 TEST_CASE("answer blocks do not overlap and fit one read") {
   const std::array blocks{kIdentity, kStatus, kMonitor, kPointers, kCommandResult, kWindowAck,
                           kMemory,   kChecks, kEvents,  kSession,  kActiveMap,     kArmAnswer};
@@ -173,7 +184,8 @@ TEST_CASE("answer blocks do not overlap and fit one read") {
   CHECK(kArmConfirm.end() <= kInputs.first);
   CHECK(kInputs.count <= kMostRead);
   CHECK(kInputs.end() <= kControlLines.first);
-  CHECK(kControlLines.end() <= kRegisterSpace);
+  CHECK(kControlLines.end() <= kRotary.first);
+  CHECK(kRotary.end() <= kRegisterSpace);
   CHECK(kEcho.end() <= kReadSelect.first);
   CHECK(kReadSelect.end() <= kWindowOpen.first);
   CHECK(kWindowOpen.end() <= kCommand.first);
