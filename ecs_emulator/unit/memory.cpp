@@ -25,7 +25,7 @@ namespace {
 constexpr std::uint8_t kErasedEprom = 0xFF;
 constexpr std::uint32_t kIdentificationAt = 0x400;
 constexpr std::string_view kIdentification =
-    "ECS UNIT FIRMWARE 1.1 VIRTUAL WORKSHOP\n"
+    "ECS UNIT FIRMWARE 1.2 VIRTUAL WORKSHOP\n"
     "EPROM 000000-00FFFF RAM 040000-04FFFF AXIS MEMORY 100000 AND 200000\n";
 
 /// Reset vectors of the 68000 and the identification.
@@ -193,13 +193,13 @@ TestVerdict test_map(const UnitMemory& memory, const AxisModules& axis_modules, 
   return verdict;
 }
 
-std::optional<UnitParameters> stored_parameters(const UnitMemory& memory) {
+std::optional<ImageView> stored_image(const UnitMemory& memory) {
   const auto active = active_image(memory);
   if (!active) return std::nullopt;
   const ByteView bank = bank_from(memory, active->first);
   const ImageVerdict image = check_image(bank);
   if (image.fault != ImageFault::none) return std::nullopt;
-  return ImageView(bank.first(image.total_bytes)).parameters();
+  return ImageView(bank.first(image.total_bytes));
 }
 
 namespace {

@@ -115,8 +115,8 @@ struct ActiveImage {
 /// An axis that the parameters name needs a module in the rack, for the transducer that they name.
 [[nodiscard]] TestVerdict test_map(const UnitMemory& memory, const AxisModules& axis_modules, CompiledMap& map);
 
-/// The parameters of the active image if its block check holds.
-[[nodiscard]] std::optional<UnitParameters> stored_parameters(const UnitMemory& memory);
+/// The active image if its block check holds; a view into memory.
+[[nodiscard]] std::optional<ImageView> stored_image(const UnitMemory& memory);
 
 /// Brings the content of the file into the memory. A file that does not exist leaves it empty (a new battery). A file
 /// that is none of ours, or of a rack with another number of modules, is a `bad_input` problem.

@@ -42,6 +42,12 @@ std::optional<RotaryInputFault> RotaryInputs::fault(double period_s) const {
   return std::nullopt;
 }
 
+std::optional<double> RotaryInputs::angle_deg(const RotaryAxis& axis) const {
+  const auto& wire = wire_of(axis.letter);
+  if (!wire || !wire->transducer_ok) return std::nullopt;
+  return static_cast<double>(wire->counts) * axis.deg_per_count + axis.zero_deg;
+}
+
 PerRotary<std::int64_t> RotaryInputs::counts() const {
   PerRotary<std::int64_t> counts{};
   for (std::size_t p = 0; p < kRotaryInputs; ++p)
@@ -50,11 +56,10 @@ PerRotary<std::int64_t> RotaryInputs::counts() const {
 }
 
 PerRotary<double> RotaryInputs::angles_deg() const {
-  const PerRotary<std::int64_t> at = counts();
-  PerRotary<double> angle_deg{};
+  PerRotary<double> angles_deg{};
   for (std::size_t p = 0; p < kRotaryInputs; ++p)
-    angle_deg[p] = static_cast<double>(at[p]) * axes_[p].deg_per_count + axes_[p].zero_deg;
-  return angle_deg;
+    if (axes_[p].letter != '\0') angles_deg[p] = *angle_deg(axes_[p]);
+  return angles_deg;
 }
 
 }  // namespace ecs::emulator

@@ -22,6 +22,8 @@ class RotaryInputs {
   void take(const RotaryWires& wires);
   /// From now on the axes of a map. @param working  its places; without rotary axes: none
   void use(const std::optional<RotarySetup>& map, const RotaryWorking& working);
+  /// What its transducer shows; nothing: not wired, or its signal is lost. It is absolute.
+  [[nodiscard]] std::optional<double> angle_deg(const RotaryAxis& axis) const;
 
   /// A rotary axis of a map whose angle the rack does not get.
   [[nodiscard]] std::optional<char> lacking(const RotarySetup& map) const;
@@ -29,7 +31,7 @@ class RotaryInputs {
   [[nodiscard]] std::optional<RotaryInputFault> fault(double period_s) const;
   /// By place. @pre no fault
   [[nodiscard]] PerRotary<std::int64_t> counts() const;
-  /// By place: the transducers are absolute. @pre no fault
+  /// By place. @pre no fault
   [[nodiscard]] PerRotary<double> angles_deg() const;
 
  private:

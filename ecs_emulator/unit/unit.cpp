@@ -84,7 +84,10 @@ void Unit::start_up() {
 }
 
 void Unit::reload_parameters() {
-  const auto stored = stored_parameters(memory_);
+  const auto image = stored_image(memory_);
+  const auto rotary = image ? image->rotary() : std::nullopt;
+  rotary_axes_ = rotary ? rotary->axes : PerRotary<RotaryAxis>{};
+  const auto stored = image ? image->parameters() : std::nullopt;
   parameters_ = stored.value_or(UnitParameters{});
   if (stored) return;
   for (std::size_t a = 0; a < kAxes; ++a) parameters_.axis_present[a] = settings_.axis_modules[a].has_value();
@@ -537,7 +540,7 @@ protocol::InputStatus Unit::input_status(std::size_t input) const {
 protocol::Identity Unit::identity() {
   protocol::Identity identity;
   identity.firmware_major = 1;
-  identity.firmware_minor = 1;
+  identity.firmware_minor = 2;
   identity.serial_number = settings_.serial_number;
   identity.unit_name = "ECS unit, virtual workshop";
   identity.memory_modules = memory_.modules();
@@ -620,6 +623,20 @@ protocol::MonitorSample Unit::monitor() {
     const bool looping = mode_ == UnitMode::compensating;
     axis.compensation_um = looping ? tick_.compensation_um[i] : output_um(a);
     if (looping) axis.approach = tick_.approach[i];
+  }
+  return sample;
+}
+
+protocol::RotarySample Unit::rotary() {
+  protocol::RotarySample sample;
+  const bool looping = mode_ == UnitMode::compensating && has_rotary();
+  if (looping) sample.compensation_um = rotary_compensation_um(*map_, tick_, rotary_);
+  for (std::size_t i = 0; i < kRotaryInputs; ++i) {
+    const RotaryAxis& axis = rotary_axes_[i];
+    if (axis.letter == '\0') continue;
+    const auto angle_deg = rotary_inputs_.angle_deg(axis);
+    sample.axes[i] = {axis.letter, angle_deg.has_value(), angle_deg.value_or(0.0),
+                      looping ? rotary_approach(map_->rotary, rotary_, axis.letter) : Approach::unknown};
   }
   return sample;
 }

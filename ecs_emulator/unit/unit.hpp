@@ -108,6 +108,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   [[nodiscard]] protocol::MonitorSample monitor() override;
   [[nodiscard]] protocol::LiveInputs live_inputs() override;
   [[nodiscard]] protocol::ControlLines control_lines() override;
+  [[nodiscard]] protocol::RotarySample rotary() override;
   void host_armed() override {
     if (powered_ && mode_ == UnitMode::starting) enter_integration();
   }
@@ -214,6 +215,7 @@ class Unit final : public protocol::UnitPort, public Compensator {
   TickState tick_{};
   RotaryTickState rotary_{};
   RotaryInputs rotary_inputs_;
+  PerRotary<RotaryAxis> rotary_axes_{};  ///< of the active map, in its order
   ThermalState thermal_{};
   InputValues inputs_{};
   struct FailedSensor {

@@ -71,6 +71,30 @@ TEST_CASE("the unit turns the errors of a rotary axis with the axis that carries
   CHECK(b.unit.fault() == Fault::none);
 }
 
+TEST_CASE("the unit shows the angles of the rotary axes of its map, and while it compensates what they add") {
+  TableBench b;
+  CHECK_FALSE(any_axis(b.unit.rotary()));
+  REQUIRE(b.stage_and_commit(b.flat_image(0.0)).state == CommandState::done);
+  b.turn(-30.0, 90.0);
+  protocol::RotarySample shown = b.unit.rotary();
+  CHECK(shown.compensation_um == Vector3{});
+  CHECK(shown.axes[0] == protocol::RotaryAxisSample{'A', true, -30.0, Approach::unknown});
+  CHECK(shown.axes[1].letter == 'C');
+  CHECK(shown.axes[1].angle_deg == Approx(90.0));
+  b.compensate([](Component c, double, Approach) { return c == Component::EXX ? 7.0 : 0.0; });
+  b.turn(-30.0, 89.0);
+  shown = b.unit.rotary();
+  CHECK(shown.axes[0].approach == Approach::forward);
+  CHECK(shown.axes[1].angle_deg == Approx(89.0));
+  CHECK(shown.axes[1].approach == Approach::reverse);
+  const Vector3 all_um = b.compensation_um();
+  CHECK(shown.compensation_um[1] == Approx(-20.0 * std::cos(std::numbers::pi / 6)).epsilon(1e-4));
+  for (std::size_t i = 0; i < kAxes; ++i) CHECK(all_um[i] - shown.compensation_um[i] == Approx(i == 0 ? 7.0 : 0.0));
+  b.simulation.machine().rotary(2).lose_transducer(true);
+  b.simulation.tick();
+  CHECK(b.unit.rotary().axes[1] == protocol::RotaryAxisSample{'C', false, 0.0, Approach::unknown});
+}
+
 TEST_CASE("a map with rotary axes is refused by a unit without their inputs, and the old map stays") {
   TableBench b(table_machine("resolution_deg = 0.001\n", ""));
   const auto refused = b.stage_and_commit(b.flat_image(0.0));

@@ -35,7 +35,7 @@ TEST_CASE_FIXTURE(Bench, "memory is protected region by region") {
   CHECK(unit.write_memory(kBankA.first + bank_bytes(1), bytes) == UnitError::address_unknown);
   std::vector<std::uint8_t> eprom(21);
   REQUIRE(unit.read_memory(kEprom.first + 0x400, eprom) == UnitError::none);
-  CHECK(std::string(eprom.begin(), eprom.end()) == "ECS UNIT FIRMWARE 1.1");
+  CHECK(std::string(eprom.begin(), eprom.end()) == "ECS UNIT FIRMWARE 1.2");
 }
 
 TEST_CASE_FIXTURE(Bench, "axis memory takes writes only beside the active map, and only while a map is staged") {
