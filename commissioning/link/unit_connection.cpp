@@ -155,7 +155,9 @@ void UnitConnection::look() {
     failures_ = 0;
     take(*sample);
     if (watchers_ > 0 && wants_system_.exchange(false)) look_at_measurement_system();
-    if (watchers_ > 0 && Clock::now() >= next_inputs_) look_at_inputs();
+    const bool inputs_due = watchers_ > 0 && Clock::now() >= next_inputs_;
+    if (inputs_due || (watchers_ > 0 && any_axis(state_.rotary))) look_at_rotary();
+    if (inputs_due) look_at_inputs();
   } else {
     ++failures_;
     lost(sample.error());
@@ -174,6 +176,13 @@ void UnitConnection::look_at_inputs() {
   state_.inputs_at = now;
   state_.inputs = inputs ? std::optional(*inputs) : std::nullopt;
   state_.lines = lines ? std::optional(*lines) : std::nullopt;
+  ++changes_;
+}
+
+void UnitConnection::look_at_rotary() {
+  const auto rotary = unit_link_->client().rotary(*state_.identity);
+  const std::lock_guard lock(mutex_);
+  state_.rotary = rotary.value_or(protocol::RotarySample{});
   ++changes_;
 }
 

@@ -50,6 +50,7 @@ struct SampledUnit : WatchedUnit {
   std::deque<protocol::MonitorSample> samples;        ///< oldest first, at most kKept
   std::optional<protocol::LiveInputs> inputs;         ///< read every few seconds while somebody watches
   std::optional<protocol::ControlLines> lines;        ///< the same; nothing: the unit has none (firmware before 1.1)
+  protocol::RotarySample rotary;                      ///< no axis: the unit has none; else as new as the samples
   std::chrono::steady_clock::time_point inputs_at{};  ///< when both were read
 };
 
@@ -156,6 +157,7 @@ class UnitConnection {
   void run(const std::stop_token& stop);
   void look();
   void look_at_inputs();
+  void look_at_rotary();
   void look_at_measurement_system();
   [[nodiscard]] Result<void> opened();
   [[nodiscard]] Result<void> same_unit(const std::optional<protocol::Identity>& shown);

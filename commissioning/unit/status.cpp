@@ -40,6 +40,10 @@ Result<void> decode(StatusSnapshot& snapshot) {
     ECS_TRY(lines, protocol::value_in<protocol::ControlLines>(snapshot.lines_registers));
     snapshot.lines = lines;
   }
+  if (!snapshot.rotary_registers.empty()) {
+    ECS_TRY(rotary, protocol::value_in<protocol::RotarySample>(snapshot.rotary_registers));
+    snapshot.rotary = rotary;
+  }
   return protocol::take_pointers(snapshot.pointer_registers, snapshot.status);
 }
 
@@ -131,9 +135,11 @@ Json raw_json(const StatusSnapshot& snapshot) {
   Json selected = Json::array();
   for (const auto& value : snapshot.selected)
     selected.push_back(value ? Json::array({value->counts, number_or_null(value->value)}) : Json(nullptr));
-  return object_of("identity"_is(snapshot.identity_registers), "status"_is(snapshot.status_registers),
-                   "pointers"_is(snapshot.pointer_registers), "lines"_is(snapshot.lines_registers),
-                   "selected"_is(selected), "events"_is(snapshot.event_blocks));
+  Json raw = object_of("identity"_is(snapshot.identity_registers), "status"_is(snapshot.status_registers),
+                       "pointers"_is(snapshot.pointer_registers), "lines"_is(snapshot.lines_registers),
+                       "selected"_is(selected), "events"_is(snapshot.event_blocks));
+  if (!snapshot.rotary_registers.empty()) raw["rotary"] = snapshot.rotary_registers;
+  return raw;
 }
 
 }  // namespace
@@ -150,6 +156,9 @@ Result<StatusSnapshot> take_snapshot(protocol::UnitClient& client, const std::st
     *into = std::move(registers);
   }
   if (auto lines = read(protocol::kControlLines)) snapshot.lines_registers = std::move(*lines);
+  ECS_TRY(identity, protocol::value_in<protocol::Identity>(snapshot.identity_registers));
+  ECS_TRY(rotary, client.rotary(identity));
+  if (any_axis(rotary)) snapshot.rotary_registers = protocol::registers_of(rotary, 0);
   ECS_TRY(blocks, client.event_blocks(events));
   snapshot.event_blocks = std::move(blocks);
   ECS_DO(decode(snapshot));
@@ -190,6 +199,8 @@ Result<StatusSnapshot> parse_snapshot(std::string_view text, const std::string& 
   }
   if (const auto lines = raw->find("lines"); lines != raw->end())  // files of before have none
     snapshot.lines_registers = registers_in(*lines, protocol::kControlLines);
+  if (const auto rotary = raw->find("rotary"); rotary != raw->end())
+    snapshot.rotary_registers = registers_in(*rotary, protocol::kRotary);
   ECS_TRY(blocks, event_blocks_in(*raw, name));
   snapshot.event_blocks = std::move(blocks);
   if (const auto decoded = decode(snapshot); !decoded) return problem_at(name, 0, 0, decoded.error().message);
@@ -400,6 +411,28 @@ std::string_view name_of(Approach approach) {
   return approach == Approach::reverse ? "reverse" : "unknown";
 }
 
+Cell rotary_axes_cell(const protocol::RotarySample& sample) {
+  Cell axes{Json::object(), {}};
+  for (const protocol::RotaryAxisSample& axis : sample.axes) {
+    if (axis.letter == '\0') continue;
+    const std::string letter(1, axis.letter);
+    const Cell one = record_cell("{axis:<5} {angle_deg:>10}  {approach}\n", "axis"_shown(letter),
+                                 "angle_deg"_is(axis.sensed ? number_cell(axis.angle_deg, 4) : null_cell("unknown")),
+                                 "approach"_is(name_of(axis.approach)));
+    axes.json[letter] = one.json;
+    axes.text += one.text;
+  }
+  if (!axes.text.empty()) axes.text = "axis   angle/deg  approach\n" + axes.text;
+  return axes;
+}
+
+Cell rotary_compensation_cell(const protocol::RotarySample& sample, UnitMode mode) {
+  if (!any_axis(sample) || mode != UnitMode::compensating) return null_cell();
+  const Vector3& um = sample.compensation_um;
+  return record_cell("the rotary axes add X {X} um, Y {Y} um, Z {Z} um\n", "X"_is(um[0], fmt::format("{:+.2f}", um[0])),
+                     "Y"_is(um[1], fmt::format("{:+.2f}", um[1])), "Z"_is(um[2], fmt::format("{:+.2f}", um[2])));
+}
+
 Cell battery_cell(const protocol::ControlLines& lines) {
   constexpr double kSecondsPerDay = 86'400.0;
   const bool low = lines.battery == protocol::BatteryState::low;
@@ -414,7 +447,10 @@ Cell control_cell(const protocol::ControlLines& lines) {
 }
 
 std::string fault_sentence(const UnitStatus& status) { return fault_cell(status).text; }
-std::string axes_text(const StatusSnapshot& snapshot) { return axes_cell(snapshot).text; }
+std::string axes_text(const StatusSnapshot& snapshot) {
+  return axes_cell(snapshot).text + rotary_axes_cell(snapshot.rotary).text +
+         rotary_compensation_cell(snapshot.rotary, snapshot.status.mode).text;
+}
 std::string pointers_text(const StatusSnapshot& snapshot) { return pointers_cell(snapshot).text; }
 std::string memory_text(const UnitStatus& status) {
   return ram_test_cell(status).text + block_check_cell(status).text + map_cell(status).text;
@@ -438,10 +474,11 @@ Cell status_cell(const StatusSnapshot& snapshot) {
   };
   Cell events = events_cell(snapshot.events);
   events.text = newest_events_text(snapshot.events);
-  return record_cell(
+  const Cell rotary = rotary_axes_cell(snapshot.rotary), rotary_um = rotary_compensation_cell(snapshot.rotary, s.mode);
+  Cell cell = record_cell(
       "{unit}status of {taken}\nmode         "
       "{mode}\n{fault}\n\n{ram_test}{block_check}{map}{battery}{control_on}{loop}, "
-      "watchdog trips {watchdog_trips}\nup for       {uptime_s} s\n\n{axes}\n{pointers}{events}",
+      "watchdog trips {watchdog_trips}\nup for       {uptime_s} s\n\n{axes}{rotary}\n{pointers}{events}",
       "taken"_is(text_cell(snapshot.taken)), "link"_is(text_cell(snapshot.link)), "unit"_is(unit_cell(snapshot)),
       "mode"_is(ecs::name_of(s.mode)), "fault"_is(std::move(fault)), "ram_test"_is(ram_test_cell(s)),
       "block_check"_is(block_check_cell(s)), "map"_is(map_cell(s)),
@@ -451,8 +488,13 @@ Cell status_cell(const StatusSnapshot& snapshot) {
       "loop"_is(record_cell("loop         period {period_us} us, {overruns} overruns; {ticks} periods since power-up",
                             "period_us"_is(s.loop_period_us), "overruns"_is(s.loop_overruns), "ticks"_is(s.ticks))),
       "uptime_s"_is(s.uptime_s), "watchdog_trips"_is(s.watchdog_trips), "axes"_is(axes_cell(snapshot)),
-      "pointers_at_tick"_is(s.pointers_at_tick), "pointers"_is(pointers_cell(snapshot)),
-      "events"_is(std::move(events)));
+      "rotary"_shown(rotary.text + rotary_um.text), "pointers_at_tick"_is(s.pointers_at_tick),
+      "pointers"_is(pointers_cell(snapshot)), "events"_is(std::move(events)));
+  if (any_axis(snapshot.rotary)) {
+    cell.json["rotary_axes"] = rotary.json;
+    cell.json["rotary_compensation_um"] = rotary_um.json;
+  }
+  return cell;
 }
 
 namespace {

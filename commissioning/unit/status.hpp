@@ -32,12 +32,14 @@ struct StatusSnapshot {
   protocol::UnitStatus status;
   std::array<std::optional<SelectedValue>, kCurves> selected{};  ///< of the pointers in use, where they could be read
   std::optional<protocol::ControlLines> lines;                   ///< nothing: the unit has none (firmware before 1.1)
+  protocol::RotarySample rotary{};                               ///< no axis: none in the map, or firmware before 1.2
   std::vector<protocol::HostEvent> events;                       ///< the oldest first
   // as they came
   protocol::Registers identity_registers;
   protocol::Registers status_registers;
   protocol::Registers pointer_registers;
-  protocol::Registers lines_registers{};  ///< empty: none
+  protocol::Registers lines_registers{};   ///< empty: none
+  protocol::Registers rotary_registers{};  ///< the same
   std::vector<protocol::Registers> event_blocks{};
 };
 
@@ -60,9 +62,14 @@ struct StatusSnapshot {
 /// The same as a status file holds it: marked as one, with the registers under "raw".
 [[nodiscard]] Json json_with_registers(const StatusSnapshot& snapshot);
 // parts of its text
-[[nodiscard]] std::string axes_text(const StatusSnapshot& snapshot);        ///< a row for each axis
+[[nodiscard]] std::string axes_text(const StatusSnapshot& snapshot);        ///< a row for each axis, rotary ones too
 [[nodiscard]] std::string pointers_text(const StatusSnapshot& snapshot);    ///< a row for each curve in use
 [[nodiscard]] std::string memory_text(const protocol::UnitStatus& status);  ///< RAM test, block check, active map
+
+/// By letter: angle and approach. Text only where the unit has rotary axes, a row for each.
+[[nodiscard]] Cell rotary_axes_cell(const protocol::RotarySample& sample);
+/// What they add along X, Y, Z; null and no text while they add nothing because the unit does not compensate.
+[[nodiscard]] Cell rotary_compensation_cell(const protocol::RotarySample& sample, UnitMode mode);
 
 /// "good, 12.3 days old", with what to do where it is low; "good" or "low" in JSON.
 [[nodiscard]] Cell battery_cell(const protocol::ControlLines& lines);

@@ -79,6 +79,21 @@ void draw_axis(Canvas& canvas, const Area& area, int row, Axis axis, const AxisS
               a.relay_closed ? Tone::good : Tone::faint);
 }
 
+/// "A  -30.000 deg forward C  120.000 deg reverse add X +1.2 Y -0.4 Z +0.1 um"; empty: no rotary axes.
+std::string rotary_text(const protocol::RotarySample& rotary, UnitMode mode) {
+  std::string text;
+  for (const protocol::RotaryAxisSample& axis : rotary.axes) {
+    if (axis.letter == '\0') continue;
+    text += axis.sensed ? fmt::format("{} {:>8.3f} deg {:<8}", axis.letter, axis.angle_deg,
+                                      axis.approach == Approach::unknown ? "" : name_of(axis.approach))
+                        : fmt::format("{} without signal  ", axis.letter);
+  }
+  const Vector3& um = rotary.compensation_um;
+  if (!text.empty() && mode == UnitMode::compensating)
+    text += fmt::format("add X {:+.1f} Y {:+.1f} Z {:+.1f} um", um[0], um[1], um[2]);
+  return text;
+}
+
 /// What the unit adds for heat and load, and its inputs; empty: none is wired, set or followed.
 std::string inputs_text(const protocol::LiveInputs& live) {
   std::string text;
@@ -141,6 +156,7 @@ void draw_monitor(Canvas& canvas, const Area& area, const SampledUnit& unit, dou
   for (const Axis axis : kAllAxes)
     if (sample.axes[index_of(axis)].present)
       draw_axis(canvas, area, row++, axis, sample.axes[index_of(axis)], most_um, sample.fault == Fault::none, shown_in);
+  if (any_axis(unit.rotary)) canvas.text(area, row++, 1, rotary_text(unit.rotary, sample.mode), Tone::strong);
   const Area below{area.row + row, area.column + 1, std::min(2, area.rows - row), area.columns - 2};
   if (!unit.problem.empty())
     canvas.paragraph(below, 0, unit.problem, Tone::bad);
@@ -186,15 +202,15 @@ class MonitorScreen final : public KeyedScreen {
   void draw(Canvas& canvas, const Area& area) const override {
     const double age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - seen_.newest_at).count();
     draw_monitor(canvas, area, seen_, age_s);
-    constexpr int kAbove = 8;
+    const int above = any_axis(seen_.rotary) ? 9 : 8;
     canvas.text({area.row, area.column, area.rows, area.columns - 1}, 1, 1, surroundings_, Tone::strong);
     const auto now = std::chrono::steady_clock::now();
     if (now - strip_at_ > (canvas.slow() ? kSlowStrip : kStrip)) {
       strip_panel_ = strip_panel();
       strip_at_ = now;
     }
-    if (area.rows > kAbove + 6)
-      draw_chart(canvas, {area.row + kAbove, area.column, area.rows - kAbove - 1, area.columns}, strip_panel_);
+    if (area.rows > above + 6)
+      draw_chart(canvas, {area.row + above, area.column, area.rows - above - 1, area.columns}, strip_panel_);
     const Area last{area.row + area.rows - 1, area.column + 1, 1, area.columns - 2};
     if (prompt_.active())
       prompt_.draw(canvas, area, area.rows - 1);
@@ -213,7 +229,9 @@ class MonitorScreen final : public KeyedScreen {
   [[nodiscard]] std::string help() const override {
     return "Live data of the axes: position, speed, reference state, switch and marker, sensed approach, present "
            "compensation and relay. At the right are the sample rate and the age of the data. A lost link reopens "
-           "automatically. Below the axes are the compensation of heat and load and the inputs that the unit follows. "
+           "automatically. Below the axes are the rotary axes of the map with the compensation that they add. Then "
+           "come the "
+           "compensation of heat and load and the inputs that the unit follows. "
            "Press r to record every sample to a CSV file, and again to stop; until then the file is "
            "named .part. Press f to freeze the picture; the recording continues. Press t to show air and material "
            "temperature of a USB thermometer (TEMPer); a recording has them in its last columns, empty without a "

@@ -80,6 +80,13 @@ Cell sample_cell(const MonitorSample& sample, const std::string& link, const par
                      "axes"_is(axes_cell(sample, unit)), "link"_is(link));
 }
 
+void add_rotary(Cell& shown, const protocol::RotarySample& rotary, UnitMode mode) {
+  const Cell axes = rotary_axes_cell(rotary), added = rotary_compensation_cell(rotary, mode);
+  shown.json["rotary_axes"] = axes.json;
+  shown.json["rotary_compensation_um"] = added.json;
+  shown.text += axes.text + added.text;
+}
+
 /// Samples until the count is reached, a signal comes, the link is lost or nobody reads them.
 Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorRequest& request,
                    std::optional<MonitorRecording>& recording) {
@@ -90,10 +97,16 @@ Result<void> watch(VerbContext& context, UnitLink& unit, const MonitorRequest& r
       return problem(ProblemKind::usage, "--environment: this program was built without device support");
   }
   const params::PositionUnit& shown_in = position_unit_for(context, unit);
+  ECS_TRY(identity, unit.client().identity());
+  ECS_TRY(first_rotary, unit.client().rotary(identity));
   for (int i = 0; request.count == 0 || i < request.count; ++i) {
     if (i > 0 && !unit.client().link().pause(std::chrono::milliseconds(request.interval_ms))) return {};
     ECS_TRY(sample, unit.client().monitor());
     Cell shown = sample_cell(sample, unit.name(), shown_in);
+    if (any_axis(first_rotary)) {
+      ECS_TRY(rotary, unit.client().rotary(identity));
+      add_rotary(shown, rotary, sample.mode);
+    }
     const Surroundings surroundings = environment ? environment->now() : Surroundings();
     if (environment) {
       shown.json["environment"] = surroundings_json(surroundings);

@@ -88,6 +88,29 @@ TEST_CASE("battery and control are in the status, and unknown in a file of a uni
   }
 }
 
+TEST_CASE("rotary axes are in the status of a unit that has them, and in its file") {
+  StatusSnapshot s = faulty_unit();
+  CHECK_FALSE(status_cell(s).json.contains("rotary_axes"));
+  CHECK_FALSE(json_with_registers(s)["raw"].contains("rotary"));
+  protocol::RotarySample rotary;
+  rotary.compensation_um = {1.5, -0.25, 0.0};
+  rotary.axes = {{{'A', true, -30.0005, Approach::reverse}, {'C', false, 0.0, Approach::unknown}}};
+  s.rotary_registers = protocol::registers_of(rotary, 0);
+  s.status.mode = UnitMode::compensating;
+  s.status_registers = protocol::registers_of(s.status, 0);
+  const StatusSnapshot read = must(parse_snapshot(json_with_registers(s).dump(), "s"));
+  CHECK(read.rotary == rotary);
+  const Cell cell = status_cell(read);
+  check_holds(cell.text, {"axis   angle/deg  approach\nA       -30.0005  reverse\nC        unknown  unknown\n",
+                          "the rotary axes add X +1.50 um, Y -0.25 um, Z +0.00 um\n"});
+  CHECK(cell.json["rotary_axes"]["A"]["angle_deg"] == -30.0005);
+  CHECK(cell.json["rotary_axes"]["C"]["angle_deg"].is_null());
+  CHECK(cell.json["rotary_compensation_um"]["Y"] == -0.25);
+  s.status.mode = UnitMode::integration;
+  s.status_registers = protocol::registers_of(s.status, 0);
+  CHECK(status_cell(must(parse_snapshot(json_with_registers(s).dump(), "s"))).json["rotary_compensation_um"].is_null());
+}
+
 TEST_CASE("a fault of the tool names the tool") {
   StatusSnapshot s = faulty_unit();
   s.status.fault = Fault::live_input;

@@ -6,6 +6,7 @@
 #include "commissioning/utility/unit_view.hpp"
 #include "tests/screens/support/unit_screen.hpp"
 #include "tests/screens/support/utility_bench.hpp"
+#include "tests/support/unit_model.hpp"
 
 namespace ecs::app {
 namespace {
@@ -212,6 +213,20 @@ TEST_CASE("j on the monitor drives the emulated machine, and what is no place is
   CHECK(contains(after(screen, "jover there\n"), "expected axes with their machine coordinates"));
   replace_line(screen, "X-20 F3000");
   REQUIRE(shows(screen, "is at X -"));
+}
+
+TEST_CASE("the monitor has a row for the rotary axes of the map, within 80 columns") {
+  auto shop = protocol::Workshop::on_tcp();
+  shop.in_model([](protocol::UnitModel& model) {
+    model.mode = UnitMode::compensating;
+    model.turning = {{-12.5, 0.5, 3.0},
+                     {{{'A', true, -110.0004, Approach::reverse}, {'C', true, 359.5, Approach::forward}}}};
+  });
+  const auto monitor = monitor_screen(std::make_shared<UnitConnection>(protocol::to_text(shop.address())));
+  CHECK(shows(*monitor, "A -110.000 deg reverse C 359.500 deg forward add X -12.5 Y +0.5 Z +3.0 um"));
+  check_fits(*monitor);
+  shop.in_model([](protocol::UnitModel& model) { model.turning.axes[1].sensed = false; });
+  CHECK(shows(*monitor, "C without signal"));
 }
 
 TEST_CASE("the monitor shows the temperatures and the load that the unit was given") {
