@@ -135,8 +135,11 @@ Result<ExportWork> export_work(MessageSink& messages, const ExportArguments& arg
     if (!input.empty()) work.inputs.push_back(input);
   if (const auto& rows = work.source.map.header.thermal; !rows.empty())
     work.notes.push_back(fmt::format("{} thermal row(s) of the map are not in the tables of a control", rows.size()));
-  if (!work.source.map.header.rotary.empty())
-    work.notes.emplace_back("the rotary axes of the map are not in the tables of a control");
+  if (const auto& header = work.source.map.header; !header.rotary.empty())
+    work.notes.push_back(
+        fmt::format("the errors of the rotary axes of the map ({}) are left out, also from the predicted error: the "
+                    "machine keeps them",
+                    header.rotary_configuration));
   return work;
 }
 

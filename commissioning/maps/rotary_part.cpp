@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -24,7 +23,6 @@ namespace {
 
 using kinematics::Joint;
 
-constexpr double kTurn_deg = 360.0;
 /// Each divides a turn into numbers of cells that the core has.
 constexpr std::array kIncrements_deg{10.0, 5.0, 2.5, 2.0, 1.0, 0.5, 0.25, 0.2, 0.1};
 constexpr double kOtherwise_deg = 0.5;  ///< for points on none of them
@@ -63,19 +61,6 @@ void set_curves(laser::MapRotaryAxis& axis, const volume::RotaryErrors& errors, 
     }
 }
 
-/// Between the values of the table, as the unit takes it; nothing beyond the ends of one that is no whole turn.
-std::optional<double> tabled_error(const laser::MapRotaryAxis& axis, std::size_t side, std::size_t sense,
-                                   double angle_deg) {
-  const std::vector<double>& values = axis.compensation[side][sense];
-  const double count = static_cast<double>(values.size());
-  const bool closed = std::abs(count * axis.increment_deg - kTurn_deg) < 1e-6;
-  double place = (angle_deg - axis.start_deg) / axis.increment_deg;
-  if (closed) place -= std::floor(place / count) * count;
-  if (!closed && (place < 0.0 || place > count - 1.0)) return std::nullopt;
-  const auto below = static_cast<std::size_t>(place) % values.size();
-  return -std::lerp(values[below], values[(below + 1) % values.size()], place - std::floor(place));
-}
-
 void note_change(const laser::MapRotaryAxis& axis, const volume::RotaryErrors& errors, Joint joint,
                  std::vector<std::string>& notes) {
   for (const volume::RotaryTable& table : errors.tables) {
@@ -83,7 +68,8 @@ void note_change(const laser::MapRotaryAxis& axis, const volume::RotaryErrors& e
     const auto sense = static_cast<std::size_t>(table.sense);
     double largest = 0.0;
     for (std::size_t i = 0; i < table.p_deg.size(); ++i)
-      if (const auto tabled = tabled_error(axis, table.approach == Approach::reverse ? 0 : 1, sense, table.p_deg[i]))
+      if (const auto tabled =
+              laser::rotary_error_at(axis, table.approach == Approach::reverse ? 0 : 1, sense, table.p_deg[i]))
         largest = std::max(largest, std::abs(table.error[i] - *tabled));
     if (largest > laser::resolution_for(table.error))
       notes.push_back(
@@ -146,13 +132,8 @@ namespace {
 /// "EXC 3.00, ECC 12.50"
 std::string largest_text(const laser::MapRotaryAxis& axis) {
   std::vector<std::string> parts;
-  for (std::size_t s = 0; s < 6; ++s) {
-    double largest = 0.0;
-    for (const auto& side : axis.compensation)
-      for (const double value : side[s]) largest = std::max(largest, std::abs(value));
-    if (largest > 0.0)
-      parts.push_back(fmt::format("{} {:.2f}", laser::rotary_curve_name(axis.axis.letter, s), largest));
-  }
+  for (const laser::RotaryPart& part : laser::parts_of(axis))
+    if (part.name.front() == 'E') parts.push_back(fmt::format("{} {:.2f}", part.name, part.largest));
   return parts.empty()
              ? "no curves"
              : fmt::format("largest of the curves, {} values every {} deg: {}", axis.compensation[0][0].size(),
@@ -166,7 +147,7 @@ Cell rotary_cell(const laser::MapHeader& header) {
     Cell location{Json::object(), {}};
     for (std::size_t s = 0; s < 6; ++s) {
       if (one.axis.location[s] == 0.0) continue;
-      const std::string name = fmt::format("{}O{}", "XYZABC"[s], one.axis.letter);
+      const std::string name = laser::rotary_location_name(one.axis.letter, s);
       location.json[name] = number_or_null(one.axis.location[s]);
       location.text += fmt::format("{}{} {}", location.text.empty() ? "" : ", ", name, shortest(one.axis.location[s]));
     }

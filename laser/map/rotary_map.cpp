@@ -74,6 +74,39 @@ std::string rotary_curve_name(char letter, std::size_t sense) {
   return fmt::format("{}{}", kSenseNames[sense], letter);
 }
 
+std::string rotary_location_name(char letter, std::size_t place) {
+  return fmt::format("{}O{}", "XYZABC"[place], letter);
+}
+
+std::vector<RotaryPart> parts_of(const MapRotaryAxis& one) {
+  std::vector<RotaryPart> parts;
+  const auto add = [&](std::string name, double largest, std::size_t place) {
+    if (largest != 0.0) parts.push_back({std::move(name), largest, place < kAxes ? "um" : "um/m"});
+  };
+  for (std::size_t s = 0; s < 6; ++s) add(rotary_location_name(one.axis.letter, s), std::abs(one.axis.location[s]), s);
+  for (std::size_t s = 0; s < 6; ++s) {
+    double largest = 0.0;
+    for (const double value : both_sides(one, s)) largest = std::max(largest, std::abs(value));
+    add(rotary_curve_name(one.axis.letter, s), largest, s);
+  }
+  return parts;
+}
+
+std::optional<double> rotary_error_at(const MapRotaryAxis& one, std::size_t side, std::size_t sense, double angle_deg) {
+  constexpr double kTurn_deg = 360.0, kSamePlace = 1e-6;
+  const std::vector<double>& values = one.compensation[side][sense];
+  if (values.empty()) return 0.0;
+  const double count = static_cast<double>(values.size());
+  const double of_turn = kTurn_deg / one.increment_deg;
+  double place = (angle_deg - one.start_deg) / one.increment_deg;
+  place -= std::floor(place / of_turn + kSamePlace / of_turn) * of_turn;
+  if (std::abs(count - of_turn) > kSamePlace && place > count - 1.0 + kSamePlace) return std::nullopt;
+  place = std::max(place, 0.0);
+  const auto below = static_cast<std::size_t>(place) % values.size();
+  const double error = -std::lerp(values[below], values[(below + 1) % values.size()], place - std::floor(place));
+  return error == 0.0 ? 0.0 : error;
+}
+
 namespace {
 
 constexpr std::string_view kConfigurationKey = "rotary_configuration", kAxisKey = "rotary_axis",

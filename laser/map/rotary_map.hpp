@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,22 @@ void take_rotary(MapHeader& header, const RotarySetup& setup);
 
 /// "EXC"
 [[nodiscard]] std::string rotary_curve_name(char letter, std::size_t sense);
+/// "XOC"
+[[nodiscard]] std::string rotary_location_name(char letter, std::size_t place);
+
+/// A location error or a curve of a rotary axis.
+struct RotaryPart {
+  std::string name;      ///< "XOC", "EXC"
+  double largest = 0.0;  ///< |value|
+  std::string unit;      ///< um, um/m
+};
+/// Every one that is not zero, by axis, location errors first.
+[[nodiscard]] std::vector<RotaryPart> parts_of(const MapRotaryAxis& one);
+
+/// The error (actual - target) of a curve between the values of its table, as the unit takes it; nothing beyond the
+/// ends of a table that is no whole turn. @param side  0 reverse, 1 forward
+[[nodiscard]] std::optional<double> rotary_error_at(const MapRotaryAxis& one, std::size_t side, std::size_t sense,
+                                                    double angle_deg);
 
 /// Lines `key: value` of the header; empty: no rotary axes.
 [[nodiscard]] std::string rotary_lines(const MapHeader& header);

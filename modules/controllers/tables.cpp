@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "laser/map/rotary_map.hpp"
+
 namespace ecs::controllers {
 namespace {
 
@@ -200,6 +202,10 @@ void leave_behind(ControllerExport& made, const ExportSource& source, const std:
     made.not_carried.push_back({std::string(name_of(component)), largest, std::string(unit_of(component)),
                                 rotation ? why_rotations : why_others});
   }
+  for (const laser::MapRotaryAxis& axis : source.map.header.rotary)
+    for (const laser::RotaryPart& part : laser::parts_of(axis))
+      made.not_carried.push_back(
+          {part.name, part.largest, part.unit, "a table follows X, Y or Z, not the angle of a rotary axis"});
 }
 
 }  // namespace ecs::controllers

@@ -111,7 +111,8 @@ inline constexpr double kLargestValue_um = 32'000.0;  ///< um, um/m, in any of t
 /// What our own reader objects to in what was to be written, as an objection to the map: no file of that name exists.
 [[nodiscard]] tl::unexpected<Problem> unwritable(const Problem& why);
 
-/// Adds each component of the map, and each squareness, that is not zero and not among `carried`.
+/// Adds each component of the map, and each squareness, that is not zero and not among `carried`, and all that is not
+/// zero of its rotary axes.
 void leave_behind(ControllerExport& made, const ExportSource& source, const std::vector<Component>& carried,
                   const std::string& why_rotations, const std::string& why_others);
 

@@ -95,6 +95,29 @@ TEST_CASE("reading gives back what a controller format was given, within its res
   }
 }
 
+TEST_CASE("every controller format lists what it leaves out of the rotary axes of a map") {
+  ExportSource source = whole_machine();
+  laser::MapRotaryAxis axis;
+  axis.axis.letter = 'C';
+  axis.axis.location[3] = -12.0;
+  for (auto& side : axis.compensation) side.fill({0.0, 0.0});
+  axis.compensation[0][5] = {0.0, 7.5};
+  source.map.header.rotary = {axis};
+  for (const ControllerFormat* format : controller_formats()) {
+    if (!format->write) continue;
+    CAPTURE(format->id);
+    const auto left = must(format->write(source, usual(format->write_options))).not_carried;
+    REQUIRE(left.size() >= 2);
+    const LeftBehind &location = left[left.size() - 2], &curve = left.back();
+    CHECK(location.what == "AOC");
+    CHECK(location.largest == 12.0);
+    CHECK(location.unit == "um/m");
+    CHECK(curve.what == "ECC");
+    CHECK(curve.largest == 7.5);
+    CHECK(contains(curve.why, "not the angle of a rotary axis"));
+  }
+}
+
 TEST_CASE("a controller format refuses a file of another kind, with the file named") {
   const std::string text = "axis,sense,reading\nX,EX,1\n";
   for (const ControllerFormat* format : controller_formats()) {
