@@ -9,11 +9,13 @@
 
 #include "base/answer_table.hpp"
 #include "commissioning/maps/findings.hpp"
+#include "laser/map/rotary_map.hpp"
 
 namespace ecs::commissioning {
 namespace {
 
 using laser::ErrorMap;
+using laser::MapRotaryAxis;
 using laser::MapTable;
 
 constexpr double kSamePlace_mm = 1e-6;
@@ -83,6 +85,74 @@ void note_other(std::vector<std::string>& notes, std::string_view what, const st
     notes.push_back(fmt::format("the maps are of different {}: {} and {}", what, first, second));
 }
 
+const MapRotaryAxis* axis_in(const laser::MapHeader& header, char letter) {
+  const auto found =
+      std::ranges::find_if(header.rotary, [&](const MapRotaryAxis& one) { return one.axis.letter == letter; });
+  return found == header.rotary.end() ? nullptr : &*found;
+}
+
+std::vector<double> angles_deg_of(const MapRotaryAxis& first, const MapRotaryAxis& second) {
+  std::vector<double> angles_deg;
+  for (const MapRotaryAxis* one : {&first, &second})
+    for (std::size_t k = 0; k < one->compensation[0][0].size(); ++k)
+      angles_deg.push_back(one->start_deg + static_cast<double>(k) * one->increment_deg);
+  return angles_deg;
+}
+
+/// Nothing: zero in both, or no angle in common.
+std::optional<RotaryChange> rotary_curve_change(const MapRotaryAxis& first, const MapRotaryAxis& second,
+                                                std::size_t sense) {
+  const auto sides = [&](const MapRotaryAxis& one) { return one.compensation[0][sense] != one.compensation[1][sense]; };
+  const auto is_zero = [](double value) { return value == 0.0; };
+  bool any = false;
+  for (const MapRotaryAxis* one : {&first, &second})
+    for (const auto& side : one->compensation) any = any || !std::ranges::all_of(side[sense], is_zero);
+  if (!any) return std::nullopt;
+  RotaryChange change{laser::rotary_curve_name(first.axis.letter, sense), sense < kAxes ? "um" : "um/m", 0.0, {}, {}};
+  for (const double angle_deg : angles_deg_of(first, second))
+    for (const std::size_t side : {1U, 0U}) {
+      const auto before = laser::rotary_error_at(first, side, sense, angle_deg);
+      const auto after = laser::rotary_error_at(second, side, sense, angle_deg);
+      if (!before || !after || (change.at_deg && std::abs(*after - *before) <= std::abs(change.largest))) continue;
+      change.largest = *after - *before;
+      change.at_deg = angle_deg;
+      change.approach = !sides(first) && !sides(second) ? Approach::unknown
+                        : side == 1                     ? Approach::forward
+                                                        : Approach::reverse;
+    }
+  return change.at_deg ? std::optional(change) : std::nullopt;
+}
+
+/// Location errors and curves of the axes that both maps have; a note for what else differs.
+void add_rotary_changes(const laser::MapHeader& first, const laser::MapHeader& second, MapChange& change) {
+  note_other(change.notes, "rotary configurations", first.rotary_configuration, second.rotary_configuration);
+  for (const char letter : {'A', 'B', 'C'}) {
+    const MapRotaryAxis* const in_first = axis_in(first, letter);
+    const MapRotaryAxis* const in_second = axis_in(second, letter);
+    if (in_first == nullptr && in_second == nullptr) continue;
+    if (in_first == nullptr || in_second == nullptr) {
+      change.notes.push_back(fmt::format("the rotary axis {} is not in the {} map: not compared", letter,
+                                         in_first == nullptr ? "first" : "second"));
+      continue;
+    }
+    const RotaryAxis &a = in_first->axis, &b = in_second->axis;
+    if (a.direction != b.direction || a.pivot_mm != b.pivot_mm)
+      change.notes.push_back(fmt::format(
+          "the rotary axis {} has another direction or pivot in the second map: its errors act at other arms", letter));
+    if (a.deg_per_count != b.deg_per_count || a.zero_deg != b.zero_deg || a.deadband_deg != b.deadband_deg)
+      change.notes.push_back(fmt::format("the transducer of the rotary axis {} is described differently", letter));
+    for (std::size_t s = 0; s < 6; ++s)
+      if (a.location[s] != 0.0 || b.location[s] != 0.0)
+        change.rotary.push_back({laser::rotary_location_name(letter, s),
+                                 s < kAxes ? "um" : "um/m",
+                                 b.location[s] - a.location[s],
+                                 {},
+                                 Approach::unknown});
+    for (std::size_t s = 0; s < 6; ++s)
+      if (auto curve = rotary_curve_change(*in_first, *in_second, s)) change.rotary.push_back(std::move(*curve));
+  }
+}
+
 }  // namespace
 
 ChangeFigures figures_of(const CurveChange& change) {
@@ -129,8 +199,7 @@ MapChange change_between(const ErrorMap& first, const ErrorMap& second) {
     if (auto curve = curve_change(first, second, static_cast<Component>(c), change.notes))
       change.curves.push_back(std::move(*curve));
   if (change.curves.empty()) change.notes.emplace_back("the maps have no curve in common");
-  if (first.header.rotary != second.header.rotary)
-    change.notes.emplace_back("the rotary axes of the maps differ; they are not compared");
+  add_rotary_changes(first.header, second.header, change);
   if (first.header.thermal != second.header.thermal)
     change.notes.emplace_back("the thermal rows of the maps differ; they are not compared");
   return change;
@@ -175,10 +244,23 @@ Cell change_cell(const MapChange& change) {
                                "at [mm]", "", "rms", "mean", "slope/m", "reversal", "residual"));
 }
 
+Cell rotary_change_cell(const MapChange& change) {
+  const auto row = [](const RotaryChange& one) {
+    const std::string_view approach = word_for(one.approach);
+    return record_cell("{component:<4} {unit:<4} {largest:>8}{place}\n", "component"_is(one.name), "unit"_is(one.unit),
+                       "largest"_is(one.largest, 2), "at_deg"_is(one.at_deg),
+                       "approach"_is(one.at_deg ? cell_of(approach) : null_cell()),
+                       "place"_shown(one.at_deg ? fmt::format(" {:>9.6g} {}", *one.at_deg, approach) : std::string()));
+  };
+  if (change.rotary.empty()) return {Json::array(), {}};
+  return list_cell(change.rotary, row, fmt::format("{:<9} {:>8} {:>9}\n", "rotary", "largest", "at [deg]"));
+}
+
 bool is_without_change(const MapChange& change) {
   constexpr double kResolution = 0.0005;  // half of the last digit of a map file
-  return std::ranges::all_of(
-      change.curves, [](const CurveChange& curve) { return std::abs(figures_of(curve).largest) < kResolution; });
+  const auto small = [](double largest) { return std::abs(largest) < kResolution; };
+  return std::ranges::all_of(change.curves, [&](const auto& curve) { return small(figures_of(curve).largest); }) &&
+         std::ranges::all_of(change.rotary, [&](const RotaryChange& one) { return small(one.largest); });
 }
 
 std::string closing_text(const MapChange& change, const std::string& first, const std::string& second) {

@@ -4,6 +4,7 @@
 // Does not live here: a map beside the unit's memory (map_in_unit.hpp).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,22 +36,36 @@ struct ChangeFigures {
 };
 [[nodiscard]] ChangeFigures figures_of(const CurveChange& change);
 
-struct MapChange {
-  std::vector<CurveChange> curves;
-  std::vector<std::string> notes;  ///< other machine or chain, curves that one map lacks or that share no travel
+/// A location error or a curve of a rotary axis: error by the second map less error by the first.
+struct RotaryChange {
+  std::string name;                       ///< "XOC", "EXC"
+  std::string unit;                       ///< um, um/m
+  double largest = 0.0;                   ///< with its sign
+  std::optional<double> at_deg;           ///< of a curve
+  Approach approach = Approach::unknown;  ///< of the largest; unknown: both
 };
 
-/// A curve declared zero counts as zero. No curves: the notes say why.
+struct MapChange {
+  std::vector<CurveChange> curves;
+  std::vector<RotaryChange> rotary;  ///< of the axes of both maps, what is not zero in both
+  std::vector<std::string> notes;    ///< other machine or chain, curves that one map lacks or that share no travel
+};
+
+/// A curve declared zero counts as zero, and so does a curve that a rotary axis does not have. Neither curves nor
+/// rotary axes: the notes say why.
 [[nodiscard]] MapChange change_between(const laser::ErrorMap& first, const laser::ErrorMap& second);
 
-/// Readings at every point, one for each approach; without approaches where neither map knows them.
+/// Readings at every point of the curves of X, Y and Z, one for each approach; without approaches where neither map
+/// knows them.
 /// @param names  of the two files
 [[nodiscard]] laser::MeasurementSet measurement_of(const MapChange& change, const laser::ErrorMap& second,
                                                    const std::vector<std::string>& names);
 
 /// A row for each curve.
 [[nodiscard]] Cell change_cell(const MapChange& change);
-/// No curve differs by half of the last digit of a map file.
+/// A row for each location error and curve of rotary axes; no text where there are none.
+[[nodiscard]] Cell rotary_change_cell(const MapChange& change);
+/// No curve or location error differs by half of the last digit of a map file.
 [[nodiscard]] bool is_without_change(const MapChange& change);
 /// What the files show, and what they do not.
 [[nodiscard]] std::string closing_text(const MapChange& change, const std::string& first, const std::string& second);

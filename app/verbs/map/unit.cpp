@@ -140,16 +140,19 @@ Result<Outcome> compare(VerbContext&, const CompareRequest& request) {
   ECS_DO(check_output_not_input(request.output, {request.first, request.second}));
   ECS_TRY(first, laser::read_map_csv(request.first));
   ECS_TRY(second, laser::read_map_csv(request.second));
-  const MapChange change = change_between(first, second);
-  if (change.curves.empty())
+  MapChange change = change_between(first, second);
+  if (change.curves.empty() && (change.rotary.empty() || !request.output.empty()))
     return problem(ProblemKind::refused, fmt::format("{} and {} cannot be compared: {}", request.first, request.second,
                                                      fmt::join(change.notes, "; ")));
   if (!request.output.empty())
     ECS_DO(
         laser::write_measurement_set(request.output, measurement_of(change, second, {request.first, request.second})));
-  return outcome_of(record_cell(
+  if (!request.output.empty() && !change.rotary.empty())
+    change.notes.push_back(fmt::format("{} does not contain the rotary axes", request.output));
+  const Cell rotary = rotary_change_cell(change);
+  Cell cell = record_cell(
       "difference: errors of {second} minus errors of {first}; residual: rms without mean, slope and reversal\n"
-      "{curves}{notes}{closing}{output}",
+      "{curves}{rotary}{notes}{closing}{output}",
       "first"_is(request.first), "second"_is(request.second), "curves"_is(change_cell(change)),
       "notes"_is(lines_cell(change.notes, "note: ")),
       "output"_is(written_cell("difference", request.output,
@@ -157,7 +160,9 @@ Result<Outcome> compare(VerbContext&, const CompareRequest& request) {
                                    ? ""
                                    : "To find the cause, save the difference with -o difference.csv, then run `ecs "
                                      "model new` and `ecs model diagnose`.\n")),
-      "closing"_shown(closing_text(change, request.first, request.second))));
+      "rotary"_shown(rotary.text), "closing"_shown(closing_text(change, request.first, request.second)));
+  if (!first.header.rotary.empty() || !second.header.rotary.empty()) cell.json["rotary"] = rotary.json;
+  return outcome_of(std::move(cell));
 }
 
 constexpr std::string_view kBeforeFirstCompensation =

@@ -12,7 +12,9 @@ namespace {
 
 using commissioning::change_between;
 using commissioning::figures_of;
+using commissioning::is_without_change;
 using commissioning::MapChange;
+using commissioning::rotary_change_cell;
 
 using Curve = std::function<double(double position_mm, int sign)>;
 
@@ -85,6 +87,53 @@ TEST_CASE("maps that share no travel are not compared") {
   CHECK(change.curves.empty());
   CHECK(change.notes == std::vector<std::string>{"EXX: the maps have no travel in common: not compared",
                                                  "the maps have no curve in common"});
+}
+
+/// C with EXC = `size` cos c against the error, at each multiple of the increment.
+laser::MapRotaryAxis turning_axis(double increment_deg, double size_um, double lost_um = 0.0) {
+  laser::MapRotaryAxis one;
+  one.axis.letter = 'C';
+  one.increment_deg = increment_deg;
+  for (std::size_t side = 0; side < 2; ++side)
+    for (double c = 0.0; c < 360.0; c += increment_deg) {
+      for (auto& curve : one.compensation[side]) curve.push_back(0.0);
+      one.compensation[side][0].back() =
+          -size_um * std::cos(c / 180.0 * 3.141592653589793) - (side == 1 ? lost_um : 0.0);
+    }
+  return one;
+}
+
+TEST_CASE("rotary axes are compared by location error and curve, on different points and over both approaches") {
+  laser::ErrorMap first, second;
+  first.header.rotary = {turning_axis(10.0, 3.0)};
+  second.header.rotary = {turning_axis(5.0, 5.0, 0.5)};
+  first.header.rotary[0].axis.location = {8.0, 0.0, 0.0, -4.0, 0.0, 0.0};
+  second.header.rotary[0].axis.location = {6.5, 0.0, 0.0, -4.0, 0.0, 0.0};
+  const MapChange change = change_between(first, second);
+  REQUIRE(change.rotary.size() == 3);
+  CHECK(change.rotary[0].name == "XOC");
+  CHECK(change.rotary[0].largest == -1.5);
+  CHECK(change.rotary[1].name == "AOC");
+  CHECK(change.rotary[1].unit == "um/m");
+  CHECK(change.rotary[1].largest == 0.0);
+  CHECK(change.rotary[2].name == "EXC");
+  CHECK(change.rotary[2].largest == Approx(2.5));
+  CHECK(change.rotary[2].at_deg == 0.0);
+  CHECK(change.rotary[2].approach == Approach::forward);
+  CHECK_FALSE(is_without_change(change));
+  CHECK(is_without_change(change_between(first, first)));
+  check_holds(rotary_change_cell(change).text, {"XOC  um      -1.50", "EXC  um       2.50         0 forward"});
+}
+
+TEST_CASE("a rotary axis that one map lacks or that lies elsewhere is named") {
+  laser::ErrorMap first, second;
+  first.header.rotary = {turning_axis(10.0, 3.0)};
+  second.header.rotary = first.header.rotary;
+  second.header.rotary[0].axis.pivot_mm = {0.0, 0.0, 10.0};
+  CHECK(change_between(first, second).notes.at(0) == "the maps have no curve in common");
+  CHECK(contains(change_between(first, second).notes.at(1), "rotary axis C has another direction or pivot"));
+  second.header.rotary.clear();
+  CHECK(change_between(first, second).notes.at(1) == "the rotary axis C is not in the second map: not compared");
 }
 
 TEST_CASE("the measurement of a difference has each point with its approach, in the order of motion") {
