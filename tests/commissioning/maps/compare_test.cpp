@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/answer_table.hpp"
 #include "tests/support/test.hpp"
 
 namespace ecs::test {
@@ -117,12 +118,14 @@ TEST_CASE("rotary axes are compared by location error and curve, on different po
   CHECK(change.rotary[1].unit == "um/m");
   CHECK(change.rotary[1].largest == 0.0);
   CHECK(change.rotary[2].name == "EXC");
-  CHECK(change.rotary[2].largest == Approx(2.5));
-  CHECK(change.rotary[2].at_deg == 0.0);
+  // at 5 deg, where the first map is on the straight line between 0 and 10 deg
+  CHECK(change.rotary[2].largest == Approx(5.5 - 0.5 * 3.0 - 0.5 * 3.0 * std::cos(10.0 / 180.0 * 3.141592653589793) -
+                                           5.0 * (1.0 - std::cos(5.0 / 180.0 * 3.141592653589793))));
+  CHECK(change.rotary[2].at_deg == 5.0);
   CHECK(change.rotary[2].approach == Approach::forward);
   CHECK_FALSE(is_without_change(change));
   CHECK(is_without_change(change_between(first, first)));
-  check_holds(rotary_change_cell(change).text, {"XOC  um      -1.50", "EXC  um       2.50         0 forward"});
+  check_holds(rotary_change_cell(change).text, {"XOC  um      -1.50", "EXC  um       2.50         5 forward"});
 }
 
 TEST_CASE("a rotary axis that one map lacks or that lies elsewhere is named") {

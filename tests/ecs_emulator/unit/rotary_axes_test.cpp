@@ -76,6 +76,7 @@ TEST_CASE("the unit shows the angles of the rotary axes of its map, and while it
   CHECK_FALSE(any_axis(b.unit.rotary()));
   REQUIRE(b.stage_and_commit(b.flat_image(0.0)).state == CommandState::done);
   b.turn(-30.0, 90.0);
+  b.simulation.tick();  // the inputs of the period after the motion
   protocol::RotarySample shown = b.unit.rotary();
   CHECK(shown.compensation_um == Vector3{});
   CHECK(shown.axes[0] == protocol::RotaryAxisSample{'A', true, -30.0, Approach::unknown});
