@@ -33,8 +33,12 @@ constexpr double kMostOfRange = 3.0, kHardlySeen = 0.005;
 constexpr double kDetermined = 25.0, kUnseen = 1e-12;
 /// Weight in a unit direction from which a column takes part in it.
 constexpr double kPartOfDirection = 0.1;
-/// Fits that differ by less than this fall of χ² are the same fit: rounding and the end of a refinement.
-constexpr double kSameFit = 0.05;
+/// Fits that differ by less than this fall of χ² for each value cannot be told apart (three standard deviations of three
+/// degrees of freedom, a period and the two sizes of a harmonic): a period is no other one because its double, with a
+/// harmonic more, fits noise better.
+constexpr double kSameFit = 14.2;
+/// A period is half of another where it agrees to a percent.
+constexpr double kSamePeriod = 0.01;
 /// Readings up to which a fitted value is searched again: the search of one effect takes a few milliseconds there.
 constexpr std::size_t kMostSoughtAnew = 4000;
 
@@ -271,7 +275,7 @@ std::vector<double> first_values(const Assembly& assembly, const std::vector<std
 
 /// Sets the nonlinear parameters of library effects to where they do best together, over their whole ranges: those
 /// that have no value yet; where the readings are few enough also those of a former fit, which may be a lesser minimum
-/// and is kept where nothing better is found.
+/// and is kept where nothing better is found, nor periods that are half of it and fit as well.
 void start_nonlinear(Assembly& assembly, const Regressors& regressors, const Whitener& whitener, bool from_values) {
   const Observations& data = regressors.data();
   const VectorXd y = readings_of(data);
@@ -308,7 +312,14 @@ void start_nonlinear(Assembly& assembly, const Regressors& regressors, const Whi
   const double former_chi2 = all_have_values ? refined(assembly, regressors, whitener).chi2 : kBeyondAll;
   const std::vector<double> former = first_values(assembly, slots);
   take(found);
-  if (all_have_values && refined(assembly, regressors, whitener).chi2 > former_chi2 - kSameFit) take(former);
+  if (!all_have_values) return;
+  double margin = 0.0;
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const double ratio = found[i] / former[i];
+    const bool is_half = sought[i].traits().periodic && std::abs(2.0 * ratio - 1.0) < kSamePeriod;
+    if (std::abs(ratio - 1.0) > kSamePeriod) margin += is_half ? -kSameFit : kSameFit;
+  }
+  if (refined(assembly, regressors, whitener).chi2 > former_chi2 - margin) take(former);
 }
 
 MatrixXd covariance_of(Assembly& assembly, const Regressors& regressors, const Whitener& whitener, const Solved& now) {

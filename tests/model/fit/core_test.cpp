@@ -136,6 +136,25 @@ TEST_CASE("of periods that even targets cannot tell apart a fit keeps the one th
   CHECK(searched_value(cyclic, set, 200.0) == Approx(200.0).epsilon(0.01));
 }
 
+TEST_CASE("a fit moves no wave to twice its period because a harmonic more fits the noise better") {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    const auto set = measured(
+        {.step_mm = 50.0, .targets = 21}, kNoise_um,
+        [](const Reading& r) {
+          return 2.0 * std::sin(2.0 * std::numbers::pi * p(r) / 67.7) + std::sin(2.0 * std::numbers::pi * p(r) / 10.0);
+        },
+        seed);
+    Model model = straight();
+    for (const double period_mm : {67.7, 10.0}) {
+      model.effects.push_back(effect(cyclic, Axis::X, Sense::EX));
+      model.effects.back().fitted["period_mm"] = period_mm;
+    }
+    const auto found = must(fit(model, observations_of(set, model, mill())));
+    CHECK(found.effects[2].effect.fitted.at("period_mm") == Approx(67.7).epsilon(0.01));
+    CHECK(found.effects[3].effect.fitted.at("period_mm") == Approx(10.0).epsilon(0.01));
+  }
+}
+
 TEST_CASE("terms that cancel each other keep sizes that the readings determine") {
   Model model = straight();
   model.effects.push_back(effect(sag, Axis::X, Sense::EX));
