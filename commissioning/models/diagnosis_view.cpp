@@ -138,14 +138,17 @@ Cell comparison_cell(const Comparison& c, std::size_t readings) {
   const Cell lack_of_fit = lack_of_fit_cell(c.lack_of_fit);
   const std::string judged = lack_of_fit_text(c.lack_of_fit, c.outliers.empty() ? c.rms_um : 0.0, c.noise.noise_um);
   const std::string summary = paragraph(
-      fmt::format("{} readings: rms {:.3f} {}, peak {:.3f} {}; noise of one reading {}; lack-of-fit test with these "
-                  "values: {}",
-                  readings, c.rms_um, c.noise.unit, c.peak_um, c.noise.unit, noise_text(c.noise), judged));
-  return record_cell(
+      fmt::format("{} readings: rms {}, peak {}; noise of one reading {}; lack-of-fit test with these values: {}",
+                  readings, in_each_unit(c.rms_um, c.rms_by_unit, c.noise.unit),
+                  in_each_unit(c.peak_um, c.peak_by_unit, c.noise.unit), noise_text(c.noise), judged));
+  Cell answer = record_cell(
       "{summary}\n{directions}{variables}{worst}{outliers}", "observations"_is(readings), "summary"_shown(summary),
       "rms_um"_is(c.rms_um), "peak_um"_is(c.peak_um), "noise_um"_is(c.noise.noise_um),
       "noise_from_repeats"_is(c.noise.from_repeats), "lack_of_fit"_is(lack_of_fit), "directions"_is(directions_cell(c)),
       "variables"_is(variables_cell(c)), "worst"_is(worst_cell(c)), "outliers"_is(c.outliers, outliers_text(c)));
+  add_by_unit(answer.json, c.noise.unit,
+              {{"rms", c.rms_by_unit}, {"peak", c.peak_by_unit}, {"noise", c.noise.by_unit}});
+  return answer;
 }
 
 namespace {
@@ -155,18 +158,19 @@ using model::Diagnosis;
 using model::Verdict;
 
 /// "63.813 um rms (6.420 um without the outliers)"
-std::string rms_text(const Diagnosis& d, double rms_um, double kept_rms_um) {
-  std::string text = fmt::format("{:.3f} {} rms", rms_um, d.noise.unit);
-  if (!d.outliers.empty()) text += fmt::format(" ({:.3f} {} without the outliers)", kept_rms_um, d.noise.unit);
-  return text;
+std::string rms_text(const Diagnosis& d, const std::string& rms, const std::string& kept_rms) {
+  return d.outliers.empty() ? rms + " rms" : fmt::format("{} rms ({} without the outliers)", rms, kept_rms);
 }
 
 std::string summary(const Diagnosis& d) {
   std::string text = fmt::format("{} readings. The residual is {}; the noise of one reading is {}. ", d.observations,
-                                 rms_text(d, d.rms_um, d.kept_rms_um), noise_text(d.noise));
+                                 rms_text(d, in_each_unit(d.rms_um, d.rms_by_unit, d.noise.unit),
+                                          in_each_unit(d.kept_rms_um, d.kept_by_unit, d.noise.unit)),
+                                 noise_text(d.noise));
   if (d.verdict != Verdict::adequate && d.rms_after_um < d.rms_um)
     text += fmt::format("With {} the residual is {}. ", d.add ? "the proved or likely effects" : "the named effects",
-                        rms_text(d, d.rms_after_um, d.kept_rms_after_um));
+                        rms_text(d, in_each_unit(d.rms_after_um, d.rms_after_by_unit, d.noise.unit),
+                                 in_each_unit(d.kept_rms_after_um, d.kept_after_by_unit, d.noise.unit)));
   const bool is_judged = d.outliers.empty() || d.verdict != Verdict::adequate;
   text += "Lack-of-fit test: " + lack_of_fit_text(d.lack_of_fit, is_judged ? d.rms_um : 0.0, d.noise.noise_um);
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)
@@ -514,17 +518,20 @@ Cell diagnosis_cell(const Diagnosis& d) {
       paragraph(fmt::format("{} candidates were tried on these readings, and on {} simulated data sets that contain "
                             "noise only, at the same positions and under the same conditions",
                             d.candidates_tried, d.noise_replicates));
-  return record_cell("{headline}\n{summary}{candidates}{where}{left}{formula}{outliers}\n{blanks}{notes}",
-                     "observations"_is(d.observations), "rms_um"_is(d.rms_um), "noise_um"_is(d.noise.noise_um),
-                     "noise_from_repeats"_is(d.noise.from_repeats), "lack_of_fit"_is(lack_of_fit_cell(d.lack_of_fit)),
-                     "verdict"_is(name_of(d.verdict)), "headline"_is(d.headline, paragraph(d.headline)),
-                     "different_run"_is(different_run_json(d)), "summary"_shown(summary(d)),
-                     "candidates"_is(candidates_cell(d)), "add"_is(add_json(d)), "where"_is(where_cell(d)),
-                     "left"_is(left_cell(d)), "formula"_is(formula_cell(d)), "rms_after_um"_is(d.rms_after_um),
-                     "lack_of_fit_after"_is(lack_of_fit_cell(d.lack_of_fit_after)),
-                     "outliers"_is(d.outliers, outliers_text(d)), "notes"_is(d.notes, notes_text(d.notes)),
-                     "candidates_tried"_is(d.candidates_tried), "own_terms"_is(own_terms_json(d.own_terms)),
-                     "blanks"_is(d.noise_replicates, d.noise_replicates > 0 ? tried : ""));
+  Cell answer = record_cell(
+      "{headline}\n{summary}{candidates}{where}{left}{formula}{outliers}\n{blanks}{notes}",
+      "observations"_is(d.observations), "rms_um"_is(d.rms_um), "noise_um"_is(d.noise.noise_um),
+      "noise_from_repeats"_is(d.noise.from_repeats), "lack_of_fit"_is(lack_of_fit_cell(d.lack_of_fit)),
+      "verdict"_is(name_of(d.verdict)), "headline"_is(d.headline, paragraph(d.headline)),
+      "different_run"_is(different_run_json(d)), "summary"_shown(summary(d)), "candidates"_is(candidates_cell(d)),
+      "add"_is(add_json(d)), "where"_is(where_cell(d)), "left"_is(left_cell(d)), "formula"_is(formula_cell(d)),
+      "rms_after_um"_is(d.rms_after_um), "lack_of_fit_after"_is(lack_of_fit_cell(d.lack_of_fit_after)),
+      "outliers"_is(d.outliers, outliers_text(d)), "notes"_is(d.notes, notes_text(d.notes)),
+      "candidates_tried"_is(d.candidates_tried), "own_terms"_is(own_terms_json(d.own_terms)),
+      "blanks"_is(d.noise_replicates, d.noise_replicates > 0 ? tried : ""));
+  add_by_unit(answer.json, d.noise.unit,
+              {{"rms", d.rms_by_unit}, {"rms_after", d.rms_after_by_unit}, {"noise", d.noise.by_unit}});
+  return answer;
 }
 
 std::string diagnosis_text(const Diagnosis& diagnosis) { return diagnosis_cell(diagnosis).text; }

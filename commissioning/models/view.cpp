@@ -166,17 +166,31 @@ std::string_view unit_of_model(const model::Model& model) {
     if (!effect.is_user()) count(effect.sense, effect.definition().place);
   }
   if (rotations == 0) return "um";
-  return others == 0 ? "um/m" : "um, um/m";
+  return others == 0 ? "um/m" : model::kBothUnits;
+}
+
+std::string in_each_unit(double all, const model::SizesByUnit& each, std::string_view unit) {
+  if (unit != model::kBothUnits) return fmt::format("{:.3f} {}", all, unit);
+  return fmt::format("{:.3f} um and {:.3f} um/m", each.um, each.um_per_m);
+}
+
+void add_by_unit(Json& answer, std::string_view unit,
+                 const std::vector<std::pair<std::string, model::SizesByUnit>>& sizes) {
+  if (unit != model::kBothUnits) return;
+  for (const auto& [name, size] : sizes) {
+    answer["by_unit"]["um"][name] = number_or_null(size.um);
+    answer["by_unit"]["um/m"][name] = number_or_null(size.um_per_m);
+  }
 }
 
 std::string noise_text(const model::PureError& noise) {
-  if (noise.is_of_step)
-    return fmt::format("{:.3f} {}, the smallest that the step of these readings allows", noise.noise_um, noise.unit);
-  if (noise.from_repeats) return fmt::format("{:.3f} {} from repeats", noise.noise_um, noise.unit);
+  const std::string size = in_each_unit(noise.noise_um, noise.by_unit, noise.unit);
+  if (noise.is_of_step) return size + ", the smallest that the step of these readings allows";
+  if (noise.from_repeats) return size + " from repeats";
   return fmt::format(
-      "at most {:.3f} {}, from neighbouring readings (no target was repeated under the same conditions; the "
-      "value depends on the effects in the model)",
-      noise.noise_um, noise.unit);
+      "at most {}, from neighbouring readings (no target was repeated under the same conditions; the value depends on "
+      "the effects in the model)",
+      size);
 }
 
 std::string_view direction_text(int approach) {

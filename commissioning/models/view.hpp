@@ -64,6 +64,12 @@ struct MeasuredLine {
 /// Unit of the readings that the effects of a model act on, as Observations::reading_unit().
 [[nodiscard]] std::string_view unit_of_model(const model::Model& model);
 
+/// "1.234 um"; of readings in both units "1.234 um and 5.678 um/m". @param all  over all readings, of this unit
+[[nodiscard]] std::string in_each_unit(double all, const model::SizesByUnit& each, std::string_view unit);
+/// Of readings in both units a size by its name in each: {"um": {"rms": …, …}, "um/m": …}; of one unit no key
+/// `by_unit`.
+void add_by_unit(Json& answer, std::string_view unit,
+                 const std::vector<std::pair<std::string, model::SizesByUnit>>& sizes);
 /// "0.52 um from repeats"
 [[nodiscard]] std::string noise_text(const model::PureError& noise);
 

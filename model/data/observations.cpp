@@ -482,7 +482,7 @@ int numbered_place(std::vector<Vector3>& seen_mm, const Vector3& place_mm, doubl
 std::string_view Observations::reading_unit() const {
   const auto rotations = std::ranges::count_if(sense, [](Sense s) { return is_rotation(s); });
   if (rotations == 0) return "um";
-  return static_cast<std::size_t>(rotations) == sense.size() ? "um/m" : "um, um/m";
+  return static_cast<std::size_t>(rotations) == sense.size() ? "um/m" : kBothUnits;
 }
 
 Observations observations_of(const MeasurementSet& set, const KnownTables& tables,

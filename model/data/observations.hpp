@@ -81,6 +81,9 @@ inline constexpr double kSameBall_mm = 1.0, kSameTool_mm = 1e-3;
 /// Number, from 1, of a place among those seen so far; a new one is added.
 [[nodiscard]] int numbered_place(std::vector<Vector3>& seen_mm, const Vector3& place_mm, double same_mm);
 
+/// Of readings of lengths and of angles.
+inline constexpr std::string_view kBothUnits = "um, um/m";
+
 struct Motions;
 
 /// What was measured: a sense, or one of the paths. Readings of one channel along one axis are of one instrument.

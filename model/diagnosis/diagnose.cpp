@@ -476,6 +476,13 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.rms_after_um = rms_of(left);
   diagnosis.kept_rms_um = rms_without(before, left_out);
   diagnosis.kept_rms_after_um = rms_without(left, left_out);
+  const auto by_unit = [&data](const VectorXd& residual, const std::vector<bool>& out) {
+    return rms_by_unit(data, {residual.data(), data.size()}, out);
+  };
+  diagnosis.rms_by_unit = by_unit(before, {});
+  diagnosis.rms_after_by_unit = by_unit(left, {});
+  diagnosis.kept_by_unit = by_unit(before, left_out);
+  diagnosis.kept_after_by_unit = by_unit(left, left_out);
   const auto motions = motions_of_groups(data, left);
   if (motions && verdict == Verdict::adequate) diagnosis.verdict = Verdict::unexplained_structure;
   diagnosis.noise = noise.pure;

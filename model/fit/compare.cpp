@@ -201,6 +201,8 @@ Comparison compare(const Fit& fit, const Observations& data, std::size_t worst_c
   Comparison comparison;
   comparison.rms_um = fit.rms_um;
   comparison.peak_um = fit.peak_um;
+  comparison.rms_by_unit = fit.rms_by_unit;
+  comparison.peak_by_unit = fit.peak_by_unit;
   comparison.noise = fit.noise;
   comparison.lack_of_fit = fit.lack_of_fit;
   comparison.outliers = fit.outliers;

@@ -57,6 +57,7 @@ struct WorstPlace {
 struct Comparison {
   double rms_um = 0.0;
   double peak_um = 0.0;
+  SizesByUnit rms_by_unit, peak_by_unit;  ///< the same
   PureError noise;
   std::optional<LackOfFit> lack_of_fit;
   std::vector<DirectionSummary> directions;

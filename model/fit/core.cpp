@@ -531,7 +531,9 @@ CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptio
       std::max(1.0, static_cast<double>(data.size()) - static_cast<double>(now.rank) - static_cast<double>(searched));
   if (options.plain) {
     core.noise = plain_noise(data, std::max(std::sqrt(now.chi2 / freedom), 1e-9));
-    core.noise.pure.noise_um = noise_of(data, residual, smooth, core.left_out, columns).pure.noise_um;
+    const PureError pure = noise_of(data, residual, smooth, core.left_out, columns).pure;
+    core.noise.pure.noise_um = pure.noise_um;
+    core.noise.pure.by_unit = pure.by_unit;
   }
   const Whitener whitener(data, core.noise, core.left_out);
   if (options.plain) now = refined_in_ranges(assembly, regressors, whitener);

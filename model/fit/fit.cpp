@@ -414,6 +414,36 @@ std::optional<LackOfFit> lack_of_fit_of(const Observations& data, const VectorXd
   return test;
 }
 
+std::string note_of_no_reading(const EffectInstance& effect, const Observations& data, const Acting& acting) {
+  if (!acting.rows.empty() || acting.skipped > 0) return "";
+  const Observations& motions = data.motions();
+  bool has_sense = false, has_axis = false;
+  int lines = 0;
+  for (std::size_t k = 0; k < motions.size(); ++k) {
+    const bool of_sense = effect.sense && motions.sense[k] == *effect.sense;
+    const bool along = effect.axis && motions.axis[k] == *effect.axis;
+    has_sense = has_sense || of_sense;
+    has_axis = has_axis || along;
+    if (of_sense && along) lines = std::max(lines, motions.line_of(k));
+  }
+  std::string why;
+  if (effect.sense && !has_sense)
+    why = fmt::format(": none is of {}", name_of(*effect.sense));
+  else if (effect.axis && !has_axis)
+    why = fmt::format(": none is along {}", axis_letter(effect));
+  else if (effect.line > lines)
+    why = fmt::format(": {} was measured along {} in {} line{}", name_of(*effect.sense), axis_letter(effect), lines,
+                      lines == 1 ? "" : "s");
+  return fmt::format("{}: acts on none of these readings{}", to_text(effect), why);
+}
+
+SizesByUnit rms_by_unit(const Observations& data, std::span<const double> residual, const std::vector<bool>& left_out) {
+  std::vector<double> lengths, angles;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (left_out.empty() || !left_out[k]) (is_rotation(data.sense[k]) ? angles : lengths).push_back(residual[k]);
+  return {rms_of(lengths), rms_of(angles)};
+}
+
 Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreFit& core) {
   const Observations& data = regressors.data();
   Fit fit;
@@ -438,7 +468,13 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
   fit.residual.assign(core.residual.data(), core.residual.data() + core.residual.size());
   for (std::size_t k = 0; k < data.size(); ++k) fit.predicted.push_back(data.reading[k] - fit.residual[k]);
   fit.rms_um = rms_of(fit.residual);
-  for (const double r : fit.residual) fit.peak_um = std::max(fit.peak_um, std::abs(r));
+  fit.rms_by_unit = rms_by_unit(data, fit.residual);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const double size = std::abs(fit.residual[k]);
+    double& of_unit = is_rotation(data.sense[k]) ? fit.peak_by_unit.um_per_m : fit.peak_by_unit.um;
+    of_unit = std::max(of_unit, size);
+    fit.peak_um = std::max(fit.peak_um, size);
+  }
   fit.fitted_parameters =
       static_cast<std::size_t>(core.rank) + static_cast<std::size_t>(core.covariance.rows() - core.sizes.size());
   fit.condition = core.condition;

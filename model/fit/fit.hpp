@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,9 +29,18 @@ struct EffectFit {
   std::vector<double> contribution;  ///< per reading, canonical order; 0 where it does not act
 };
 
+/// A size of readings in um and of those in um/m, each over its own readings; 0 where there are none.
+struct SizesByUnit {
+  double um = 0.0, um_per_m = 0.0;
+};
+/// √(mean r²) of each. @param left_out  outliers, not counted; empty: none
+[[nodiscard]] SizesByUnit rms_by_unit(const Observations& data, std::span<const double> residual,
+                                      const std::vector<bool>& left_out = {});
+
 /// Scatter of repeats: same axis, sense, position, approach and conditions.
 struct PureError {
   double noise_um = 0.0;      ///< standard deviation of one reading
+  SizesByUnit by_unit;        ///< the same
   bool from_repeats = false;  ///< false: from differences of neighbouring readings
   double dof = 0.0;           ///< degrees of freedom of the repeats
   bool is_of_step = false;    ///< repeats scatter less than the step of the readings must: they do not show the noise
@@ -70,6 +80,7 @@ struct Fit {
   std::vector<double> residual;    ///< reading − predicted
   double rms_um = 0.0;             ///< √(mean r²) over all readings, outliers included
   double peak_um = 0.0;
+  SizesByUnit rms_by_unit, peak_by_unit;  ///< the same
   std::size_t fitted_parameters = 0;      ///< rank of the fit
   double condition = 1.0;                 ///< of the scaled normal equations' factor
   std::vector<Correlation> correlations;  ///< of magnitude 0.5 and more, strongest first

@@ -480,7 +480,7 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
       likely_shapes(data, noise.groups, deviation, std::clamp(noise.pure.dof / size, kLeastInformation, 1.0));
   const NoiseShape& best = *std::ranges::max_element(
       noise.shapes, [](const NoiseShape& x, const NoiseShape& y) { return x.weight < y.weight; });
-  double sum = 0.0;
+  std::vector<double> sigmas(data.size());
   for (std::size_t g = 0; g < noise.groups.size(); ++g) {
     NoiseGroup& group = noise.groups[g];
     double group_square = 0.0;
@@ -499,9 +499,10 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
     group.white = std::sqrt(std::max(1.0 - best.share, kLeastWhite) * best.variance[g]);
     group.correlated = std::sqrt(best.share * best.variance[g]);
     group.time = best.time;
-    sum += group.sigma() * group.sigma() * static_cast<double>(group.rows.size());
+    for (const std::size_t k : group.rows) sigmas[k] = group.sigma();
   }
-  noise.pure.noise_um = std::sqrt(sum / size);
+  noise.pure.noise_um = rms_of(sigmas);
+  noise.pure.by_unit = rms_by_unit(data, sigmas);
   return noise;
 }
 

@@ -130,12 +130,14 @@ Cell fit_cell(const Fit& fit, const model::Observations& data, bool rotary, cons
   std::string undetermined;
   for (const std::string& one : fit.undetermined) undetermined += paragraph("undetermined: " + one, 0, 2);
   const std::vector<std::string> zero = not_distinguished(fit);
-  return record_cell(
-      "{observations} readings, {fitted_parameters} fitted parameters: rms {rms_um} {unit}, peak {peak_um} {unit}\n"
+  const std::string_view unit = fit.noise.unit;
+  Cell answer = record_cell(
+      "{observations} readings, {fitted_parameters} fitted parameters: rms {rms_um}, peak {peak_um}\n"
       "{condition}{effects}{not_distinguished}{undetermined}{correlations}{noise}{outliers}{notes}",
-      "observations"_is(data.size()), "unit"_shown(fit.noise.unit), "rms_um"_is(fit.rms_um, 3),
-      "peak_um"_is(fit.peak_um, 3), "noise_um"_is(fit.noise.noise_um), "noise_from_repeats"_is(fit.noise.from_repeats),
-      "lack_of_fit"_is(lack_of_fit), "fitted_parameters"_is(fit.fitted_parameters),
+      "observations"_is(data.size()), "rms_um"_is(fit.rms_um, in_each_unit(fit.rms_um, fit.rms_by_unit, unit)),
+      "peak_um"_is(fit.peak_um, in_each_unit(fit.peak_um, fit.peak_by_unit, unit)), "noise_um"_is(fit.noise.noise_um),
+      "noise_from_repeats"_is(fit.noise.from_repeats), "lack_of_fit"_is(lack_of_fit),
+      "fitted_parameters"_is(fit.fitted_parameters),
       "condition"_is(fit.condition,
                      paragraph(fmt::format("noise of one reading {}; lack-of-fit test: {}; condition number {}",
                                            noise_text(fit.noise), lack_of_fit.text, few_digits(fit.condition)))),
@@ -143,6 +145,8 @@ Cell fit_cell(const Fit& fit, const model::Observations& data, bool rotary, cons
       "not_distinguished"_is(zero, not_distinguished_text(zero)), "undetermined"_is(fit.undetermined, undetermined),
       "outliers"_is(fit.outliers, outliers_text(fit)), "noise"_is(noise_cell(fit, rotary, !data.time_s.empty())),
       "notes"_is(fit.notes, notes_text(fit.notes)), "model"_is(text_cell(output)));
+  add_by_unit(answer.json, unit, {{"rms", fit.rms_by_unit}, {"peak", fit.peak_by_unit}, {"noise", fit.noise.by_unit}});
+  return answer;
 }
 
 /// What the file states of its readings beside what they show; no key where it states nothing.
