@@ -519,7 +519,10 @@ Result<Diagnosis> reported(const ReportInput& in) {
   if (in.found.bad_run || in.found.odd_pass || in.found.noisy || in.found.step)
     put_run_first(diagnosis.where, data, in.found, in.base.residual, kTellingChance);
   if (motions) put_motions_first(diagnosis.where, *motions);
-  diagnosis.notes = untried_effects(data);
+  for (const EffectInstance& effect : in.model.effects)
+    if (std::string note = note_of_no_reading(effect, data, in.regressors.acting(effect)); !note.empty())
+      diagnosis.notes.push_back(std::move(note));
+  for (std::string& note : untried_effects(data)) diagnosis.notes.push_back(std::move(note));
   if (const auto note = even_targets_note(data)) diagnosis.notes.push_back(*note);
   for (const Candidate& candidate : diagnosis.candidates)
     if (const auto note = slope_note(candidate, in.regressors)) diagnosis.notes.push_back(*note);

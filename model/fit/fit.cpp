@@ -462,8 +462,8 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
           "has another cause",
           to_text(slot.effect), fit.effects[s].parameters.front().name, fit.effects[s].parameters.front().value,
           fit.effects[s].parameters.front().unit.empty() ? "" : " ", fit.effects[s].parameters.front().unit));
-    if (slot.acting.rows.empty() && slot.acting.skipped == 0)
-      fit.notes.push_back(fmt::format("{}: acts on none of these readings", to_text(slot.effect)));
+    if (std::string note = note_of_no_reading(slot.effect, data, slot.acting); !note.empty())
+      fit.notes.push_back(std::move(note));
   }
   fit.residual.assign(core.residual.data(), core.residual.data() + core.residual.size());
   for (std::size_t k = 0; k < data.size(); ++k) fit.predicted.push_back(data.reading[k] - fit.residual[k]);

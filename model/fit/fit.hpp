@@ -97,6 +97,11 @@ struct Fit {
 /// fewer readings than one.
 [[nodiscard]] Result<Fit> fit(const Model& model, const Observations& data, const FitOptions& options = {});
 
+/// "offset:X:EX:99: acts on none of these readings: EX was measured along X in 1 line"; "" where it acts on some, or
+/// they lack a cell that it needs. @param acting  of the effect
+[[nodiscard]] std::string note_of_no_reading(const EffectInstance& effect, const Observations& data,
+                                             const Acting& acting);
+
 /// The model with every fitted value held, as if it had been given; effects that were never fitted stay as they are.
 [[nodiscard]] Model with_values_held(Model model);
 
