@@ -146,9 +146,15 @@ bool is_alike(const Search& search, const Choice& member, const Choice& other) {
   return parameters <= member.parameters + 1;
 }
 
-bool is_fact(const Family& family, double value) {
-  return std::ranges::any_of(family.facts, [&](double fact) { return std::abs(value / fact - 1.0) < kSameFact; });
+/// Place of a value among the facts of the machine, the most trusted first; their number where it is none. Of a turn
+/// any whole number of waves is as usual as another.
+std::size_t place_in_facts(const Family& family, double value) {
+  const auto found =
+      std::ranges::find_if(family.facts, [&](double fact) { return std::abs(value / fact - 1.0) < kSameFact; });
+  return found != family.facts.end() && family.effect.rotary ? 0
+                                                             : static_cast<std::size_t>(found - family.facts.begin());
 }
+bool is_fact(const Family& family, double value) { return place_in_facts(family, value) < family.facts.size(); }
 
 /// Whether a value of a wave fits as well as the member: with fewer harmonics it may fit a little worse, with more it
 /// is another wave's harmonic unless they are worth their price.
@@ -196,8 +202,7 @@ std::vector<Choice> values_that_fit(const Search& search, const Space& space, co
     if (after != targets.end()) high.nonlinear = *after;
     return {low, high};
   }
-  std::stable_partition(values.begin(), values.end(),
-                        [&](const Choice& value) { return is_fact(family, value.nonlinear); });
+  std::ranges::stable_sort(values, {}, [&](const Choice& value) { return place_in_facts(family, value.nonlinear); });
   return values;
 }
 
