@@ -282,6 +282,43 @@ std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::Ve
   return best;
 }
 
+std::optional<double> drift_of_last_run(const Observations& data, const Eigen::VectorXd& residual, int run) {
+  constexpr double kOfLine = 2.0;  // level and drift
+  double count = 0.0, time = 0.0, mean = 0.0, others = 0.0, mean_of_others = 0.0;
+  double first_s = kBeyondAll, last_s = -kBeyondAll, last_of_others_s = -kBeyondAll;
+  for (std::size_t k = 0; k < data.time_s.size(); ++k) {
+    const double r = residual(static_cast<Eigen::Index>(k)), t = data.time_s[k];
+    if (std::isnan(t)) return std::nullopt;
+    if (data.run[k] != run) {
+      ++others;
+      mean_of_others += r;
+      last_of_others_s = std::max(last_of_others_s, t);
+      continue;
+    }
+    ++count;
+    time += t;
+    mean += r;
+    first_s = std::min(first_s, t);
+    last_s = std::max(last_s, t);
+  }
+  if (count < kFewestInRun || others == 0.0 || first_s <= last_of_others_s || last_s <= first_s) return std::nullopt;
+  time /= count;
+  mean /= count;
+  double of_time = 0.0, product = 0.0, squares = 0.0;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (data.run[k] != run) continue;
+    const double t = data.time_s[k] - time, r = residual(static_cast<Eigen::Index>(k)) - mean;
+    of_time += t * t;
+    product += t * r;
+    squares += r * r;
+  }
+  const double drift_um = product / of_time * (last_s - first_s), off_um = mean - mean_of_others / others;
+  const double explained = product * product / of_time, freedom = count - kOfLine;
+  const double F = explained / std::max((squares - explained) / freedom, kLeastDivisor);
+  if (ln_f_tail(F, 1.0, freedom) > std::log(kOddChance) || drift_um * off_um < off_um * off_um) return std::nullopt;
+  return drift_um;
+}
+
 std::optional<OddPass> odd_pass(const Observations& data, const Eigen::VectorXd& residual,
                                 const std::vector<bool>& left_out) {
   std::optional<OddPass> oddest;

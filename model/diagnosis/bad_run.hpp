@@ -47,6 +47,12 @@ struct StepOfRuns {
 [[nodiscard]] std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::VectorXd& residual,
                                                      const std::vector<bool>& left_out);
 
+/// How far the last run drifts from its first reading to its last, um or um/m, by a straight line over the time, where
+/// that is at least as much as it lies off the other runs: a drift that begins late in the day does so, a run with
+/// another zero does not. Nothing of any other run, by chance, or without times.
+[[nodiscard]] std::optional<double> drift_of_last_run(const Observations& data, const Eigen::VectorXd& residual,
+                                                      int run);
+
 /// The pass of one run that stands off the other passes of its line and approach.
 struct OddPass {
   int run = 0;

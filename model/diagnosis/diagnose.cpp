@@ -87,7 +87,12 @@ std::string trend_text(const StepOfRuns& step, std::string_view unit) {
 /// @param residual  of the model as given, um, a row a reading of `data`
 std::optional<DifferentRun> different_run(const Found& found, const Diagnosis& diagnosis, const Observations& data,
                                           const VectorXd& residual) {
-  const auto of_run = [](int run, std::string words, bool is_shifted = true) {
+  const auto of_run = [&](int run, std::string words, bool is_shifted = true) {
+    if (const auto drift_um = drift_of_last_run(data, residual, run))
+      return DifferentRun{run, true, true,
+                          fmt::format("Readings drift by {:+.2g} {} within run {}, the last one: look for an event "
+                                      "late in the day first.",
+                                      *drift_um, diagnosis.noise.unit, run)};
     words.front() = 'R';
     return DifferentRun{run, false, is_shifted, words + ". Check that run first."};
   };
