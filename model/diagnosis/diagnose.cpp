@@ -508,7 +508,11 @@ Result<Diagnosis> reported(const ReportInput& in) {
     }
     for (const ParameterEstimate& parameter : candidate.parameters)
       if (!parameter.held) candidate.effect.fitted.try_emplace(parameter.name, parameter.value);
-    candidate.next_measurement = separating_measurement(candidate.effect, order[i].rivals);
+    const bool is_aliased = candidate.effect.rotary && candidate.effect.traits().periodic && candidate.rivals.empty() &&
+                            !candidate.parameters_set.empty();
+    candidate.next_measurement = is_aliased ? fmt::format("Measure {} again at targets displaced from equal steps.",
+                                                          axis_letter(candidate.effect))
+                                            : separating_measurement(candidate.effect, order[i].rivals);
     if (candidate.standing == Standing::likely) {
       const Doubt doubt = doubt_about(order[i], in.found, noise_left(in.found, in.options));
       candidate.but = doubt.but;

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "base/linear/decompositions.hpp"
+#include "base/moved_targets.hpp"
 #include "model/diagnosis/structure.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
@@ -24,6 +25,11 @@ namespace {
 
 /// Periods agree to a percent: a fit on a short travel knows them no better.
 constexpr double kSamePeriod = 0.01;
+/// A period is a pitch, a tenth to ten times it: ratios of small whole numbers are further apart than a percent. It is
+/// surely another beyond four standard deviations, each a ten-thousandth at least: a machine that is 10 degC warmer.
+constexpr int kMostOfPitch = 10;
+constexpr double kSurelyOther = 4.0, kLeastSigma = 1e-4;
+constexpr double kWholeTurn_deg = 360.0;
 /// A period is a part of another up to this number.
 constexpr double kMostParts = 12.5;
 /// Frequencies closer than this many turns over the travel beat: one wave whose amplitude or period changes looks so.
@@ -206,6 +212,130 @@ std::string objection_to_waves(const Observations& data, const std::vector<Famil
     }
   }
   return "";
+}
+
+std::optional<PitchMatch> pitch_matching(const EffectInstance& wave, const std::optional<double>& sigma_mm,
+                                         const Observations& data) {
+  const auto period = searched_value(wave);
+  if (!wave.traits().periodic || !period || !wave.axis || wave.rotary) return std::nullopt;
+  const auto& axis = data.machine.axes[index_of(*wave.axis)];
+  if (!axis) return std::nullopt;
+  for (const bool of_scale : {false, true}) {
+    const std::optional<double>& pitch_mm = of_scale ? axis->scale_pitch_mm : axis->screw_pitch_mm;
+    if (!pitch_mm) continue;
+    for (int n = 1; n <= kMostOfPitch; ++n)
+      for (const auto& [times, parts] : {std::pair(1, n), std::pair(n, 1)}) {
+        const double expected_mm = *pitch_mm * times / parts, off = std::abs(*period - expected_mm);
+        if (off >= kSamePeriod * expected_mm) continue;
+        const bool excluded = sigma_mm && off > kSurelyOther * std::max(*sigma_mm, kLeastSigma * expected_mm);
+        return PitchMatch{expected_mm, times, parts, of_scale, excluded};
+      }
+  }
+  return std::nullopt;
+}
+
+bool are_one_wave(const EffectInstance& one, const EffectInstance& other) {
+  const auto period = searched_value(one), period2 = searched_value(other);
+  return one.traits().periodic && one.id == other.id && same_place(one, other) && one.approach != other.approach &&
+         period && period2 && std::abs(*period / *period2 - 1.0) < kSamePeriod;
+}
+
+double waves_a_turn(const EffectInstance& wave) {
+  const auto period_deg = searched_value(wave);
+  if (!wave.traits().periodic || !period_deg || !wave.rotary) return 0.0;
+  const double order = std::round(kWholeTurn_deg / *period_deg);
+  return std::abs(*period_deg * order / kWholeTurn_deg - 1.0) > kSamePeriod ? 0.0 : order;
+}
+
+namespace {
+
+constexpr std::string_view kPeriod = "period_mm", kSize = "amplitude_um", kSecondSize = "amplitude2_um";
+
+auto estimate(auto& wave, std::string_view name) {
+  return std::ranges::find(wave.parameters, name, &ParameterEstimate::name);
+}
+
+bool has_second_harmonic(const NamedWave& wave) {
+  const auto has = [&](std::string_view name) { return estimate(wave, name) != wave.parameters.end(); };
+  return wave.effect.traits().periodic && has(kPeriod) && has(kSize) && has(kSecondSize) &&
+         estimate(wave, kSecondSize)->value > 0.0;
+}
+
+bool is_second_larger(const NamedWave& wave) { return estimate(wave, kSecondSize)->value > wave.size().value; }
+
+/// As if its second harmonic were all of it. @pre it has one
+NamedWave second_harmonic(NamedWave wave) {
+  const auto first = estimate(wave, kSize), second = estimate(wave, kSecondSize), period = estimate(wave, kPeriod);
+  first->value = second->value;
+  first->sigma = second->sigma;
+  first->undetermined = second->undetermined;
+  period->value /= 2.0;
+  wave.effect.fitted[period->name] = period->value;
+  return wave;
+}
+
+}  // namespace
+
+const ParameterEstimate& NamedWave::size() const { return *estimate(*this, kSize); }
+const ParameterEstimate& NamedWave::period() const { return *estimate(*this, kPeriod); }
+
+NamedWave larger_wave(const NamedWave& wave) {
+  return has_second_harmonic(wave) && is_second_larger(wave) ? second_harmonic(wave) : wave;
+}
+
+std::optional<NamedWave> smaller_wave(const NamedWave& wave) {
+  if (!has_second_harmonic(wave)) return std::nullopt;
+  return is_second_larger(wave) ? wave : second_harmonic(wave);
+}
+
+std::vector<EvenTargets> even_targets(const Observations& data) {
+  std::map<std::pair<Axis, Sense>, std::vector<double>> targets_mm;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!data.on_path(k))
+      targets_mm[{data.axis[k], data.sense[k]}].push_back(data.position_mm[k][index_of(data.axis[k])]);
+  std::map<std::pair<Axis, double>, std::vector<Sense>> senses;  // by axis and step
+  for (const auto& [line, targets] : targets_mm)
+    if (const auto step_mm = even_step_mm(targets))
+      senses[{line.first, std::round(*step_mm * 1e6) / 1e6}].push_back(line.second);
+  std::vector<EvenTargets> all;
+  for (const auto& [line, of] : senses) all.push_back({line.first, line.second, of});
+  return all;
+}
+
+std::optional<int> steps_a_turn(double step_deg) {
+  constexpr double kRounding = 1e-3;  // of the targets as a file gives them
+  const double steps = kWholeTurn_deg / step_deg;
+  if (std::abs(steps - std::round(steps)) > kRounding) return std::nullopt;
+  return static_cast<int>(std::round(steps));
+}
+
+std::vector<double> aliases_of(const EffectInstance& wave, const Observations& data) {
+  const auto period = searched_value(wave);
+  if (!wave.traits().periodic || !period || !wave.axis || !wave.sense || pitch_matching(wave, std::nullopt, data))
+    return {};
+  std::vector<double> targets_mm;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (data.on_path(k) || !data.through_chain.empty()) return {};
+    if (data.axis[k] == *wave.axis && data.sense[k] == *wave.sense)
+      targets_mm.push_back(data.position_mm[k][index_of(*wave.axis)]);
+  }
+  const auto step_mm = even_step_mm(targets_mm);
+  if (!step_mm || *period <= *step_mm || (wave.rotary && !steps_a_turn(*step_mm))) return {};
+  const double fewer = 1.0 / *step_mm - 1.0 / *period, more = 1.0 / *step_mm + 1.0 / *period;
+  if (fewer * *period < 1.0 + 1e-6) return {1.0 / more};  // two targets a period: that is the wave itself
+  return {1.0 / fewer, 1.0 / more};
+}
+
+bool may_be_wave(const EffectInstance& curve, const Observations& data) {
+  const EffectTraits& traits = curve.traits();
+  if (!traits.is_smooth || traits.of_approach || curve.rotary || !curve.axis || !curve.sense) return false;
+  std::vector<double> targets_mm;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (data.on_path(k) || !data.through_chain.empty()) return false;
+    if (data.axis[k] == *curve.axis && data.sense[k] == *curve.sense) targets_mm.push_back(data.p_mm(k, *curve.axis));
+  }
+  std::ranges::sort(targets_mm);
+  return std::ranges::unique(targets_mm).begin() - targets_mm.begin() < static_cast<int>(kFewestWaveTargets);
 }
 
 namespace {

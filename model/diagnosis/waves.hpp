@@ -53,6 +53,58 @@ struct ChangeOfWave {
 /// Whether an effect is no wave, or its period is a pitch of the machine or one of its parts and multiples.
 [[nodiscard]] bool is_pitch_or_no_wave(const Family& family, const Choice& choice);
 
+/// A period that is, to a percent, a pitch of the machine, a tenth to ten times it.
+struct PitchMatch {
+  double expected_mm = 0.0;  ///< by the machine file
+  int times = 1, parts = 1;  ///< of the pitch: times/parts
+  bool is_of_scale = false;  ///< of its scale, else of its screw
+  bool is_excluded = false;  ///< the period is another one beyond four standard deviations
+};
+/// Nothing for other effects, for rotary axes, and where the machine file gives no such pitch; the screw comes first.
+/// @param sigma_mm  of the period; absent: nothing is excluded
+[[nodiscard]] std::optional<PitchMatch> pitch_matching(const EffectInstance& wave,
+                                                       const std::optional<double>& sigma_mm, const Observations& data);
+
+/// Whether two waves act at one place with one period in unlike approaches: one cause that differs between the
+/// directions, for both, forward and reverse are each made up of the two others.
+[[nodiscard]] bool are_one_wave(const EffectInstance& one, const EffectInstance& other);
+
+/// Of a rotary axis the whole number of waves a turn; 0 of other effects.
+[[nodiscard]] double waves_a_turn(const EffectInstance& wave);
+
+/// A wave of an answer with its parameters.
+struct NamedWave {
+  EffectInstance effect;
+  std::vector<ParameterEstimate> parameters;
+  /// @pre it has both
+  [[nodiscard]] const ParameterEstimate& size() const;
+  [[nodiscard]] const ParameterEstimate& period() const;
+};
+/// The larger of a wave and its second harmonic, which has half the period; any other effect as it is.
+[[nodiscard]] NamedWave larger_wave(const NamedWave& wave);
+/// The other of the two; nothing where there is no second harmonic.
+[[nodiscard]] std::optional<NamedWave> smaller_wave(const NamedWave& wave);
+
+/// An axis whose targets, all runs and lines of some senses together, lie at equal steps: a period below two steps has
+/// aliases (Nyquist).
+struct EvenTargets {
+  Axis axis = Axis::X;
+  double step_mm = 0.0;  ///< of a rotary axis [deg]
+  std::vector<Sense> senses;
+};
+[[nodiscard]] std::vector<EvenTargets> even_targets(const Observations& data);
+
+/// Steps [deg] in a turn, where it is a whole number of them: so many waves a turn have one value at all targets, and n
+/// waves look like so many less n.
+[[nodiscard]] std::optional<int> steps_a_turn(double step_deg);
+
+/// The two longest periods that targets at equal steps cannot distinguish from that of a wave, because it turns once
+/// more or once less from target to target; none where it is a pitch of the machine.
+[[nodiscard]] std::vector<double> aliases_of(const EffectInstance& wave, const Observations& data);
+
+/// A curve that was found on so few targets that no wave was looked for there.
+[[nodiscard]] bool may_be_wave(const EffectInstance& curve, const Observations& data);
+
 struct FreeWave {
   double period_mm = 0.0;
   double minus_log_p = 0.0;  ///< base 10, for having been sought among all frequencies

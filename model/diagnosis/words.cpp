@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <ranges>
 #include <set>
 #include <utility>
 
@@ -13,21 +14,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/moved_targets.hpp"
 #include "model/diagnosis/trial.hpp"
+#include "model/diagnosis/waves.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
 
 namespace ecs::model {
 namespace {
 
-/// A period is a pitch, a tenth to ten times it, where it agrees to a percent: a fit knows it no better than that on a
-/// short travel, and ratios of small whole numbers are further apart.
-constexpr double kSamePitch = 0.01;
-constexpr int kMostOfPitch = 10;
-/// It is surely another beyond four standard deviations, each a ten-thousandth at least: a machine that is 10 degC
-/// warmer.
-constexpr double kSurelyOther = 4.0, kLeastSigma = 1e-4;
 /// Targets a period that show its shape, and a period to suggest where none was fitted.
 constexpr double kTargetsAPeriod = 10.0, kUsualPeriod_mm = 10.0, kUsualPeriod_deg = 360.0;
 /// Less of the residual is no evidence in words, whatever a test says: a person sees no difference.
@@ -41,46 +35,20 @@ constexpr std::string_view kNoPitch = "certainly not ";
 
 std::string percent(double share) { return fmt::format("{:.3g} %", kPercent * share); }
 
-std::optional<double> searched_value(const EffectInstance& effect) {
-  const auto found = effect.fitted.find(std::string(effect.definition().searched_parameter()));
-  return found == effect.fitted.end() ? std::nullopt : std::optional(found->second);
-}
-
-/// "one turn", "1/3 turn" for a period [deg] that is one.
-std::string part_of_turn(double period_deg) {
-  constexpr double kTurn_deg = 360.0;
-  const double order = std::round(kTurn_deg / period_deg);
-  if (std::abs(period_deg * order / kTurn_deg - 1.0) > kSamePitch) return "";
-  return order == 1.0 ? "one turn" : fmt::format("1/{:.0f} turn", order);
-}
-
-/// "the pitch of its screw", "1/2 of the pitch of its scale" for a period that matches a fact of the machine within
-/// a percent, "certainly not …" where the readings exclude that; "" if none does.
-std::string pitch_match(const EffectInstance& effect, const std::optional<double>& sigma_mm, const Observations& data) {
-  const auto period = searched_value(effect);
-  if (!effect.traits().periodic || !period || !effect.axis) return "";
-  if (effect.rotary) return part_of_turn(*period);
-  const auto& axis = data.machine.axes[index_of(*effect.axis)];
-  if (!axis) return "";
-  const auto named = [&](const std::optional<double>& pitch, const char* name) -> std::string {
-    if (!pitch) return "";
-    const auto said = [&](double expected, const std::string& which) {
-      const double off = std::abs(*period - expected);
-      if (off >= kSamePitch * expected) return std::string();
-      if (!sigma_mm || off <= kSurelyOther * std::max(*sigma_mm, kLeastSigma * expected))
-        return fmt::format("{}the pitch of its {}", which, name);
-      return fmt::format("{}{}the pitch of its {}, {:.6g} mm by the machine file: check this", kNoPitch, which, name,
-                         expected);
-    };
-    std::string text;
-    for (int n = 1; n <= kMostOfPitch && text.empty(); ++n) {
-      text = said(*pitch / n, n == 1 ? "" : fmt::format("1/{} of ", n));
-      if (text.empty()) text = said(n * *pitch, fmt::format("{} times ", n));
-    }
-    return text;
-  };
-  const std::string screw = named(axis->screw_pitch_mm, "screw");
-  return screw.empty() ? named(axis->scale_pitch_mm, "scale") : screw;
+/// "one turn", "1/3 turn" for a period of a rotary axis; "the pitch of its screw", "1/2 of the pitch of its scale" for
+/// one that matches a fact of the machine, "certainly not …" where the readings exclude that; "" if none does.
+std::string pitch_text(const EffectInstance& effect, const std::optional<double>& sigma_mm, const Observations& data) {
+  if (const double order = waves_a_turn(effect); order > 0.0)
+    return order == 1.0 ? "one turn" : fmt::format("1/{:.0f} turn", order);
+  const auto match = pitch_matching(effect, sigma_mm, data);
+  if (!match) return "";
+  const std::string text = fmt::format("{}the pitch of its {}",
+                                       match->times > 1   ? fmt::format("{} times ", match->times)
+                                       : match->parts > 1 ? fmt::format("1/{} of ", match->parts)
+                                                          : "",
+                                       match->is_of_scale ? "scale" : "screw");
+  if (!match->is_excluded) return text;
+  return fmt::format("{}{}, {:.6g} mm by the machine file: check this", kNoPitch, text, match->expected_mm);
 }
 
 std::string axis_word(const EffectInstance& effect) {
@@ -145,7 +113,7 @@ std::string value_of(const EffectInstance& effect, const ParameterEstimate& para
     if (!is_known(parameter)) return "an undetermined amount";
     return size_text(parameter.value, unit) + (effect.traits().is_curve ? " rms" : "");
   }
-  const std::string pitch = pitch_match(effect, parameter.sigma, data);
+  const std::string pitch = pitch_text(effect, parameter.sigma, data);
   std::string text = fmt::format("{:#.4g} {}", parameter.value, unit);
   if (pitch.empty()) return text;
   return pitch.starts_with(kNoPitch) ? fmt::format("{} ({})", text, pitch) : fmt::format("{}, {}", text, pitch);
@@ -203,7 +171,10 @@ std::string probability_text(double probability) {
 
 /// The finding with its id in brackets. Beside it, likeliest first, what these data cannot tell from it and what is
 /// more probable than it, unless that is named itself.
-std::string with_alternatives(const std::string& finding, const Candidate& candidate, const Diagnosis& diagnosis) {
+/// @param part  of the answer that is one cause with it; null: none
+std::string with_alternatives(const std::string& finding, const Candidate& candidate, const Candidate* part,
+                              const Diagnosis& diagnosis) {
+  const std::string id = id_text(candidate, diagnosis) + (part != nullptr ? " and " + id_text(*part, diagnosis) : "");
   std::map<std::string, double> probabilities;
   for (const SetMember& member : candidate.set) probabilities[member.place] += member.probability;
   const std::string own = place_text(candidate.effect);
@@ -212,11 +183,13 @@ std::string with_alternatives(const std::string& finding, const Candidate& candi
   for (const EffectInstance& rival : candidate.rivals) others.insert(place_text(rival));
   for (const auto& [place, probability] : probabilities)
     if (probability > own_probability + kEqualShare) others.insert(place);
-  std::erase_if(others, [&](const std::string& place) { return place == own || named_at(place, diagnosis) > 0; });
-  if (others.empty()) return fmt::format("{} ({})", finding, id_text(candidate, diagnosis));
+  std::erase_if(others, [&](const std::string& place) {
+    const bool is_third_approach = part != nullptr && place.starts_with(to_text(candidate.effect));
+    return place == own || is_third_approach || named_at(place, diagnosis) > 0;
+  });
+  if (others.empty()) return fmt::format("{} ({})", finding, id);
   std::vector<std::pair<double, std::string>> causes{
-      {own_probability,
-       fmt::format("{} ({}, {})", finding, id_text(candidate, diagnosis), probability_text(own_probability))}};
+      {own_probability, fmt::format("{} ({}, {})", finding, id, probability_text(own_probability))}};
   for (const std::string& place : others)
     causes.emplace_back(probabilities[place], fmt::format("{} ({})", place, probability_text(probabilities[place])));
   sort_greatest_first(causes, [](const auto& cause) { return cause.first; });
@@ -226,18 +199,50 @@ std::string with_alternatives(const std::string& finding, const Candidate& candi
                      fmt::join(texts, ", or "));
 }
 
+/// ", or another period that fits as well"; of a rotary axis ", or 11 or 13 waves a turn, which fit as well".
+std::string other_periods_text(const Candidate& candidate) {
+  constexpr std::size_t kMostListed = 3;
+  const auto values = candidate.parameters_set.find(std::string(candidate.effect.definition().searched_parameter()));
+  if (!candidate.effect.traits().periodic || values == candidate.parameters_set.end()) return "";
+  const std::size_t others = values->second.size() - 1;
+  if (candidate.effect.rotary && others > 0 && others <= kMostListed) {
+    std::vector<std::string> orders;
+    for (const double period_deg : values->second | std::views::drop(1))
+      orders.push_back(fmt::format("{:.0f}", kUsualPeriod_deg / period_deg));
+    return fmt::format(", or {} waves a turn, which {} as well", fmt::join(orders, " or "),
+                       others == 1 ? "fits" : "fit");
+  }
+  if (others < 2) return others == 1 ? ", or another period that fits as well" : "";
+  return fmt::format(", or one of {} other periods that fit as well", others);
+}
+
+NamedWave wave_of(const Candidate& candidate) { return larger_wave({candidate.effect, candidate.parameters}); }
+
+/// ", and of +-2.0 um only when moving reverse: one cause …", behind a wave of another approach with its period.
+std::string part_text(const NamedWave& wave, const Observations& data) {
+  const ApproachMode approach = wave.effect.approach;
+  return fmt::format(
+      ", and of +-{}{}: one cause that differs between the directions, as lost motion does that varies along the "
+      "travel",
+      value_of(wave.effect, wave.size(), data),
+      approach == ApproachMode::both ? "" : fmt::format(" only when moving {}", name_of(approach)));
+}
+
 std::string findings_text(const Diagnosis& diagnosis, const Observations& data, bool likely) {
   std::vector<std::string> findings;
+  std::set<const Candidate*> told;
   for (const Candidate& candidate : diagnosis.candidates) {
-    if (likely ? candidate.standing != Standing::likely : !candidate.named) continue;
+    if ((likely ? candidate.standing != Standing::likely : !candidate.named) || told.contains(&candidate)) continue;
     std::string text = finding_text(candidate.effect, candidate.parameters, data);
-    const auto values = candidate.parameters_set.find(std::string(candidate.effect.definition().searched_parameter()));
-    if (candidate.effect.traits().periodic && values != candidate.parameters_set.end() && values->second.size() > 1)
-      text += values->second.size() == 2
-                  ? ", or another period that fits as well"
-                  : fmt::format(", or one of {} other periods that fit as well", values->second.size() - 1);
+    const auto part = std::ranges::find_if(diagnosis.candidates, [&](const Candidate& other) {
+      return other.standing == candidate.standing && are_one_wave(wave_of(other).effect, wave_of(candidate).effect);
+    });
+    const Candidate* const other = part == diagnosis.candidates.end() ? nullptr : &*part;
+    if (other != nullptr) text += part_text(wave_of(*other), data);
+    told.insert(other);
+    text += other_periods_text(candidate);
     if (may_be_wave(candidate.effect, data)) text += ", which a periodic error can look like on so few targets";
-    findings.push_back(with_alternatives(text, candidate, diagnosis));
+    findings.push_back(with_alternatives(text, candidate, other, diagnosis));
   }
   return fmt::format("{}", fmt::join(findings, "; and "));
 }
@@ -350,6 +355,32 @@ std::string evidence_together(const Candidate& candidate, const Diagnosis& diagn
   return text + (!none_alone ? "; alone it does not" : named == 2 ? "; neither alone does" : "; none alone does");
 }
 
+/// ", the screw pitch of 10 mm among them": pitches of the axis that the targets do not show; nothing where the machine
+/// file gives none, or they turn.
+std::optional<std::string> hidden_pitches(const Observations& data, const EvenTargets& targets) {
+  const auto& facts = data.machine.axes[index_of(targets.axis)];
+  if (data.rotary || !facts || (!facts->screw_pitch_mm && !facts->scale_pitch_mm)) return std::nullopt;
+  std::string text;
+  const auto add = [&](const std::optional<double>& pitch_mm, const char* name) {
+    if (pitch_mm && *pitch_mm < 2.0 * targets.step_mm)
+      text += fmt::format(", the {} of {:g} mm among them", name, *pitch_mm);
+  };
+  add(facts->screw_pitch_mm, "screw pitch");
+  add(facts->scale_pitch_mm, "scale pitch");
+  return text;
+}
+
+/// Behind the periods that even targets do not show; nothing where the known pitches of the axis are not among them.
+std::optional<std::string> undetected(const Observations& data, const EvenTargets& targets) {
+  if (data.rotary) {
+    const auto steps = steps_a_turn(targets.step_mm);
+    return steps ? fmt::format(", where n waves a turn look like {0} - n, and {0} like none", *steps) : "";
+  }
+  const auto hidden = hidden_pitches(data, targets);
+  if (!hidden) return ", and no machine file gives the pitch of its screw or scale";
+  return hidden->empty() ? std::nullopt : hidden;
+}
+
 std::map<Axis, std::set<double>> targets_of(const Observations& data) {
   std::map<Axis, std::set<double>> targets_mm;
   for (std::size_t k = 0; k < data.size(); ++k)
@@ -362,53 +393,16 @@ bool is_at_one_target(const Observations& data) {
   return std::ranges::any_of(targets_of(data), [](const auto& of) { return of.second.size() == 1; });
 }
 
-/// A wave whose second harmonic is the larger one is named by that: half the period, its amplitude.
-struct NamedWave {
-  EffectInstance effect;
-  std::vector<ParameterEstimate> parameters;
-};
-
-ParameterEstimate* named(NamedWave& wave, std::string_view name) {
-  const auto found =
-      std::ranges::find_if(wave.parameters, [&](const ParameterEstimate& one) { return one.name == name; });
-  return found == wave.parameters.end() ? nullptr : &*found;
-}
-
-/// As if its second harmonic were all of it. @pre it has the parameters of a wave
-NamedWave second_harmonic(NamedWave wave) {
-  ParameterEstimate &first = *named(wave, "amplitude_um"), &second = *named(wave, "amplitude2_um");
-  ParameterEstimate& period = *named(wave, "period_mm");
-  first.value = second.value;
-  first.sigma = second.sigma;
-  first.undetermined = second.undetermined;
-  period.value /= 2.0;
-  wave.effect.fitted[period.name] = period.value;
-  return wave;
-}
-
-bool has_second_harmonic(NamedWave wave) {
-  return wave.effect.traits().periodic && named(wave, "amplitude_um") && named(wave, "amplitude2_um") &&
-         named(wave, "period_mm") && named(wave, "amplitude2_um")->value > 0.0;
-}
-
-bool is_second_larger(NamedWave wave) {
-  return named(wave, "amplitude2_um")->value > named(wave, "amplitude_um")->value;
-}
-
-NamedWave larger_wave(const NamedWave& wave) {
-  return has_second_harmonic(wave) && is_second_larger(wave) ? second_harmonic(wave) : wave;
-}
-
 /// ", and of +-1.2 um with a period of 5.000 mm": the smaller of a wave and its second harmonic, where its size is
 /// known to a third.
 std::string smaller_wave_text(const NamedWave& wave, const Observations& data) {
   constexpr double kSigmas = 3.0;
-  if (!has_second_harmonic(wave)) return "";
-  NamedWave smaller = is_second_larger(wave) ? wave : second_harmonic(wave);
-  const ParameterEstimate& size = *named(smaller, "amplitude_um");
+  const auto smaller = smaller_wave(wave);
+  if (!smaller) return "";
+  const ParameterEstimate& size = smaller->size();
   if (size.undetermined || !size.sigma || size.value < kSigmas * *size.sigma) return "";
-  return fmt::format(", and of +-{} with a period of {}", value_of(smaller.effect, size, data),
-                     value_of(smaller.effect, *named(smaller, "period_mm"), data));
+  return fmt::format(", and of +-{} with a period of {}", value_of(smaller->effect, size, data),
+                     value_of(smaller->effect, smaller->period(), data));
 }
 
 }  // namespace
@@ -471,14 +465,12 @@ std::string reservation_for(const Observations& data) {
     if (targets.size() == 1)
       text += fmt::format("{}All readings along {} are at one target: errors over the position cannot be detected.",
                           text.empty() ? "" : " ", data.letter(axis));
-  for (const EvenTargets& one : even_targets(data)) {
-    if (one.pitch_known && one.hidden_pitches.empty()) continue;
-    text += fmt::format(
-        "{}Periods shorter than {:g} {} along {} cannot be detected: the targets are equally spaced at {:g} {}{}",
-        text.empty() ? "" : " ", 2.0 * one.step_mm, data.position_unit(), data.letter(one.axis), one.step_mm,
-        data.position_unit(),
-        one.pitch_known ? one.hidden_pitches + "." : ", and no machine file gives the pitch of its screw or scale.");
-  }
+  for (const EvenTargets& one : even_targets(data))
+    if (const auto behind = undetected(data, one))
+      text += fmt::format(
+          "{}Periods shorter than {:g} {} along {} cannot be detected: the targets are equally spaced at {:g} {}{}.",
+          text.empty() ? "" : " ", 2.0 * one.step_mm, data.position_unit(), data.letter(one.axis), one.step_mm,
+          data.position_unit(), *behind);
   return text;
 }
 
@@ -536,7 +528,7 @@ std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, c
                          ? evidence_together(candidate, diagnosis, *joint)
                          : evidence_alone(candidate, diagnosis);
   for (const ParameterEstimate& one : candidate.parameters)
-    if (const std::string pitch = pitch_match(candidate.effect, one.sigma, data);
+    if (const std::string pitch = pitch_text(candidate.effect, one.sigma, data);
         one.name == candidate.effect.definition().searched_parameter() && !pitch.empty())
       text += fmt::format("; the period of {:.5g} {} is {}", one.value, data.position_unit(), pitch);
   if (candidate.in_answer() && std::ranges::any_of(candidate.parameters, &ParameterEstimate::undetermined))
@@ -557,23 +549,6 @@ std::string separating_measurement(const EffectInstance& effect, const std::vect
       fmt::runtime(chosen->sentence), fmt::arg("axis", axis_word(effect)),
       fmt::arg("tenth", fmt::format("{:.3g} {}", period / kTargetsAPeriod, laser::target_unit(effect.rotary))));
 }
-
-namespace {
-
-/// ", the screw pitch of 10 mm among them": pitches of the axis that the targets do not show.
-std::string hidden_pitches(const Observations& data, Axis axis, double least_mm) {
-  const auto& facts = data.machine.axes[index_of(axis)];
-  if (!facts) return "";
-  std::string text;
-  const auto add = [&](const std::optional<double>& pitch_mm, const char* name) {
-    if (pitch_mm && *pitch_mm < least_mm) text += fmt::format(", the {} of {:g} mm among them", name, *pitch_mm);
-  };
-  add(facts->screw_pitch_mm, "screw pitch");
-  add(facts->scale_pitch_mm, "scale pitch");
-  return text;
-}
-
-}  // namespace
 
 std::optional<std::string> sensor_noise_note(const Diagnosis& diagnosis, const Observations& data, bool unexplained) {
   if (!data.history || data.history->without_noise.empty()) return std::nullopt;
@@ -602,69 +577,17 @@ std::optional<std::string> sensor_noise_note(const Diagnosis& diagnosis, const O
       hides ? ". The cause may therefore be another temperature. Repeat with sensors of lower noise" : "");
 }
 
-std::vector<EvenTargets> even_targets(const Observations& data) {
-  std::map<std::pair<Axis, Sense>, std::vector<double>> targets_mm;
-  for (std::size_t k = 0; k < data.size(); ++k)
-    if (!data.on_path(k))
-      targets_mm[{data.axis[k], data.sense[k]}].push_back(data.position_mm[k][index_of(data.axis[k])]);
-  std::map<std::pair<Axis, double>, std::string> senses;  // by axis and step
-  for (const auto& [line, targets] : targets_mm) {
-    const auto step_mm = even_step_mm(targets);
-    if (!step_mm) continue;
-    std::string& names = senses[{line.first, std::round(*step_mm * 1e6) / 1e6}];
-    names += (names.empty() ? "" : ", ") + std::string(name_of(line.second));
-  }
-  std::vector<EvenTargets> all;
-  for (const auto& [line, names] : senses) {
-    const auto [axis, step_mm] = line;
-    const auto& facts = data.machine.axes[index_of(axis)];
-    all.push_back({axis, step_mm, names, hidden_pitches(data, axis, 2.0 * step_mm),
-                   data.rotary || (facts && (facts->screw_pitch_mm || facts->scale_pitch_mm))});
-  }
-  return all;
-}
-
-bool may_be_wave(const EffectInstance& curve, const Observations& data) {
-  const EffectTraits& traits = curve.traits();
-  if (!traits.is_smooth || traits.of_approach || curve.rotary || !curve.axis || !curve.sense) return false;
-  std::set<double> targets_mm;
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    if (data.on_path(k) || !data.through_chain.empty()) return false;
-    if (data.axis[k] == *curve.axis && data.sense[k] == *curve.sense) targets_mm.insert(data.p_mm(k, *curve.axis));
-  }
-  return targets_mm.size() < kFewestWaveTargets;
-}
-
-std::vector<double> aliases_of(const EffectInstance& wave, const Observations& data) {
-  constexpr double kWholeTurn_deg = 360.0, kLeastOfTurn_deg = 180.0;
-  const auto period = searched_value(wave);
-  if (!wave.traits().periodic || !period || !wave.axis || !wave.sense) return {};
-  if (wave.rotary ? *period >= kLeastOfTurn_deg : !pitch_match(wave, std::nullopt, data).empty()) return {};
-  std::vector<double> targets_mm;
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    if (data.on_path(k) || !data.through_chain.empty()) return {};
-    if (data.axis[k] == *wave.axis && data.sense[k] == *wave.sense)
-      targets_mm.push_back(data.position_mm[k][index_of(*wave.axis)]);
-  }
-  if (wave.rotary && !targets_mm.empty()) {  // the end of a whole turn is its beginning
-    const double least_deg = std::ranges::min(targets_mm);
-    std::erase_if(targets_mm, [&](double at_deg) { return at_deg >= least_deg + kWholeTurn_deg - 1e-9; });
-  }
-  const auto step_mm = even_step_mm(targets_mm);
-  if (!step_mm || *period <= *step_mm) return {};
-  const double fewer = 1.0 / *step_mm - 1.0 / *period, more = 1.0 / *step_mm + 1.0 / *period;
-  if (fewer * *period < 1.0 + 1e-6) return {1.0 / more};  // two targets a period: that is the wave itself
-  return {1.0 / fewer, 1.0 / more};
-}
-
 std::optional<std::string> even_targets_note(const Observations& data) {
   std::string note;
-  for (const EvenTargets& one : even_targets(data))
+  for (const EvenTargets& one : even_targets(data)) {
+    std::vector<std::string_view> senses;
+    for (const Sense sense : one.senses) senses.push_back(name_of(sense));
     note += fmt::format(
         "{}targets are equally spaced at {:g} {} along {} ({}): periods shorter than {:g} {} cannot be distinguished "
         "from longer ones{}",
-        note.empty() ? "" : "; ", one.step_mm, data.position_unit(), data.letter(one.axis), one.senses,
-        2.0 * one.step_mm, data.position_unit(), one.hidden_pitches);
+        note.empty() ? "" : "; ", one.step_mm, data.position_unit(), data.letter(one.axis), fmt::join(senses, ", "),
+        2.0 * one.step_mm, data.position_unit(), hidden_pitches(data, one).value_or(""));
+  }
   if (note.empty()) return std::nullopt;
   return note + "; targets displaced from equal steps by a tenth of the step or more show them (ISO 230-2:2014, 5.3.2)";
 }

@@ -25,7 +25,7 @@ inline constexpr double kPercent = 100.0;
 [[nodiscard]] std::string readings_word(Sense sense, std::optional<Axis> axis, bool rotary = false);
 
 /// What these data cannot show whatever is in them: periods below two steps of even targets, where no pitch of the axis
-/// is known or a known one is among them. "" where there is nothing of the kind.
+/// is known or a known one is among them, and of rotary axes. "" where there is nothing of the kind.
 [[nodiscard]] std::string reservation_for(const Observations& data);
 
 /// The first sentence of an answer: the bad run first, then the causes with their ids in brackets.
@@ -58,25 +58,6 @@ struct JointProof {
 /// @param unexplained  structure is left
 [[nodiscard]] std::optional<std::string> sensor_noise_note(const Diagnosis& diagnosis, const Observations& data,
                                                            bool unexplained);
-
-/// An axis whose targets, all runs and lines of some senses together, lie at equal steps: a period below two steps has
-/// aliases (Nyquist).
-struct EvenTargets {
-  Axis axis = Axis::X;
-  double step_mm = 0.0;
-  std::string senses;          ///< "EX, EY"
-  std::string hidden_pitches;  ///< ", the screw pitch of 10 mm among them"; "" where no known pitch is below two steps
-  bool pitch_known = false;    ///< the machine file says one of the axis
-};
-[[nodiscard]] std::vector<EvenTargets> even_targets(const Observations& data);
-
-/// The two longest periods that targets at equal steps cannot distinguish from that of a wave, because it turns once
-/// more or once less from target to target; none where it is a pitch of the machine, or one or two waves a turn, which
-/// an eccentric or tilted axis has.
-[[nodiscard]] std::vector<double> aliases_of(const EffectInstance& wave, const Observations& data);
-
-/// A curve that was found on so few targets that no wave was looked for there.
-[[nodiscard]] bool may_be_wave(const EffectInstance& curve, const Observations& data);
 
 /// "targets are even at 50 mm along X (EX): periods below 100 mm cannot be told from longer ones, …" for every axis and
 /// sense of `even_targets`; nothing where there are none.

@@ -264,6 +264,11 @@ std::vector<EffectInstance> at_once_and_late(const Site& site, const std::vector
   return all;
 }
 
+std::optional<double> searched_value(const EffectInstance& effect) {
+  const auto found = effect.fitted.find(std::string(effect.definition().searched_parameter()));
+  return found == effect.fitted.end() ? std::nullopt : std::optional(found->second);
+}
+
 bool is_searched(const EffectInstance& effect) {
   const std::string name(effect.definition().searched_parameter());
   return !name.empty() && !effect.parameters.contains(name);

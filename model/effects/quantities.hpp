@@ -83,6 +83,8 @@ inline constexpr std::string_view kLag = "lag_s";
 /// while it is measured.
 [[nodiscard]] std::vector<EffectInstance> at_once_and_late(const Site& site,
                                                            const std::vector<EffectInstance>& effects);
+/// Its fitted period, place or time constant; nothing where it has none.
+[[nodiscard]] std::optional<double> searched_value(const EffectInstance& effect);
 /// Its searched parameter is to be found: the instance does not hold it.
 [[nodiscard]] bool is_searched(const EffectInstance& effect);
 /// A model file says nothing of a parameter with this value.

@@ -14,6 +14,7 @@
 #include "model/data/motions.hpp"
 #include "model/diagnosis/investigation.hpp"
 #include "model/diagnosis/left.hpp"
+#include "model/diagnosis/waves.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
@@ -600,9 +601,8 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
   if (data.rotary && !is_of_ball(data)) {
     next.notes.emplace_back(
         "plans cover linear axes and sets of a ball only. Readings of a ball need --machine with its rotary axes and "
-        "X, Y, "
-        "Z that follow the ball. For a rotary axis itself measure the turn again both ways, at targets of another "
-        "step");
+        "X, Y, Z that follow the ball. For a rotary axis itself measure the turn again both ways, at targets displaced "
+        "from equal steps");
     return next;
   }
   MeasuringTimes own = times;

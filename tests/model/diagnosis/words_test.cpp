@@ -175,3 +175,98 @@ TEST_CASE("each axis whose targets are even is named once") {
               {"equally spaced at 50 mm along X (EX)",
                "; targets are equally spaced at 20 mm along Y (EX, EY): periods shorter than 40 mm"});
 }
+
+namespace {
+
+/// Four runs both ways over a turn of C at twelve equal steps, in um/m.
+Diagnosis turn_of_c(double waves_a_turn) {
+  laser::MeasurementSet set =
+      measured({.axis = Axis::Z, .sense = Sense::EC, .step_mm = 30.0, .targets = 12, .runs = 4}, kNoise_um, nothing);
+  for (laser::Reading& r : set.readings) {
+    r.rotary = true;
+    r.angle_deg[2] = 30.0 * std::round(p(r, Axis::Z) / 30.0);
+    r.position_mm = {};
+    r.error += 5.0 * std::sin(waves_a_turn * r.angle_deg[2] * 3.14159265358979 / 180.0);
+  }
+  Model model;
+  model.effects = {effect(effects::offset, Axis::Z, Sense::EC)};
+  model.effects.front().rotary = true;
+  return must(diagnose(model, observations_of(set, model, std::nullopt)));
+}
+
+}  // namespace
+
+TEST_CASE("equal steps of a rotary axis hide waves: an answer without a cause begins with that") {
+  for (const double waves : {0.0, 12.0}) {
+    const Diagnosis found = turn_of_c(waves);
+    CHECK(found.verdict == Verdict::adequate);
+    CHECK(found.headline.starts_with(
+        "Periods shorter than 60 deg along C cannot be detected: the targets are equally spaced at 30 deg, where n "
+        "waves a turn look like 12 - n, and 12 like none. No other effect is missing"));
+  }
+}
+
+TEST_CASE("one or two waves a turn come first, beside those that equal steps do not distinguish from them") {
+  for (const auto& [waves, words] : {std::pair(1.0, "one turn, or 11 or 13 waves"),
+                                     {11.0, "one turn, or 11 or 13 waves"},
+                                     {10.0, "1/2 turn, or 10 or 14 waves"}}) {
+    const Diagnosis found = turn_of_c(waves);
+    REQUIRE(found.verdict == Verdict::missing_effect);
+    CHECK_MESSAGE(contains(found.headline, std::string(words) + " a turn, which fit as well"), found.headline);
+    CHECK(contains(found.candidates.front().next_measurement, "C again at targets displaced from equal steps"));
+  }
+}
+
+TEST_CASE("waves of one period in both directions are named as one cause, with both sizes") {
+  const Diagnosis found = diagnosed(straight(), measured({}, kNoise_um, [](const laser::Reading& r) {
+                                      return 2.0 * d(r) * (1.0 + std::sin(2.0 * 3.14159265358979 * p(r) / 10.0));
+                                    }));
+  REQUIRE(found.verdict == Verdict::missing_effect);
+  check_holds(found.headline,
+              {"a period of 10.00 mm, the pitch of its screw, only when moving", ", and of +-2.0 um only when",
+               "one cause that differs between the directions", "cyclic:X:EX, forward"});
+  CHECK_MESSAGE(!contains(found.headline, "cannot distinguish"), found.headline);
+}
+
+TEST_CASE("a drift that begins in the last run is named in place of the run") {
+  const auto late = [](const laser::Reading& r) { return 0.003 * std::max(0.0, r.time_s.value_or(0.0) - 4200.0); };
+  laser::MeasurementSet set = measured({.runs = 5}, kNoise_um, late);
+  for (laser::Reading& r : set.readings) r.sensors_degC.clear();
+  const Diagnosis found = diagnosed(straight(), set);
+  CHECK_MESSAGE(!contains(found.headline, "differs from the other runs"), found.headline);
+  CHECK_MESSAGE(found.headline.starts_with("Readings drift by +"), found.headline);
+}
+
+TEST_CASE("effects on which no reading depends are named with what is missing") {
+  Model model = straight();
+  model.effects.push_back(effect(effects::offset, Axis::X, Sense::EX));
+  model.effects.back().line = 99;
+  model.effects.push_back(effect(effects::scale, Axis::Y, Sense::EY));
+  const Diagnosis found = diagnosed(model, measured({}, kNoise_um, nothing));
+  REQUIRE(found.notes.size() > 1);
+  CHECK(found.notes[0] == "offset:X:EX:99: acts on none of these readings: EX was measured along X in 1 line");
+  CHECK(found.notes[1] == "scale:Y:EY: acts on none of these readings: none is of EY");
+}
+
+TEST_CASE("readings in um and in um/m have a residual and a noise each") {
+  laser::MeasurementSet set = measured({}, kNoise_um, nothing);
+  measure(set, {.sense = Sense::EB}, 10.0 * kNoise_um, nothing, 2);
+  Model model = straight();
+  model.effects.push_back(effect(effects::offset, Axis::X, Sense::EB));
+  const Diagnosis found = diagnosed(model, set);
+  CHECK(found.noise.unit == kBothUnits);
+  CHECK(found.rms_by_unit.um == Approx(kNoise_um).epsilon(0.1));
+  CHECK(found.rms_by_unit.um_per_m == Approx(10.0 * kNoise_um).epsilon(0.1));
+  CHECK(found.noise.by_unit.um == Approx(kNoise_um).epsilon(0.15));
+  CHECK(found.noise.by_unit.um_per_m == Approx(10.0 * kNoise_um).epsilon(0.15));
+}
+
+TEST_CASE("of a pitch and five times the pitch, which even targets do not distinguish, the pitch comes first") {
+  laser::MeasurementSet set = measured({}, kNoise_um, nothing);
+  for (laser::Reading& r : set.readings) {
+    r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
+    r.error += 4.0 * std::sin(2.0 * 3.14159265358979 * p(r) / 10.0 + 0.8);
+  }
+  const Diagnosis found = diagnosed(straight(), set);
+  CHECK_MESSAGE(contains(found.headline, "10.00 mm, the pitch of its screw, or one of"), found.headline);
+}
