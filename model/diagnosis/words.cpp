@@ -222,7 +222,7 @@ NamedWave wave_of(const Candidate& candidate) { return larger_wave({candidate.ef
 std::string part_text(const NamedWave& wave, const Observations& data) {
   const ApproachMode approach = wave.effect.approach;
   return fmt::format(
-      ", and of +-{}{}: one cause that differs between the directions, as lost motion does that varies along the "
+      ", and of +-{}{}: one cause that differs between the directions, such as lost motion that varies along the "
       "travel",
       value_of(wave.effect, wave.size(), data),
       approach == ApproachMode::both ? "" : fmt::format(" only when moving {}", name_of(approach)));
