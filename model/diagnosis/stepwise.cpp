@@ -164,7 +164,8 @@ bool fits_as_well(const Choice& choice, const Choice& member) {
   return choice.gain >= member.gain - (simpler ? kIndistinguishableHarmonic : kIndistinguishable);
 }
 
-/// Values of a searched parameter that fit within Δχ² 9 of the best (a profile likelihood), those of the machine first.
+/// Values of a searched parameter that fit within Δχ² 9 of the best (a profile likelihood), those of the machine first,
+/// of these the most trusted where the fit does not speak against it.
 std::vector<Choice> values_that_fit(const Search& search, const Space& space, const Choice& member) {
   const Family& family = search.families()[member.family];
   const EffectDefinition& definition = family.effect.definition();
@@ -202,7 +203,10 @@ std::vector<Choice> values_that_fit(const Search& search, const Space& space, co
     if (after != targets.end()) high.nonlinear = *after;
     return {low, high};
   }
-  std::ranges::stable_sort(values, {}, [&](const Choice& value) { return place_in_facts(family, value.nonlinear); });
+  std::ranges::stable_sort(values, {}, [&](const Choice& value) {
+    const std::size_t place = place_in_facts(family, value.nonlinear), facts = family.facts.size();
+    return place == facts ? facts + 1 : value.gain < member.gain - kEven ? facts : place;
+  });
   return values;
 }
 
