@@ -70,7 +70,7 @@ struct State {
 };
 
 Result<State> state_of(const Model& model, const Regressors& regressors) {
-  ECS_TRY(assembly, Assembly::of(model, regressors));
+  ECS_TRY(assembly, Assembly::of(with_best_starts(model, regressors), regressors));
   State state{std::move(assembly), {}};
   state.core = fitted(state.assembly, regressors, {});
   return state;

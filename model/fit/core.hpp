@@ -103,10 +103,13 @@ struct CoreOptions {
                                                       const NoiseModel& noise, const std::vector<bool>& left_out,
                                                       double fitted_parameters);
 
-/// The candidate with the `start` of its free parameters where the readings like them best, tried from several places
-/// of their ranges; unchanged where nothing is to be fitted or the formulas do not compile.
+/// The candidate, a user effect that is not in the model, with the `start` of its free nonlinear parameters where the
+/// least squares of the readings have the least of several minima; unchanged where it has none or does not compile.
 [[nodiscard]] EffectInstance with_best_start(const Model& model, const EffectInstance& candidate,
                                              const Regressors& regressors);
+
+/// The same for the user effects in the model that have not been fitted before.
+[[nodiscard]] Model with_best_starts(Model model, const Regressors& regressors);
 
 /// Places in effect.user of the free parameters in which the formulas are no straight line; none of a library effect.
 [[nodiscard]] std::vector<std::size_t> nonlinear_user_parameters(const EffectInstance& effect,

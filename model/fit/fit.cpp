@@ -499,7 +499,7 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
 Result<Fit> fit(const Model& model, const Observations& data, const FitOptions& options) {
   if (auto wrong = unusable(data)) return tl::unexpected(std::move(*wrong));
   const Regressors regressors(data);
-  ECS_TRY(assembly, Assembly::of(model, regressors));
+  ECS_TRY(assembly, Assembly::of(with_best_starts(model, regressors), regressors));
   CoreOptions core;
   core.plain = options.plain;
   core.from_values = options.from_values;

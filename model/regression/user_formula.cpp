@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
@@ -180,19 +181,53 @@ std::vector<std::string> UserFormulas::optional_columns() const {
   return names;
 }
 
+std::vector<ValueRange> UserFormulas::ranges_read() const {
+  Parts& parts = *parts_;
+  std::map<const double*, ValueRange> ranges;
+  for (const Parts::Compiled& compiled : parts.formulas) {
+    std::vector<const double*> cells;
+    for (const auto& [name, cell] : compiled.parser->GetUsedVar()) {
+      const auto& names = kRowNames[parts.data->rotary];
+      const auto position = std::ranges::find(names, name);  // before approach, run and compensated
+      if (position - names.begin() <= static_cast<std::ptrdiff_t>(kAxes) || parts.cells.contains(name)) cells.push_back(cell);
+    }
+    for (std::size_t k = 0; k < parts.data->size(); ++k) {
+      if (compiled.formula.sense != parts.data->sense[k] || !parts.value(compiled, k)) continue;
+      for (const double* cell : cells) {
+        ValueRange& range = ranges.try_emplace(cell, *cell, *cell).first->second;
+        range = {std::min(range.least, *cell), std::max(range.greatest, *cell)};
+      }
+    }
+  }
+  std::vector<ValueRange> out;
+  for (const auto& [cell, range] : ranges)
+    if (range.greatest > range.least) out.push_back(range);
+  return out;
+}
+
 std::vector<bool> UserFormulas::linear_parameters(const std::vector<double>& start) const {
-  // affine in the parameter at two settings of the others, and its slope does not depend on other linear ones
+  // affine in the parameter at several settings of the others, and its slope does not depend on other linear ones
   const auto at = [&](const std::vector<double>& parameters) { return values(parameters); };
   std::vector<double> other = start;
   for (double& value : other) value = 1.3 * value + 0.7;
+  struct Setting {
+    std::vector<double> base;
+    double step = 1.0;
+  };
+  std::vector<Setting> settings{{start}, {other}};
+  for (const auto& [least, greatest] : ranges_read()) {  // far from these a formula may have reached its limit
+    const double width = greatest - least;
+    settings.push_back({std::vector<double>(start.size(), std::midpoint(least, greatest)), 0.2 * width});
+    settings.push_back({std::vector<double>(start.size(), 0.3 * width), 0.2 * width});
+  }
   std::vector<bool> linear(start.size(), true);
   const auto equal = [](double a, double b, double size) { return std::abs(a - b) <= 1e-7 * (std::abs(size) + 1e-12); };
   for (std::size_t j = 0; j < start.size(); ++j) {
-    for (const std::vector<double>& base : {start, other}) {
+    for (const auto& [base, step] : settings) {
       std::vector<double> one = base, two = base, three = base;
-      one[j] += 0.5;
-      two[j] += 1.0;
-      three[j] += 2.5;
+      one[j] += 0.5 * step;
+      two[j] += step;
+      three[j] += 2.5 * step;
       const auto v0 = at(base), v1 = at(one), v2 = at(two), v3 = at(three);
       for (std::size_t k = 0; k < v0.size() && linear[j]; ++k) {
         if (std::isnan(v0[k]) || std::isnan(v3[k])) continue;

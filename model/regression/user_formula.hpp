@@ -33,6 +33,10 @@ class UserFormulas {
   /// Optional columns that the formulas read, each once.
   [[nodiscard]] std::vector<std::string> optional_columns() const;
 
+  /// From the least to the greatest value of each position and optional column that the formulas read at readings of
+  /// their senses; columns without two values are not listed.
+  [[nodiscard]] std::vector<ValueRange> ranges_read() const;
+
   /// For each parameter: whether the values are a straight line in it whatever the others are.
   [[nodiscard]] std::vector<bool> linear_parameters(const std::vector<double>& start) const;
 

@@ -213,6 +213,61 @@ TEST_CASE("a user's formulas share their parameters across senses, linear or not
   CHECK(parameter(found, 0, "c").value == Approx(-3.0).epsilon(0.02));
 }
 
+namespace {
+
+/// The formula of X positions with unknown parameters that have neither a start nor a range.
+EffectInstance of_formula(const std::string& formula, const std::vector<std::string>& parameters) {
+  EffectInstance user = effect(effects::user, Axis::X, Sense::EX);
+  user.name = "mine";
+  user.formulas = {{Sense::EX, formula}};
+  for (const std::string& name : parameters) user.user.push_back({name, "", {}, {}, {}, {}});
+  return user;
+}
+
+/// Sizes of its parameters, fitted beside offset and slope to readings with 0.2 um of noise.
+std::vector<double> sizes_of(const EffectInstance& user, const Plan& plan, const Truth& truth) {
+  Model model = straight();
+  model.effects.push_back(user);
+  const auto found = must(fit(model, observations_of(measured(plan, 0.2, truth), model, mill())));
+  CHECK(found.rms_um < 0.24);
+  std::vector<double> sizes;
+  for (const UserParameter& each : user.user) sizes.push_back(parameter(found, 2, each.name).value);
+  return sizes;
+}
+
+}  // namespace
+
+TEST_CASE("parameters of a formula are found without starting values, over what the formula reads") {
+  SUBCASE("a bump has its place and width") {
+    const auto sizes = sizes_of(of_formula("k * exp(-((x_mm - c) / w)^2)", {"k", "c", "w"}), {},
+                                [](const Reading& r) { return -9.0 * std::exp(-std::pow((p(r) - 672.0) / 45.0, 2)); });
+    CHECK(sizes[0] == Approx(-9.0).epsilon(0.05));
+    CHECK(sizes[1] == Approx(672.0).epsilon(0.01));
+    CHECK(std::abs(sizes[2]) == Approx(45.0).epsilon(0.05));
+  }
+  SUBCASE("a threshold has its place") {
+    const auto sizes = sizes_of(of_formula("x_mm > c ? k * (x_mm - c) : 0", {"k", "c"}), {.step_mm = 30.0},
+                                [](const Reading& r) { return std::max(0.0, 0.02 * (p(r) - 700.0)); });
+    CHECK(sizes[0] == Approx(0.02).epsilon(0.05));
+    CHECK(sizes[1] == Approx(700.0).epsilon(0.05));
+  }
+  SUBCASE("a term that is constant from the first starting values on is not linear in them") {
+    const auto sizes = sizes_of(of_formula("k * tanh((x_mm - c) / w)", {"k", "c", "w"}), {.step_mm = 30.0},
+                                [](const Reading& r) { return 7.0 * std::tanh((p(r) - 500.0) / 120.0); });
+    CHECK(std::abs(sizes[0]) == Approx(7.0).epsilon(0.1));
+    CHECK(sizes[1] == Approx(500.0).epsilon(0.05));
+  }
+}
+
+TEST_CASE("a stated range of a parameter does not hinder its fit") {
+  EffectInstance bump = of_formula("k * exp(-((x_mm - c) / w)^2)", {"k", "c", "w"});
+  bump.user[1] = {"c", "mm", {}, 300.0, 0.0, 1200.0};
+  bump.user[2].start = 30.0;
+  const auto sizes = sizes_of(bump, {},
+                              [](const Reading& r) { return 9.0 * std::exp(-std::pow((p(r) - 672.0) / 45.0, 2)); });
+  CHECK(sizes[1] == Approx(672.0).epsilon(0.01));
+}
+
 TEST_CASE("a formula with an unknown name is refused with the columns there are") {
   Model model;
   EffectInstance user = effect(effects::user, Axis::X, Sense::EX);
