@@ -110,7 +110,8 @@ bool is_apart(const Observations& data, const Whitener& whitener, const Space& s
 
 }  // namespace
 
-std::optional<RunOffset> best_run_offset(const Observations& data, const Whitener& whitener, const Space& space) {
+std::optional<RunOffset> best_run_offset(const Observations& data, const Whitener& whitener, const Space& space,
+                                         std::size_t fewest) {
   std::map<Channel, std::set<int>> runs_of;
   std::map<Channel, Sense> sense_of;
   for (std::size_t k = 0; k < data.size(); ++k) {
@@ -122,7 +123,7 @@ std::optional<RunOffset> best_run_offset(const Observations& data, const Whitene
   Eigen::Index count_of_best = 1;
   const double coefficient = std::log(static_cast<double>(data.size()));
   for (const auto& [channel, runs] : runs_of) {
-    if (runs.size() < kFewestRuns || runs.size() > kMostRunsCompared) continue;
+    if (runs.size() < fewest || runs.size() > kMostRunsCompared) continue;
     const double choice = 2.0 * std::log(static_cast<double>(runs.size() * runs_of.size()));
     for (const int run : runs) {
       const Eigen::MatrixXd columns = columns_of_run(data, channel, run);
@@ -136,7 +137,7 @@ std::optional<RunOffset> best_run_offset(const Observations& data, const Whitene
       }
     }
   }
-  if (best && best->score > 0.0 &&
+  if (best && best->score > 0.0 && runs_of.at(channel_of_best).size() > 2 &&
       !is_apart(data, whitener, space, channel_of_best, runs_of.at(channel_of_best), best->run, count_of_best,
                 best->gain))
     return std::nullopt;

@@ -17,10 +17,10 @@ struct RunOffset {
 };
 
 /// The best offset of one run in one sense, or offset and slope along the axis, beyond what `space` absorbs; nothing
-/// with fewer than three runs, for with two it is as much an effect as a run, nor where the other runs disagree among
-/// themselves by as much.
+/// where the other runs disagree among themselves by as much.
+/// @param fewest  nothing with fewer runs: with two, one effect is as likely as a run
 [[nodiscard]] std::optional<RunOffset> best_run_offset(const Observations& data, const Whitener& whitener,
-                                                       const Space& space);
+                                                       const Space& space, std::size_t fewest = 3);
 
 struct NoisyRun {
   int run = 0;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -116,8 +117,8 @@ std::optional<DifferentRun> different_run(const Found& found, const Diagnosis& d
                                                    found.odd_pass->run, found.odd_pass->off_um, diagnosis.noise.unit));
   if (found.bad_run)
     return of_run(found.bad_run->run,
-                  fmt::format("run {} differs from the other runs: its offset explains as much as any effect does",
-                              found.bad_run->run));
+                  fmt::format("run {} differs from the other run{}: its offset explains as much as any effect does",
+                              found.bad_run->run, std::set(data.run.begin(), data.run.end()).size() > 2 ? "s" : ""));
   if (diagnosis.verdict != Verdict::unexplained_structure || diagnosis.where.empty() ||
       diagnosis.where.front().variable != "run")
     return std::nullopt;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <span>
 
@@ -331,6 +332,28 @@ void hold_against_wander(const Observations& data, const Base& base, const Searc
   if (!together.empty() && together.size() + aside.size() > 1) hold(together);
 }
 
+/// Two or three effects are no causes where together they are not a hundred times better than one zero of a run, also
+/// of two runs: a drift, a lost motion and its change along the axis are together nothing but that zero.
+void deny_sets_of_a_run(const Observations& data, const Search& search, const Whitener& whitener, Found& found) {
+  const std::vector<Choice>& chosen = found.solution.chosen;
+  constexpr std::size_t kMostCompared = 10;
+  for (std::uint32_t set = 0; set < 1U << std::min(chosen.size(), kMostCompared); ++set) {
+    if (std::popcount(set) < 2 || std::popcount(set) > 3) continue;
+    const auto is_in_set = [&](std::size_t i) { return i < kMostCompared && (set >> i & 1U) != 0; };
+    std::vector<Choice> kept, together;
+    for (std::size_t i = 0; i < chosen.size(); ++i) (is_in_set(i) ? together : kept).push_back(chosen[i]);
+    const Solution rest = search.solution(kept, found.solution.own);
+    const auto run = best_run_offset(data, whitener, rest.space, 2);
+    const double score = found.solution.score() - rest.score();
+    if (!run || std::ranges::any_of(together, [&](const Choice& one) {
+          return run_beside(*run, found.families[one.family].effect, score) == RunBeside::worse;
+        }))
+      continue;
+    for (std::size_t i = 0; i < chosen.size(); ++i) found.groups[i].denied = found.groups[i].denied || is_in_set(i);
+    if (!found.bad_run || run->gain > found.bad_run->gain) found.bad_run = run;
+  }
+}
+
 /// What speaks against the effects found: a run that explains as much, waves that can be anything.
 void judge(const Regressors& regressors, const Base& base, const Search& search, const Whitener& whitener,
            double noise_freedom, Found& found) {
@@ -350,6 +373,7 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
     found.groups[i].denied = true;
     if (!found.bad_run || run->gain > found.bad_run->gain) found.bad_run = run;
   }
+  deny_sets_of_a_run(data, search, whitener, found);
   std::vector<bool> proved;
   for (const Group& group : found.groups) proved.push_back(group.e_value.value_or(0.0) >= kProved);
   found.objection =
@@ -466,7 +490,7 @@ double rms_of(const VectorXd& r) {
 }
 
 Result<Base> base_of(const Model& model, const Regressors& regressors, bool plain, Fit* fit) {
-  ECS_TRY(assembly, Assembly::of(model, regressors));
+  ECS_TRY(assembly, Assembly::of(with_best_starts(model, regressors), regressors));
   Base base;
   base.core = fitted(assembly, regressors, {plain, true});
   const Observations& data = regressors.data();
