@@ -65,8 +65,32 @@ std::string unit_names() {
   return names;
 }
 
+namespace {
+
+/// "1200,5" of "1.200,5": without the sign between thousands; empty where none is.
+std::string without_thousands(std::string_view text) {
+  constexpr std::size_t kGroup = 3;
+  const std::size_t decimal = text.find_last_of(".,");
+  const std::size_t first = text.find_first_of(".,' ");
+  if (decimal == text.npos || first == decimal || text[first] == text[decimal]) return {};
+  const std::size_t start = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
+  if (first <= start || first > start + kGroup) return {};
+  std::string plain(text.substr(0, first));
+  for (std::size_t at = first; at != decimal; at += kGroup + 1) {
+    const std::string_view group = text.substr(at + 1, kGroup);
+    if (at > decimal || text[at] != text[first] || group.size() < kGroup ||
+        group.find_first_not_of("0123456789") != group.npos)
+      return {};
+    plain += group;
+  }
+  return plain.append(text.substr(decimal));
+}
+
+}  // namespace
+
 std::optional<double> number_or_comma(std::string_view text) {
   if (const auto plain = number_in(text)) return plain;
+  if (const std::string plain = without_thousands(text); !plain.empty()) return number_or_comma(plain);
   const std::size_t comma = text.find(',');
   if (comma == std::string_view::npos || text.find(',', comma + 1) != std::string_view::npos ||
       text.find('.') != std::string_view::npos)

@@ -34,7 +34,8 @@ inline constexpr double kUmPerMPerDegree = 1e6 * std::numbers::pi / 180.0;
 /// All names, separated by blanks, for messages.
 [[nodiscard]] std::string unit_names();
 
-/// A number as users' programs write it: `number_in`, or with a comma in place of the decimal point.
+/// A number as users' programs write it: `number_in`, with a decimal comma, or with thousands apart, "1.200,5", "1
+/// 200.5".
 [[nodiscard]] std::optional<double> number_or_comma(std::string_view text);
 
 }  // namespace ecs::laser

@@ -35,7 +35,7 @@ struct RoleWords {
 
 constexpr std::string_view kForward = "forward", kReverse = "reverse", kSensor = "t_", kKept = "kept";
 
-constexpr std::array<RoleWords, 38> kRoles{{
+constexpr std::array<RoleWords, 39> kRoles{{
     {"", "-", "not read"},
     {"x_mm", "X position", "target, or parked position of X"},
     {"y_mm", "Y position", "target, or parked position of Y"},
@@ -65,6 +65,7 @@ constexpr std::array<RoleWords, 38> kRoles{{
     {"EB", "EB error", "rotation about Y"},
     {"EC", "EC error", "rotation about Z"},
     {"axis", "axis", "letter of the moving axis"},
+    {"target", "target", "target of the axis in the column axis"},
     {"sense", "sense", "EX, EY, EZ, EA, EB or EC"},
     {"measured_x_mm", "measured X", "measured position, beside the nominal one or the number of the point"},
     {"measured_y_mm", "measured Y", "measured position, beside the nominal one or the number of the point"},
@@ -210,7 +211,8 @@ void MappedTable::begin_with(Source source) {
   }
   if (source == Source::guessed) {
     options.columns = found_.suggestion->columns;
-    options.values = found_.suggestion->actual ? "actual" : "";
+    options.values = laser::option_word(found_.suggestion->values);
+    if (options.sense.empty()) options.sense = found_.suggestion->sense;
     if (options.axis.empty()) options.axis = found_.suggestion->axis;
     if (options.parked.empty()) options.parked = found_.suggestion->parked;
   }
@@ -257,7 +259,7 @@ std::string MappedTable::role(std::size_t column) const {
   const ColumnRule* const rule = rule_of(column);
   if (rule == nullptr) return "-";
   const auto pass = laser::pass_named(rule->field);
-  return std::string(words_of(rule->field).name) + (pass ? fmt::format(" {}", pass->run) : "");
+  return std::string(words_of(rule->field).name) + (pass && pass->run > 0 ? fmt::format(" {}", pass->run) : "");
 }
 
 std::string MappedTable::role_help(std::size_t column) const {
@@ -359,7 +361,7 @@ std::vector<std::string> MappedTable::units_for(const ColumnRule& rule) const {
     units.insert(units.begin(), std::move(usual));
     return units;
   };
-  if (role == Role::position || role == Role::measured) return with(UnitKind::length, "mm");
+  if (role == Role::position || role == Role::measured || role == Role::target) return with(UnitKind::length, "mm");
   if (role == Role::angle) return with(UnitKind::angle, "deg");
   if (role == Role::own_sense)
     return is_rotation(*sense_named(rule.field)) ? with(UnitKind::angle, "um/m") : with(UnitKind::length, "um");
@@ -614,6 +616,9 @@ void MappedTable::look_again() {
     preview_.lines.push_back(fmt::format("These are from the beginning of the file; all of it has about {} readings.",
                                          rounded(static_cast<double>(set.readings.size()) / part_read_)));
   for (const std::string& note : set.notes) preview_.lines.push_back("note: " + note);
+  if (source_ == Source::guessed)
+    for (const std::string& sentence : found_.suggestion->assumed)
+      preview_.lines.push_back(fmt::format("assumed by the guess: {}.", sentence));
 }
 
 }  // namespace ecs::commissioning

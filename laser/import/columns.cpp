@@ -244,7 +244,7 @@ struct TableLines {
 /// Every mapped value and position of the line is there, and a number.
 bool is_data(const Plan& plan, const std::vector<std::string_view>& cells, std::size_t width) {
   return cells.size() == width && std::ranges::all_of(plan.fields, [&](const Field& field) {
-           if (!is_value(field.role) && field.role != Role::position) return true;
+           if (!is_value(field.role) && field.role != Role::position && field.role != Role::target) return true;
            return field.last() < cells.size() && cell_number(plan, cells[field.index]).has_value();
          });
 }
@@ -366,6 +366,7 @@ std::optional<Unit> unit_taken(const Plan& plan, const Field& field) {
   if (field.rule.unit) return field.rule.unit;
   const bool positions = plan.values == TableValues::actual_positions;
   if (field.role == Role::position || field.role == Role::measured) return unit_named("mm");
+  if (field.role == Role::target) return unit_named(plan.rotary ? "deg" : "mm");
   if (field.role == Role::angle) return unit_named("deg");
   if (is_value(field.role)) {
     const Sense own = plan.rotary ? Sense::EA : Sense::EX;

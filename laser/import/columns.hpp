@@ -37,6 +37,13 @@ enum class TableValues {
   compensations      ///< −error
 };
 
+/// As `--values` names it; empty: errors, which it means on its own.
+[[nodiscard]] constexpr std::string_view option_word(TableValues values) {
+  return values == TableValues::actual_positions ? "actual"
+         : values == TableValues::compensations  ? "compensation"
+                                                 : "";
+}
+
 /// What a cell holds.
 enum class CellKind {
   any,
@@ -119,10 +126,13 @@ struct SuggestedRows {
 struct TableSuggestion {
   SuggestedRows rows{};
   std::string columns{};  ///< "x_mm=1[mm],reading=2[um],approach=motion"
-  bool actual = false;    ///< the readings are the positions reached
-  std::string axis{};     ///< "X", of readings at one position; empty: it follows from the columns
-  std::string parked{};   ///< "x=0"
-  std::string reads{};    ///< in words: "column 1 as targets and column 2 as errors"
+  TableValues values = TableValues::errors;
+  std::string sense{};                 ///< "EZ", of a straightness; empty: it follows from the columns
+  std::string axis{};                  ///< "X", of readings at one position; empty: it follows from the columns
+  std::string parked{};                ///< "x=0"
+  std::string reads{};                 ///< in words: "column 1 as targets and column 2 as errors"
+  std::vector<std::string> assumed{};  ///< sentences without a full stop: signs, directions, approaches, intervals
+  std::string unread{};  ///< a sentence that names every column with numbers that is not read; empty: there is none
 };
 
 /// The table in a text that no format reads.

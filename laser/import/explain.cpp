@@ -34,10 +34,15 @@ std::string row_options(const SuggestedRows& rows) {
 }
 
 std::string suggestion_text(const TableSuggestion& suggestion) {
-  return fmt::format("--columns \"{}\"{}{}{}{} reads {}", suggestion.columns,
-                     suggestion.actual ? " --values actual" : "", row_options(suggestion.rows),
-                     suggestion.axis.empty() ? "" : " --axis " + suggestion.axis,
-                     suggestion.parked.empty() ? "" : " --parked " + suggestion.parked, suggestion.reads);
+  const auto given = [](std::string_view option, std::string_view value) {
+    return value.empty() ? std::string() : fmt::format(" --{} {}", option, value);
+  };
+  std::string text = fmt::format("--columns \"{}\"{}{}{}{}{} reads {}", suggestion.columns,
+                                 given("values", option_word(suggestion.values)), row_options(suggestion.rows),
+                                 given("sense", suggestion.sense), given("axis", suggestion.axis),
+                                 given("parked", suggestion.parked), suggestion.reads);
+  for (const std::string& sentence : suggestion.assumed) text += ". " + sentence;
+  return text + (suggestion.unread.empty() ? "" : ". " + suggestion.unread);
 }
 
 std::string columns_named(const Columns& columns) {
@@ -65,6 +70,8 @@ std::string column_advice(std::string_view text, const TableShape& shape, bool k
   }
   if (std::ranges::none_of(columns, [](const auto& column) { return column.is_number(); }))
     return "Expected columns with a number in every row, found none: fill the empty cells";
+  const std::string obstacle = known ? "" : obstacle_in(columns);
+  if (!obstacle.empty()) return obstacle;
   return fmt::format(
       "Expected targets with their errors, found the columns {}. If two of them are targets and errors, assign them: "
       "x_mm=N[mm],reading=M[um] with their numbers after --columns{}, and --values actual if M contains positions",

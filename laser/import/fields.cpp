@@ -47,7 +47,8 @@ std::string unit_fault(const Field& field, std::string_view shown, bool fits) {
 
 std::string units_fault(const Plan& plan) {
   for (const Field& field : plan.fields) {
-    if (!field.rule.unit || (is_value(field.role) && field.role != Role::measured)) continue;
+    if (!field.rule.unit || (is_value(field.role) && field.role != Role::measured) || field.role == Role::target)
+      continue;
     const auto kind = kind_of(field);
     if (const std::string fault = unit_fault(field, field.rule.unit->name, kind && *kind == field.rule.unit->kind);
         !fault.empty())
@@ -89,7 +90,7 @@ std::optional<Pass> pass_named(std::string_view field) {
                                        std::pair<std::string_view, Approach>{"reverse", Approach::reverse}}) {
     if (!field.starts_with(word)) continue;
     const std::string_view number = field.substr(word.size());
-    if (number.empty()) return Pass{approach, 1};
+    if (number.empty()) return Pass{approach, 0};
     const auto run = integer_in(number);
     if (run && *run >= 1 && *run <= 1'000'000) return Pass{approach, static_cast<int>(*run)};
   }
@@ -114,6 +115,7 @@ Role role_of(std::string_view name) {
   if (sense_named(name)) return Role::own_sense;
   if (pass_named(name)) return Role::pass;
   if (name == "axis") return Role::axis;
+  if (name == "target") return Role::target;
   if (name == "sense") return Role::sense;
   if (name == "approach") return Role::approach;
   return name == "date_time" ? Role::date_time : Role::other;
@@ -220,12 +222,25 @@ std::string set_common(Reading& reading, const Plan& plan, const Field& field, s
   return set_cell(reading, field.rule.field, shortest(value));
 }
 
+std::string set_target(Reading& reading, const Plan& plan, const Field& field, std::string_view cell) {
+  const ColumnRule& rule = field.rule;
+  const auto kind = reading.rotary ? UnitKind::angle : UnitKind::length;
+  if (rule.unit && rule.unit->kind != kind) return unit_fault(field, rule.unit->name, false);
+  const auto number = cell_number(plan, cell);
+  if (!number) return fmt::format("target: expected a finite number, found {}", in_quotes(cell));
+  const double in_degrees = reading.rotary && rule.unit ? kUmPerMPerDegree : 1.0;
+  const double value = converted(rule, *number) / in_degrees * rule.factor + rule.offset;
+  if (!std::isfinite(value)) return "target: expected a number that stays finite";
+  return set_cell(reading, target_column(reading.axis, reading.rotary), shortest(value));
+}
+
 std::string take_units(Plan& plan, const ImportOptions& options) {
   if (options.target_unit && options.target_unit->kind != (plan.rotary ? UnitKind::angle : UnitKind::length))
     return fmt::format("{} is no unit of {}", options.target_unit->name, plan.rotary ? "angle" : "length");
   for (Field& field : plan.fields) {
     if (field.rule.unit) continue;
-    if (field.role == (plan.rotary ? Role::angle : Role::position) || field.role == Role::measured)
+    if (field.role == (plan.rotary ? Role::angle : Role::position) || field.role == Role::measured ||
+        field.role == Role::target)
       field.rule.unit = options.target_unit;
     if (field.role == Role::measured) continue;
     if (!is_value(field.role) || !options.reading_unit) continue;
@@ -249,7 +264,8 @@ std::string plan_fault(const Plan& plan) {
            "rotary axis A, B or C)";
   if (plan.axis && !has_role(plan.fields, Role::axis) && !has_role(plan.fields, Role::date_time) &&
       !plan.parked_stated[index_of(*plan.axis)] && std::ranges::none_of(plan.fields, [&](const Field& f) {
-        return f.rule.field == target_column(*plan.axis, plan.rotary) || f.rule.field == "time_s";
+        return f.rule.field == target_column(*plan.axis, plan.rotary) || f.rule.field == "time_s" ||
+               f.role == Role::target;
       }))
     return fmt::format(
         "columns: expected {} (the target of the moving axis), found none; one target for all rows is given as "

@@ -15,10 +15,10 @@
 
 namespace ecs::laser {
 
-/// "forward3" is forward, run 3; "forward" is run 1.
+/// "forward3" is forward, run 3; "forward" is of the run of its row.
 struct Pass {
   Approach approach = Approach::unknown;
-  int run = 1;
+  int run = 0;  ///< 0: none is named
 };
 
 /// Nothing for other fields.
@@ -27,7 +27,8 @@ struct Pass {
 /// What a field does with its cell.
 enum class Role {
   position,
-  angle,  ///< a_deg, b_deg, c_deg: of a rotary axis
+  angle,   ///< a_deg, b_deg, c_deg: of a rotary axis
+  target,  ///< of the axis that the row names
   error,
   own_sense,
   pass,
@@ -88,8 +89,11 @@ struct Plan {
 [[nodiscard]] std::string set_error(Reading& reading, const Plan& plan, const Field& field, double cell);
 
 /// What a field does to the reading that all readings of its row begin with; what is wrong, or nothing.
-/// @pre !is_value(field.role)
+/// @pre !is_value(field.role), and no target
 [[nodiscard]] std::string set_common(Reading& reading, const Plan& plan, const Field& field, std::string_view cell);
+
+/// The target of the reading's axis from a cell of the role `target`; what is wrong, or nothing.
+[[nodiscard]] std::string set_target(Reading& reading, const Plan& plan, const Field& field, std::string_view cell);
 
 /// "Abweichung [mm]", "Pos (in)", "error_um", "T / °C", "Weg Zoll": the unit between brackets or at the end. Single
 /// letters and words that mean other things too count between brackets and behind an underscore only. Nothing where

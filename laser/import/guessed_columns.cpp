@@ -28,14 +28,85 @@ constexpr std::size_t kPartsOfRun = 10;
 /// Farther than any axis goes, and what the readers refuse: stamps of time in ticks.
 constexpr double kFarthest_mm = 1e6;
 
+using Words = std::initializer_list<std::string_view>;
+
+bool begins_with_one(std::string_view word, Words beginnings) {
+  return std::ranges::any_of(beginnings, [&](std::string_view beginning) { return word.starts_with(beginning); });
+}
+bool has_one(std::string_view text, Words parts) {
+  return std::ranges::any_of(parts, [&](std::string_view part) { return text.find(part) != text.npos; });
+}
+
+bool names_error(std::string_view word) {
+  return has_one(word, {"error", "deviation", "d\xC3\xA9viation", "abweichung", "fehler", "erreur", "\u00E9cart",
+                        "\u00C9cart", "ecart"}) ||
+         is_one_of(word, {"err", "dev", "abw"});
+}
+bool names_difference(std::string_view word) {
+  return has_one(word, {"differ", "diff\xC3\xA9r", "unterschied", "delta", "\u0394", "\u03B4"}) || word == "diff";
+}
+bool names_target(std::string_view word) {
+  return begins_with_one(word, {"soll", "target", "nomin", "command", "setpoint", "theor", "th\xC3\xA9or", "desired",
+                                "cible", "consigne"}) ||
+         is_one_of(word, {"nom", "cmd", "ref", "reference"});
+}
+bool names_actual(std::string_view word) {
+  return begins_with_one(word, {"actual", "measur", "gemess", "messw", "istw", "istp", "observ", "mesur"}) ||
+         is_one_of(word, {"ist", "act", "meas", "mes", "laser",
+                          "r\xC3\xA9"
+                          "el"});
+}
+bool names_correction(std::string_view word) {
+  return has_one(word, {"korrektur", "correction", "kompensation", "compensation"}) ||
+         is_one_of(word, {"korr", "corr"});
+}
+
+/// Words in lower case, with "-" for a minus between them.
+std::vector<std::string> words_and_minus(std::string_view heading) {
+  std::string text = lower(heading);
+  for (const std::string_view dash : {"\u2212", "\u2013"})
+    for (std::size_t at = text.find(dash); at != text.npos; at = text.find(dash)) text.replace(at, dash.size(), "-");
+  std::vector<std::string> words;
+  for (const std::string_view part : split(text, '-')) {
+    if (!words.empty()) words.emplace_back("-");
+    for (std::string& word : heading_words(part)) words.push_back(word == "minus" ? "-" : std::move(word));
+  }
+  std::erase(words, "");
+  return words;
+}
+
+/// Of "Soll-Ist" or "actual position - target position"; a noun behind the first, "Soll-Ist-Abweichung", names the pair
+/// and leaves the order open.
+std::optional<HeadingSign> sign_of_pair(const std::vector<std::string>& words) {
+  constexpr std::size_t kApart = 2;  // "position" and a unit between a word and the minus
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i] != "-") continue;
+    for (std::size_t left = i; left-- > (i > kApart ? i - kApart : 0);)
+      for (std::size_t right = i + 1; right < std::min(words.size(), i + 1 + kApart); ++right) {
+        const bool reversed = names_target(words[left]) && names_actual(words[right]);
+        if (!reversed && !(names_actual(words[left]) && names_target(words[right]))) continue;
+        const bool open =
+            reversed && std::any_of(words.begin() + static_cast<std::ptrdiff_t>(right), words.end(), [](const auto& w) {
+              return names_error(w) || names_difference(w) || has_one(w, {"vergleich", "compar"});
+            });
+        return HeadingSign{reversed, false, open};
+      }
+  }
+  return std::nullopt;
+}
+
+/// "exx", "eyx", "eax": an error of ISO 230-1.
+bool is_component(std::string_view word) {
+  return word.size() == 3 && word[0] == 'e' && has_one("xyzabc", {word.substr(1, 1)}) &&
+         has_one("xyz", {word.substr(2, 1)});
+}
+
 /// By words of English, German and French headings.
 Meaning meaning_of(const std::string& heading, const std::optional<Unit>& unit) {
   const std::string text = lower(heading);
-  const auto has = [&](std::initializer_list<std::string_view> parts) {
-    return std::ranges::any_of(parts, [&](std::string_view part) { return text.find(part) != std::string::npos; });
-  };
+  const auto has = [&](Words parts) { return has_one(text, parts); };
   const auto words = heading_words(heading);
-  const auto is_word = [&](std::initializer_list<std::string_view> any) {
+  const auto is_word = [&](Words any) {
     return std::ranges::any_of(words, [&](const std::string& word) { return is_one_of(word, any); });
   };
   if (has({"std", "standard", "sigma", "uncertainty", "unsicherheit", "incertitude", "streuung"}))
@@ -45,9 +116,8 @@ Meaning meaning_of(const std::string& heading, const std::optional<Unit>& unit) 
   if (has({"feucht", "humid"})) return Meaning::humidity;
   if (has({"approach", "direction", "richtung", "anfahr", "approche"}) || is_word({"dir", "sens"}))
     return Meaning::approach;
-  if (has({"error", "deviation", "d\xC3\xA9viation", "reading", "abweichung", "fehler", "erreur", "\u00E9cart",
-           "\u00C9cart", "ecart", "displacement"}) ||
-      is_word({"err", "dev", "abw", "diff", "delta", "disp", "exx", "eyy", "ezz"}))
+  if (sign_in_heading(heading) || has({"reading", "displacement", "geradheit", "straight", "rectitud"}) ||
+      is_word({"disp"}) || std::ranges::any_of(words, is_component))
     return Meaning::reading;
   if (unit && unit->kind == UnitKind::time) return Meaning::time;
   if (!unit &&
@@ -85,6 +155,26 @@ bool is_one_of(std::string_view word, std::initializer_list<std::string_view> wo
   return std::ranges::find(words, word) != words.end();
 }
 
+std::optional<HeadingSign> sign_in_heading(std::string_view heading) {
+  const auto words = words_and_minus(heading);
+  if (const auto pair = sign_of_pair(words)) return pair;
+  const bool corrects = !has_one(lower(heading), {"fakt", "factor", "facteur", "temp", "ppm"});
+  std::optional<HeadingSign> sign;
+  bool beside = false;  // "error after correction": the correction is over, or not yet
+  for (const std::string& word : words) {
+    beside = beside || is_one_of(word, {"after", "with", "without", "before", "no", "nach", "mit", "ohne", "vor",
+                                        "apr\xC3\xA8s", "avec", "sans", "avant"});
+    if (corrects && names_correction(word) &&
+        !beside)  // behind an error, "Error correction", or of one word, "Fehlerkorrektur"
+      sign = HeadingSign{true, true, sign.has_value() || names_error(word)};
+    else if (names_error(word))
+      sign = HeadingSign{false, false, sign && sign->is_correction};
+    else if (names_difference(word) && !sign)
+      sign = HeadingSign{false, false, true};
+  }
+  return sign;
+}
+
 Columns columns_of(std::string_view text, const TableShape& shape) {
   Columns columns;
   for (std::size_t i = 0; i < shape.columns; ++i) {
@@ -93,6 +183,7 @@ Columns columns_of(std::string_view text, const TableShape& shape) {
     if (i < shape.headings.size()) column.heading = shape.headings[i];
     column.unit = unit_in_heading(column.heading);
     column.meaning = meaning_of(column.heading, column.unit);
+    if (column.meaning == Meaning::reading) column.sign = sign_in_heading(column.heading);
     columns.push_back(std::move(column));
   }
   const SuggestedRows rows = rows_of(shape);
@@ -108,8 +199,17 @@ Columns columns_of(std::string_view text, const TableShape& shape) {
   }
   for (TableColumn& column : columns) {
     for (const std::string_view cell : column.cells)
-      if (const auto number = number_or_comma(cell)) column.values.push_back(*number);
-    if (column.values.size() != column.cells.size()) column.values.clear();
+      if (const auto number = number_or_comma(cell)) column.numbers.push_back(*number);
+    if (column.numbers.size() == column.cells.size()) column.values = column.numbers;
+    const auto is_flag = [](double value) { return value == 0.0 || value == 1.0; };
+    if (column.is_reversed() && !column.unit &&
+        std::ranges::all_of(column.numbers, is_flag)) {  // whether it was active
+      column.meaning = Meaning::other;
+      column.sign.reset();
+    }
+    const bool whole = std::ranges::all_of(column.numbers, [](double value) { return value == std::floor(value); });
+    const bool numbered = column.heading.find_first_of("0123456789") != std::string::npos;
+    if (column.meaning == Meaning::run && (numbered || !whole)) column.meaning = Meaning::none;  // readings of a run
   }
   return columns;
 }
@@ -127,12 +227,17 @@ bool are_runs(const TableColumn& column) {
          });
 }
 
+bool is_straightness(const TableColumn& column) {
+  return !column.turns() &&
+         has_one(lower(column.heading), {"geradheit", "straight", "rectitud", "horizontal", "vertical", "vertikal"});
+}
+
 bool are_actual(const TableColumn& column, const TableColumn& targets) {
   double largest = 0.0;
   for (std::size_t i = 0; i < column.values.size(); ++i)
     largest =
         std::max(largest, std::abs(column.values[i] * column.as_target() - targets.values[i] * targets.as_target()));
-  return largest > 0.0 && largest <= kClose * targets.span() * targets.as_target();
+  return !column.values.empty() && largest > 0.0 && largest <= kClose * targets.span() * targets.as_target();
 }
 
 bool are_loosely_actual(const TableColumn& column, const TableColumn& targets) {
@@ -157,6 +262,11 @@ bool rests(const TableColumn& targets) {
     longest = std::max(longest, same);
   }
   return longest >= kRowsAtRest;
+}
+
+bool are_small(const TableColumn& column, const TableColumn& targets) {
+  return std::max(std::abs(column.least()), std::abs(column.most())) * column.as_error() <=
+         kGreatestSlope_um_per_mm * targets.span() * targets.as_target();
 }
 
 bool are_errors(const TableColumn& column, const TableColumn& targets) {

@@ -19,16 +19,35 @@ namespace ecs::laser {
 /// What a heading says that its column holds.
 enum class Meaning { none, reading, position, counter, run, approach, temperature, pressure, humidity, time, other };
 
+/// The sign of a difference, as its heading states it.
+struct HeadingSign {
+  bool is_reversed = false;    ///< target - actual, or a correction; else an error: actual - target
+  bool is_correction = false;  ///< what is added to correct
+  bool is_open = false;        ///< the heading leaves it open; `is_reversed` is an assumption
+};
+/// "Soll-Ist" and "Correction" are reversed, "Ist-Soll" and "Deviation" are errors, "diff" is open. Nothing of headings
+/// of other quantities, and of correction factors.
+[[nodiscard]] std::optional<HeadingSign> sign_in_heading(std::string_view heading);
+
 struct TableColumn {
   std::size_t number = 0;  ///< from 1
   std::string heading;
   Meaning meaning = Meaning::none;
-  std::optional<Unit> unit;  ///< of the heading
+  std::optional<Unit> unit;         ///< of the heading
+  std::optional<HeadingSign> sign;  ///< of a difference that the heading names
   std::vector<std::string_view> cells;
-  std::vector<double> values;  ///< as many as cells where each is a number, else none
+  std::vector<double> numbers;  ///< of the cells that are numbers
+  std::vector<double> values;   ///< as many as cells where each is a number, else none
   [[nodiscard]] bool is_number() const { return !values.empty(); }
-  [[nodiscard]] double least() const { return *std::ranges::min_element(values); }
-  [[nodiscard]] double most() const { return *std::ranges::max_element(values); }
+  /// Numbers, and empty cells between them.
+  [[nodiscard]] bool has_gaps() const {
+    const auto empty = std::ranges::count_if(cells, [](std::string_view cell) { return cell.empty(); });
+    return empty > 0 && !numbers.empty() && numbers.size() + static_cast<std::size_t>(empty) == cells.size();
+  }
+  [[nodiscard]] bool is_reversed() const { return sign && sign->is_reversed; }
+  /// @pre there are numbers
+  [[nodiscard]] double least() const { return *std::ranges::min_element(numbers); }
+  [[nodiscard]] double most() const { return *std::ranges::max_element(numbers); }
   [[nodiscard]] double span() const { return most() - least(); }
   [[nodiscard]] bool turns() const { return unit && unit->kind == UnitKind::angle; }
   /// One of the cells in mm, or deg.
@@ -61,8 +80,12 @@ using Columns = std::vector<TableColumn>;
 [[nodiscard]] bool is_one_turn(const TableColumn& targets);
 /// An axis that stays at one place for many rows, one after the other.
 [[nodiscard]] bool rests(const TableColumn& targets);
+/// Small against the travel, but perhaps not round 0: a run that drifted, too.
+[[nodiscard]] bool are_small(const TableColumn& column, const TableColumn& targets);
 /// Small against the travel and round 0.
 [[nodiscard]] bool are_errors(const TableColumn& column, const TableColumn& targets);
+/// The heading names a straightness, or one of its directions.
+[[nodiscard]] bool is_straightness(const TableColumn& column);
 [[nodiscard]] bool could_be_targets(const TableColumn& column, const Columns& columns);
 /// Whether the headings allow it: a column named so where there is one, no count of runs.
 [[nodiscard]] bool could_be_readings(const TableColumn& column, const Columns& columns);
@@ -72,6 +95,9 @@ using Columns = std::vector<TableColumn>;
 /// Unit of one step of such a column, which no file states: "s", or the shortest of "min" and "h" in which no
 /// temperature of the table changes faster than the bodies and the air of a machine do.
 [[nodiscard]] std::string_view interval_of_rows(const TableColumn& counter, const Columns& columns);
+
+/// Why nothing is suggested although columns look like a measurement, and the remedy; empty: no such reason.
+[[nodiscard]] std::string obstacle_in(const Columns& columns);
 
 /// The options for columns that look like a measurement: of a ball, of points, else the first pair of targets and
 /// positions reached, else of targets and errors, else readings over time.

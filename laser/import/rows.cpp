@@ -212,16 +212,21 @@ int take_row(MeasurementSet& set, const Plan& plan, const TableRow& row, int run
     findings.add(row.number, field.index < cells.size() ? column_of(row.line, cells[field.index]) : 0, fault);
     whole = false;
   };
+  const Field* target = nullptr;  // read when the axis is known
   for (const Field& field : plan.fields) {
     if (field.last() >= cells.size()) {
       bad(field,
           fmt::format("{}: expected a column {}, found {} columns", field.rule.field, field.last() + 1, cells.size()));
       return 0;
     }
-    if (is_value(field.role)) continue;
+    if (field.role == Role::target) target = &field;
+    if (is_value(field.role) || field.role == Role::target) continue;
     if (const std::string fault = set_common(common, plan, field, joined_cells(cells, field)); !fault.empty())
       bad(field, fault);
   }
+  if (target != nullptr)
+    if (const std::string fault = set_target(common, plan, *target, cells[target->index]); !fault.empty())
+      bad(*target, fault);
   if (row.target) common.position_mm[index_of(common.axis)] = row.target->mm;
   const bool has_sense = std::ranges::any_of(plan.fields, [](const Field& field) { return field.role == Role::sense; });
   if (!has_sense)
@@ -251,7 +256,7 @@ int take_row(MeasurementSet& set, const Plan& plan, const TableRow& row, int run
     }
     if (const auto pass = pass_named(field.rule.field); pass && field.role == Role::pass) {
       reading.approach = pass->approach;
-      reading.run = pass->run;
+      if (pass->run > 0) reading.run = pass->run;
     }
     std::string fault = set_error(reading, plan, field, *value - from);
     if (fault.empty() && !std::isfinite(reading.error))
@@ -275,7 +280,8 @@ void begin_at_zero(MeasurementSet& set) {
 
 void finish(MeasurementSet& set, const ColumnMapping& mapping, const Plan& plan) {
   const bool has_run = std::ranges::any_of(plan.fields, [](const Field& field) {
-    return field.rule.field == "run" || field.role == Role::pass || field.rule.field == "time_s" ||
+    const auto pass = pass_named(field.rule.field);
+    return field.rule.field == "run" || (pass && pass->run > 0) || field.rule.field == "time_s" ||
            field.role == Role::date_time;
   });
   compare_with_means(set, plan);

@@ -2,6 +2,8 @@
 // `laser import`. Does not live here: what a single column looks like (guessed_columns.cpp), the words about it
 // (explain.cpp).
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -14,6 +16,7 @@
 
 #include "base/text.hpp"
 #include "laser/csv_columns.hpp"
+#include "laser/findings.hpp"
 #include "laser/import/columns.hpp"
 #include "laser/import/fields.hpp"
 #include "laser/import/guessed_columns.hpp"
@@ -69,15 +72,37 @@ const TableColumn* counter_of_runs(const Columns& columns) {
 }
 
 /// What is assumed of a column that counts rows in place of a time: lags, and the correlation of noise, depend on it.
-std::string interval_text(const Columns& columns, std::string_view rules) {
+void assume_interval(TableSuggestion& suggestion, const Columns& columns) {
   const TableColumn* counter = counter_of_runs(columns);
-  if (counter == nullptr || rules.find(fmt::format(",time_s={}[", counter->number)) == rules.npos) return {};
+  if (counter == nullptr || suggestion.columns.find(fmt::format(",time_s={}[", counter->number)) == std::string::npos)
+    return;
   const std::string_view unit = interval_of_rows(*counter, columns);
-  return fmt::format(
-      "; column {0} counts the readings of each run, and the file does not state their interval. It is assumed to be 1 "
+  suggestion.assumed.push_back(fmt::format(
+      "Column {0} counts the readings of each run, and the file does not state their interval. It is assumed to be 1 "
       "{1}{2}. Write time_s={0}*30 if it is 30 s",
       counter->number, unit,
-      unit == "s" ? "" : ", because with a shorter unit a temperature would change faster than 3 degC/min");
+      unit == "s" ? "" : ", because with a shorter unit a temperature would change faster than 3 degC/min"));
+}
+
+/// The meaning of the readings by the sign that their heading states, and why.
+void take_sign(TableSuggestion& suggestion, const TableColumn& readings) {
+  if (suggestion.values == TableValues::actual_positions || !readings.sign) return;
+  const auto& sign = *readings.sign;
+  const std::string heading = in_quotes(readings.heading);
+  if (sign.is_reversed) suggestion.values = TableValues::compensations;
+  const std::string_view order = sign.is_reversed ? "target - actual" : "actual - target";
+  if (sign.is_open)
+    suggestion.assumed.push_back(fmt::format(
+        "The heading {} leaves the sign open. Assumed is {}{}. {}", heading, sign.is_correction ? "a correction, " : "",
+        order,
+        sign.is_reversed ? "The sign is reversed, because error = actual - target. Without --values compensation the "
+                           "readings are errors"
+                         : "Add --values compensation if the readings are target - actual"));
+  else if (sign.is_reversed)
+    suggestion.assumed.push_back(fmt::format(
+        "The sign is reversed (--values compensation), because the heading {} states {}, and error = actual "
+        "- target",
+        heading, sign.is_correction ? "a correction" : order));
 }
 
 /// Temperatures, air and time as their headings name them.
@@ -109,83 +134,296 @@ char axis_letter(const TableColumn& column, std::string_view letters, char other
 }
 
 /// Errors without a unit are um, but mm where they would all be far too small for um.
-std::string error_unit(const TableColumn& column) {
+std::string error_unit(const TableColumn& column, double largest) {
   constexpr double kTooSmall_um = 0.1;
   if (column.unit) return std::string(column.unit->name);
-  return std::max(std::abs(column.least()), std::abs(column.most())) < kTooSmall_um ? "mm" : "um";
+  return largest < kTooSmall_um ? "mm" : "um";
+}
+double largest_of(const TableColumn& column) { return std::max(std::abs(column.least()), std::abs(column.most())); }
+
+/// "2[um]" of a column of readings.
+/// @param largest  of all columns that have the same unit
+std::string reading_place(const TableColumn& column, const TableColumn& targets, bool actual, double largest) {
+  const auto in = [&](std::string_view usual) {
+    return fmt::format("{}[{}]", column.number, column.unit ? column.unit->name : usual);
+  };
+  if (actual) return in(targets.turns() ? "deg" : "mm");
+  return in(targets.turns() ? "um/m" : error_unit(column, largest));
 }
 
-std::string reading_rule(const TableColumn& column, const TableColumn& targets, bool actual) {
-  if (actual)
-    return fmt::format("reading={}[{}]", column.number,
-                       column.unit       ? column.unit->name
-                       : targets.turns() ? "deg"
-                                         : "mm");
-  if (targets.turns()) return fmt::format("reading={}[{}]", column.number, column.unit ? column.unit->name : "um/m");
-  return fmt::format("{}={}[{}]", column.turns() ? "EB" : "reading", column.number, error_unit(column));
+/// The axis of each row as a column states it.
+struct AxisOfRows {
+  const TableColumn* column = nullptr;
+  std::string letters{};     ///< lower case, each once
+  std::string_view wrong{};  ///< a cell that names no axis
+};
+AxisOfRows axis_of_rows(const Columns& columns) {
+  AxisOfRows found;
+  for (const TableColumn& column : columns) {
+    const auto words = heading_words(column.heading);
+    const bool named = std::ranges::any_of(words, [](const auto& word) {
+      return is_one_of(word, {"axis", "achse", "axe", "axes", "achsen"});
+    });
+    if (column.is_number() || column.cells.empty() || !named) continue;
+    found.column = &column;
+    for (const std::string_view cell : column.cells) {
+      const bool same = cell == column.cells.front();
+      const auto letters = heading_words(cell);
+      const auto letter = std::ranges::find_if(letters, [](const auto& word) {
+        return word.size() == 1 && std::string_view("xyzabc").find(word) != std::string_view::npos;
+      });
+      if (letter == letters.end() || (cell.size() > 1 && !same)) {
+        found.wrong = cell;
+        break;
+      }
+      if (found.letters.find(*letter) == std::string::npos) found.letters += *letter;
+    }
+    if (found.letters.size() > 1 && column.cells.front().size() > 1) found.wrong = column.cells.front();
+    break;
+  }
+  return found;
 }
 
-/// "forward2" of "F2 (um)", "Lauf 2 vor": the field of a column that holds one pass; empty: the heading names none.
-std::string pass_field(const std::string& heading) {
-  std::string direction, number;
+/// Direction of an error across, or about, the moving axis.
+struct StatedSense {
+  std::string name{};     ///< "EY"; empty: along the axis, as far as the heading says
+  std::string assumed{};  ///< a sentence
+};
+
+/// @param axis     letter of the moving axis, lower case
+/// @param is_sure  the table names that axis
+StatedSense sense_of(const TableColumn& column, char axis, bool is_sure, std::string_view used = {}) {
+  const std::string_view across = axis == 'x' ? "yz" : axis == 'y' ? "xz" : "xy";
+  if (column.meaning == Meaning::temperature || !is_one_of(std::string_view(&axis, 1), {"x", "y", "z"})) return {};
+  const auto named = [](char letter) { return fmt::format("E{}", static_cast<char>(letter - 'a' + 'A')); };
+  const bool straight = is_straightness(column);
+  for (const std::string& word : heading_words(column.heading)) {
+    if (word.size() == 3 && word[0] == 'e' && word[2] == axis && word[1] != axis && sense_named(named(word[1])))
+      return {named(word[1])};
+    if (word.size() == 1 && across.find(word[0]) != across.npos && !column.turns() && (straight || is_sure))
+      return {named(word[0])};
+  }
+  if (!straight) return {};
+  const std::string text = lower(column.heading);
+  const bool vertical = text.find("verti") != text.npos;
+  if (vertical || text.find("horizontal") != text.npos)
+    return {named(across[vertical ? 1 : 0]),
+            fmt::format("The heading {} is read as {}{}", in_quotes(column.heading), named(across[vertical ? 1 : 0]),
+                        axis == 'z' ? ", which is an assumption" : " on a machine whose Z is vertical")};
+  const char free = used.find(named(across[0])) == used.npos ? across[0] : across[1];
+  return {named(free),
+          fmt::format("The heading {} does not state the direction of the straightness. Assumed is {}, the "
+                      "other one is {}",
+                      in_quotes(column.heading), named(free), named(free == across[0] ? across[1] : across[0]))};
+}
+
+/// What a heading says of the pass or run whose readings are below.
+struct PassHeading {
+  std::string direction{}, number{};
+  std::string rest{};  ///< the other words
+};
+
+/// "forward" of "Run 1 +" and "+X", "reverse" of "Run 1 -" and "-X".
+std::string signed_direction(std::string_view heading) {
+  const auto apart = [&](std::size_t at) {
+    return at >= heading.size() || std::string_view(" ()[],;").find(heading[at]) != std::string_view::npos;
+  };
+  const auto letter = [&](std::size_t at) {
+    return at < heading.size() && std::string_view("xyzabcXYZABC").find(heading[at]) != std::string_view::npos;
+  };
+  for (std::size_t i = 0; i < heading.size(); ++i) {
+    if (heading[i] != '+' && heading[i] != '-') continue;
+    const bool begins =
+        i == 0 || apart(i - 1) || std::string_view("0123456789").find(heading[i - 1]) != std::string_view::npos;
+    const bool behind_axis = i > 0 && letter(i - 1) && (i == 1 || apart(i - 2)) && apart(i + 1);
+    if (behind_axis || (begins && (apart(i + 1) || (letter(i + 1) && apart(i + 2)))))
+      return heading[i] == '+' ? "forward" : "reverse";
+  }
+  return {};
+}
+
+PassHeading pass_heading(const std::string& heading) {
+  PassHeading pass;
   for (const std::string& word : heading_words(heading)) {
     const std::size_t digits = std::min(word.find_first_of("0123456789"), word.size());
     const std::string letters = word.substr(0, digits);
-    if (is_one_of(letters, {"f", "fwd", "forward", "vor", "vorw\xC3\xA4rts", "hin", "aller", "up"}))
-      direction = "forward";
-    if (is_one_of(letters, {"b", "r", "rev", "reverse", "bwd", "back", "backward", "r\u00FCck", "r\u00FCckw\xC3\xA4rts",
-                            "zur\u00FCck", "retour", "down"}))
-      direction = "reverse";
-    if (digits < word.size() && integer_in(word.substr(digits))) number = word.substr(digits);
+    const bool numbered = digits < word.size() && integer_in(word.substr(digits));
+    if (numbered) pass.number = word.substr(digits);
+    if (is_one_of(letters, {"f", "fwd", "forward", "v", "vor", "vorw\xC3\xA4rts", "hin", "aller", "up"}))
+      pass.direction = "forward";
+    else if (is_one_of(letters, {"b", "r", "rev", "reverse", "bwd", "back", "backward", "r\u00FCck",
+                                 "r\u00FCckw\xC3\xA4rts", "zur\u00FCck", "retour", "down"}))
+      pass.direction = "reverse";
+    else
+      pass.rest += (numbered ? letters : word) + " ";
   }
-  const std::string field = direction + (number.empty() ? "1" : number);
-  return pass_named(field) ? field : "";
+  return pass;
 }
 
-/// "forward1=2[um],reverse1=3[um]" where the columns of errors are passes, each another; empty: they are not.
-std::string pass_columns(const Columns& columns, const TableColumn& targets, bool actual) {
-  std::vector<std::string> fields, rules;
+bool is_statistic(const TableColumn& column) {
+  const std::string text = lower(column.heading);
+  const auto words = heading_words(text);
+  return text.find("mittel") != text.npos || text.find("umkehr") != text.npos || text.find("spanne") != text.npos ||
+         std::ranges::any_of(words, [](const auto& word) {
+           return is_one_of(word,
+                            {"mean", "avg", "average", "moyenne", "reversal", "hysteresis", "range", "max", "min"});
+         });
+}
+
+/// The columns of passes and what is assumed of them; no rules: there are none.
+struct PassColumns {
+  std::string rules{};
+  std::string assumed{};
+  bool numbered = false;   ///< the columns name the runs
+  bool by_motion = false;  ///< they do not name the approach
+};
+
+/// "forward1=2[um],reverse1=3[um]" where the columns of errors are passes or runs, each another.
+/// @param readings  one of them
+/// @param like      a column is of the same sense
+template <class Like>
+PassColumns pass_columns(const Columns& columns, const TableColumn& targets, const TableColumn& readings, bool actual,
+                         const Like& like) {
+  std::vector<std::pair<const TableColumn*, PassHeading>> found;
   for (const TableColumn& column : columns) {
-    const std::string field = pass_field(column.heading);
-    const bool fits = column.is_number() && column.turns() == targets.turns() && &column != &targets &&
-                      !field.empty() && column.meaning != Meaning::temperature &&
-                      (actual ? are_actual(column, targets) : are_errors(column, targets));
-    if (!fits) continue;
-    if (std::ranges::find(fields, field) != fields.end()) return {};
-    fields.push_back(field);
-    rules.push_back(field + reading_rule(column, targets, actual).substr(std::string_view("reading").size()));
+    const bool may =
+        column.meaning == Meaning::none || column.meaning == Meaning::reading || column.meaning == Meaning::position;
+    const bool length = !column.unit || column.unit->kind == UnitKind::length || column.unit->kind == UnitKind::angle;
+    if (may && length && (column.is_number() || column.has_gaps()) && &column != &targets && like(column) &&
+        column.turns() == targets.turns() && column.is_reversed() == readings.is_reversed() &&
+        (actual ? are_actual(column, targets) : are_small(column, targets)))
+      found.emplace_back(&column, pass_heading(column.heading));
   }
-  return fields.size() < 2 ? std::string() : fmt::format("{}", fmt::join(rules, ","));
+  if (!std::ranges::all_of(found, [](const auto& one) { return is_statistic(*one.first); }))
+    std::erase_if(found, [](const auto& one) { return is_statistic(*one.first); });
+  const auto errors = [&](const auto& one) { return actual || are_errors(*one.first, targets); };
+  if (std::ranges::none_of(found, errors)) return {};
+  const auto count = [&](const std::string& direction) {
+    return std::ranges::count_if(found, [&](const auto& one) { return one.second.direction == direction; });
+  };
+  if (count("") == std::ssize(found)) {
+    for (auto& [column, pass] : found) pass.direction = signed_direction(column->heading);
+    if (count("forward") == 0 || count("reverse") == 0)
+      for (auto& [column, pass] : found) pass.direction.clear();
+  }
+  PassColumns passes;
+  if (count("") + 1 >= std::ssize(found)) {  // runs whose approach is not named: headings that differ in the number
+    const PassHeading own = pass_heading(readings.heading);
+    std::erase_if(found, [&](const auto& one) { return one.second.number.empty() || one.second.rest != own.rest; });
+    passes.by_motion = true;
+  } else {
+    std::erase_if(found, [](const auto& one) { return one.second.direction.empty(); });
+  }
+  if (!is_statistic(readings) && std::ranges::none_of(found, [&](const auto& one) { return one.first == &readings; }))
+    return {};
+  passes.numbered = std::ranges::any_of(found, [](const auto& one) { return !one.second.number.empty(); });
+  if (passes.numbered) std::erase_if(found, [](const auto& one) { return one.second.number.empty(); });
+  double largest = 0.0;
+  for (const auto& one : found) largest = std::max(largest, largest_of(*one.first));
+  std::map<std::string, const TableColumn*> fields;
+  std::map<std::string, int> repeats;
+  const bool repeated = !passes.numbered && (count("forward") > 1 || count("reverse") > 1);
+  std::vector<std::string> rules;
+  for (auto& [column, pass] : found) {
+    const std::string direction = passes.by_motion ? "forward" : pass.direction;
+    const std::string first = direction + "1";
+    if (repeated && fields.contains(first) && fields[first]->heading != column->heading) return {};
+    const std::string field = direction + (repeated ? std::to_string(++repeats[direction]) : pass.number);
+    if (!pass_named(field) || !fields.emplace(field, column).second) return {};
+    rules.push_back(field + "=" + reading_place(*column, targets, actual, largest));
+  }
+  if (rules.size() < 2) return {};
+  passes.rules = fmt::format("{}{}", fmt::join(rules, ","), passes.by_motion ? ",approach=motion" : "");
+  if (repeated) passes.assumed = "Columns with the same heading are assumed to be runs, in their order";
+  if (passes.by_motion)
+    passes.assumed =
+        "The columns of readings are assumed to be runs by the numbers of their headings, and the approach follows "
+        "from "
+        "the order of the targets";
+  passes.numbered = passes.numbered || repeated;
+  return passes;
+}
+
+/// Columns of several senses along one axis, "EX=3[um],EZ=4[um]"; empty: the headings state no other sense.
+template <class SenseOf>
+std::string sense_columns(const Columns& columns, const TableColumn& targets, const TableColumn& readings, char axis,
+                          const SenseOf& sense_by, std::vector<std::string>& assumed) {
+  const std::string own = fmt::format("E{}", static_cast<char>(axis - 'a' + 'A'));
+  std::string used, rules;
+  bool across = false;
+  for (const TableColumn& column : columns) {
+    const bool fits = column.is_number() && &column != &targets && column.is_reversed() == readings.is_reversed() &&
+                      (&column == &readings || column.meaning == Meaning::reading);
+    if (!fits) continue;
+    auto [name, sentence] = sense_by(column, used);
+    if (name.empty() && &column != &readings) continue;
+    if (name.empty() && column.turns()) return {};
+    across = across || !name.empty();
+    if (name.empty()) name = own;
+    const bool turns = is_rotation(*sense_named(name));
+    if (used.find(name) != std::string::npos || (column.unit && turns != column.turns())) continue;
+    used += name + " ";
+    if (!sentence.empty()) assumed.push_back(std::move(sentence));
+    rules += fmt::format("{}{}={}[{}]", rules.empty() ? "" : ",", name, column.number,
+                         turns && !column.unit ? "um/m" : error_unit(column, largest_of(column)));
+  }
+  if (!across) assumed.clear();
+  return across ? rules : std::string();
 }
 
 /// @pre the readings are errors, or positions reached where `actual`
 TableSuggestion pair_suggestion(const TableColumn& targets, const TableColumn& readings, bool actual,
                                 const Columns& columns) {
   const bool turns = targets.turns();
-  const std::string field = turns ? fmt::format("{}_deg", axis_letter(targets, "abc", 'c'))
-                                  : fmt::format("{}_mm", axis_letter(targets, "xyz", 'x'));
+  const AxisOfRows rows = axis_of_rows(columns);
+  const bool several = rows.letters.size() > 1;
+  const char axis =
+      rows.letters.empty() ? axis_letter(targets, turns ? "abc" : "xyz", turns ? 'c' : 'x') : rows.letters[0];
+  const bool is_sure = !several && (!rows.letters.empty() || axis_letter(targets, "xyz", ' ') != ' ');
+  const auto sense_by = [&](const TableColumn& column, std::string_view used) {
+    return actual || several ? StatedSense{} : sense_of(column, axis, is_sure, used);
+  };
+  const StatedSense sense = sense_by(readings, {});
+  const bool rotary = std::string_view("abc").find(axis) != std::string_view::npos;
   const std::string date = date_rule(columns);
-  const std::string passes = pass_columns(columns, targets, actual);
-  std::string others;
-  for (const TableColumn& column : columns)
-    if (passes.empty() && &column != &readings && !actual && column.is_number() && column.meaning == Meaning::reading)
-      others +=
-          fmt::format("{} {}", others.empty() ? "; import readings of other columns separately:" : ",", column.number);
   TableSuggestion suggestion;
-  suggestion.columns = fmt::format("{}={}[{}],{}{}{}{}", field, targets.number,
-                                   targets.unit ? targets.unit->name
-                                   : turns      ? "deg"
-                                                : "mm",
-                                   passes.empty() ? reading_rule(readings, targets, actual) : passes, date,
-                                   passes.empty() ? pass_rules(columns, date.empty() || go_both_ways(targets)) : "",
-                                   condition_rules(columns, !date.empty()));
-  suggestion.actual = actual;
-  suggestion.reads = fmt::format(
-      "column {} as targets and {} as {}, if that is their meaning{}{}{}", targets.number,
-      passes.empty() ? fmt::format("column {}", readings.number) : "the columns of passes",
-      actual ? "the positions reached" : "errors",
-      !turns && readings.turns() && !actual ? " (EB is a rotation about Y; EA and EC are those about X and Z)" : "",
-      others, interval_text(columns, suggestion.columns));
+  if (actual) suggestion.values = TableValues::actual_positions;
+  const PassColumns passes = pass_columns(columns, targets, readings, actual, [&](const TableColumn& column) {
+    return sense_by(column, {}).name == sense.name;
+  });
+  std::string values = passes.rules, others;
+  if (!values.empty()) {
+    suggestion.sense = sense.name;
+    for (const std::string& sentence : {passes.assumed, sense.assumed})
+      if (!sentence.empty()) suggestion.assumed.push_back(sentence);
+    if (!passes.numbered) others = pass_rules(columns, false);
+  } else {
+    if (!actual && !several && !turns && !rotary)
+      values = sense_columns(columns, targets, readings, axis, sense_by, suggestion.assumed);
+    if (values.empty())
+      values = (readings.turns() && !turns && !actual ? "EB=" : "reading=") +
+               reading_place(readings, targets, actual, largest_of(readings));
+    others = pass_rules(columns, date.empty() || go_both_ways(targets));
+  }
+  const bool about_y = values.starts_with("EB=") && !turns && sense.name.empty() && !actual;
+  suggestion.columns =
+      fmt::format("{}={}[{}],{}{}{}{}{}",
+                  several ? std::string("target") : fmt::format("{}_{}", axis, rotary ? "deg" : "mm"), targets.number,
+                  targets.unit ? targets.unit->name
+                  : rotary     ? "deg"
+                               : "mm",
+                  values, several ? fmt::format(",axis={}", rows.column->number) : "", date, others,
+                  condition_rules(columns, !date.empty()));
+  take_sign(suggestion, readings);
+  suggestion.reads = fmt::format("column {} as targets and {} as {}, if that is their meaning{}", targets.number,
+                                 !passes.rules.empty()                   ? "the columns of passes"
+                                 : values.find(',') == std::string::npos ? fmt::format("column {}", readings.number)
+                                                                         : "the columns of several senses",
+                                 actual                                            ? "the positions reached"
+                                 : suggestion.values == TableValues::compensations ? "compensation (target - actual)"
+                                                                                   : "errors (actual - target)",
+                                 about_y ? " (EB is a rotation about Y; EA and EC are those about X and Z)" : "");
+  assume_interval(suggestion, columns);
   return suggestion;
 }
 
@@ -204,7 +442,7 @@ std::optional<TableSuggestion> loose_pair(const Columns& columns) {
                             : fmt::format("{}_mm", axis_letter(targets, "xyz", 'x')),
                       targets.number, unit, actual.number, go_both_ways(targets) ? ",approach=motion,run=motion" : "",
                       rests(targets) ? ",rows=in_motion" : "", stamp_rule(columns));
-      suggestion.actual = true;
+      suggestion.values = TableValues::actual_positions;
       suggestion.reads = fmt::format(
           "column {} as targets and column {} as the positions reached, if that is their "
           "meaning",
@@ -286,11 +524,12 @@ std::optional<TableSuggestion> pair_columns(const Columns& columns) {
   for (const bool actual : {true, false}) {
     for (const TableColumn& targets : columns) {
       if (!could_be_targets(targets, columns)) continue;
-      for (const TableColumn& readings : columns)
-        if (&readings != &targets && could_be_readings(readings, columns) &&
-            (actual ? are_actual(readings, targets)
-                    : readings.meaning == Meaning::reading || are_errors(readings, targets)))
-          return pair_suggestion(targets, readings, actual, columns);
+      for (const bool reversed : {false, true})  // errors are read rather than corrections beside them
+        for (const TableColumn& readings : columns)
+          if (&readings != &targets && could_be_readings(readings, columns) && readings.is_reversed() == reversed &&
+              (actual ? are_actual(readings, targets)
+                      : readings.meaning == Meaning::reading || are_errors(readings, targets)))
+            return pair_suggestion(targets, readings, actual, columns);
     }
     if (auto loose = actual ? loose_pair(columns) : std::nullopt) return loose;
   }
@@ -332,13 +571,82 @@ std::optional<TableSuggestion> growth_columns(const Columns& columns) {
   const std::size_t number = found.front()->number;
   const std::string date = date_rule(columns);
   TableSuggestion suggestion;
-  suggestion.columns = fmt::format("reading={}[{}]{}{}{}", number, error_unit(*found.front()), date,
-                                   pass_rules(columns, false), condition_rules(columns, !date.empty()));
+  suggestion.columns =
+      fmt::format("reading={}[{}]{}{}{}", number, error_unit(*found.front(), largest_of(*found.front())), date,
+                  pass_rules(columns, false), condition_rules(columns, !date.empty()));
   suggestion.axis = "X";
   suggestion.parked = date.empty() ? "x=0" : "";
-  suggestion.reads = fmt::format("column {} as errors at one position, if that is their meaning{}", number,
-                                 interval_text(columns, suggestion.columns));
+  take_sign(suggestion, *found.front());
+  suggestion.reads = fmt::format("column {} as {} at one position, if that is their meaning", number,
+                                 suggestion.values == TableValues::errors ? "errors" : "compensation");
+  assume_interval(suggestion, columns);
   return suggestion;
+}
+
+/// Rows of several axes whose cells name them in another way than the import reads, or not at all.
+std::string axis_obstacle(const Columns& columns) {
+  const AxisOfRows rows = axis_of_rows(columns);
+  if (rows.column == nullptr || rows.wrong.empty()) return {};
+  return fmt::format(
+      "Column {} {} names the axis of each row, but {} is none of X, Y, Z, A, B and C. Write these letters in its "
+      "cells",
+      rows.column->number, in_quotes(rows.column->heading), in_quotes(rows.wrong));
+}
+
+/// Targets that are no numbers in some rows, so that the readings would seem to be at one position.
+std::string target_obstacle(const Columns& columns) {
+  for (const TableColumn& column : columns) {
+    if (column.meaning != Meaning::position || column.numbers.empty() || column.is_number()) continue;
+    const auto wrong = std::ranges::find_if(column.cells, [](auto cell) { return !number_or_comma(cell); });
+    return fmt::format("Column {} {} has cells that are not numbers, the first is {}. Correct them", column.number,
+                       in_quotes(column.heading), in_quotes(*wrong));
+  }
+  return {};
+}
+
+/// A row for each run below a row of targets.
+std::string transposed_obstacle(const Columns& columns) {
+  constexpr std::size_t kLeastTargets = 4;
+  constexpr double kGreatestPart = 0.3;  // errors are smaller than this part of the last target
+  if (columns.size() < 1 + kLeastTargets || columns.front().is_number() || columns.front().cells.size() < 2) return {};
+  double before = -std::numeric_limits<double>::infinity(), largest = 0.0;
+  for (std::size_t k = 1; k < columns.size(); ++k) {
+    const auto& values = columns[k].values;
+    if (values.empty() || values.front() <= before) return {};
+    before = values.front();
+    for (std::size_t i = 1; i < values.size(); ++i) largest = std::max(largest, std::abs(values[i]));
+  }
+  if (largest > kGreatestPart * (before - columns[1].values.front())) return {};
+  return "The table seems to have the targets in its first row and a row for each run. Exchange rows and columns, so "
+         "that "
+         "each row has a target and its readings";
+}
+
+/// Every column with numbers that the rules do not read.
+std::string unread_in(const Columns& columns, const std::string& rules_text) {
+  constexpr std::size_t kMostNamed = 12;  // more are named by their numbers alone
+  const auto rules = column_rules(rules_text);
+  std::vector<const TableColumn*> unread;
+  for (const TableColumn& column : columns) {
+    const auto reads = [&](const ColumnRule& rule) {
+      return column.number >= static_cast<std::size_t>(rule.column) &&
+             column.number < static_cast<std::size_t>(rule.column + rule.columns);
+    };
+    if (!column.numbers.empty() && std::ranges::none_of(*rules, reads)) unread.push_back(&column);
+  }
+  if (unread.empty()) return {};
+  std::vector<std::string> named;
+  bool readings = false;
+  for (const TableColumn* column : unread) {
+    readings = readings || column->meaning == Meaning::reading;
+    const bool words = !column->is_number() && !column->has_gaps();
+    named.push_back(unread.size() > kMostNamed || column->heading.empty()
+                        ? std::to_string(column->number)
+                        : fmt::format("{} {}", column->number, in_quotes(column->heading)));
+    if (words) named.back() += " (some cells are not numbers)";
+  }
+  return fmt::format("{} not read: {}{}", unread.size() == 1 ? "This column is" : "These columns are",
+                     fmt::join(named, ", "), readings ? ". Import further readings separately" : "");
 }
 
 }  // namespace
@@ -358,11 +666,20 @@ std::string sensor_named(std::string_view heading, std::size_t number) {
   return fmt::format("t_{}_degC", name.empty() ? std::to_string(number) : name);
 }
 
+std::string obstacle_in(const Columns& columns) {
+  for (const auto& obstacle : {axis_obstacle, target_obstacle, transposed_obstacle})
+    if (std::string why = obstacle(columns); !why.empty()) return why;
+  return {};
+}
+
 std::optional<TableSuggestion> suggestion_for(const Columns& columns, const TableShape& shape) {
+  if (!axis_obstacle(columns).empty() || !transposed_obstacle(columns).empty()) return std::nullopt;
   auto found = pair_columns(columns);
   if (!found) found = named_pair(columns);
-  if (!found) found = growth_columns(columns);
-  if (found) found->rows = rows_of(shape);
+  if (!found && target_obstacle(columns).empty()) found = growth_columns(columns);
+  if (!found) return found;
+  found->rows = rows_of(shape);
+  found->unread = unread_in(columns, found->columns);
   return found;
 }
 
