@@ -60,6 +60,15 @@ TEST_CASE("the columns of an unknown table have the roles and units of the guess
   CHECK(table.answers().skip == 1);
 }
 
+TEST_CASE("a correction is read as compensation, and the preview states why the sign is reversed") {
+  const StateFolder folder;
+  const std::string file = folder.with("gauge.txt", gauge_text(5, "Pos [mm];Korrektur [um];T Luft [degC]\n"));
+  const MappedTable table = table_of(file);
+  CHECK(value(table, MappingSetting::values) == "compensation");
+  CHECK(contains(table.preview().lines.back(), "assumed by the guess: The sign is reversed"));
+  CHECK(must(read_measurements(file, table.answers())).set.readings.at(1).error == -1.5);
+}
+
 TEST_CASE("what is accepted reads the whole file as the preview said") {
   const StateFolder folder;
   const std::string file = folder.with("gauge.txt", gauge_text());

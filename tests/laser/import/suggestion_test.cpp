@@ -201,7 +201,8 @@ TEST_CASE("plus and minus are passes, and a pass that drifted is one") {
 }
 
 TEST_CASE("passes without a number are repeats where the table repeats the targets, or of the run of their row") {
-  const std::string text = "Pos;Abw +X;Abw -X\n0;1;2\n100;2;3\n200;4;5\n300;5;6\n400;4;5\n0;1;2\n100;2;3\n200;4;5\n";
+  const std::string text =
+      "Pos;Abw +X;Abw -X\n0;1;2\n100;2;3\n200;4;5\n300;5;6\n400;4;5\n0;1;2\n100;2;3\n200;4;5\n300;5;6\n400;4;5\n";
   const auto set = imported_as(text, suggestion_of(text));
   CHECK(set.readings.at(15).run == 2);
   CHECK(set.readings.at(15).approach == Approach::reverse);
