@@ -205,7 +205,7 @@ TEST_CASE("a column that counts the readings of each run is suggested in place o
   const Problem why = must_fail(parse_any(text, "days.csv", {}));
   CHECK_MESSAGE(contains(why.message, "reading=4[um],run=1,t_spindle_degC=3[degC],time_s=2[min]"), why.message);
   CHECK_MESSAGE(contains(why.message,
-                         "column 2 counts the readings of each run, and the file does not state their "
+                         "Column 2 counts the readings of each run, and the file does not state their "
                          "interval. It is assumed to be 1 min, because with a shorter unit"),
                 why.message);
 }
