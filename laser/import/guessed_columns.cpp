@@ -51,7 +51,7 @@ bool names_target(std::string_view word) {
          is_one_of(word, {"nom", "cmd", "ref", "reference"});
 }
 bool names_actual(std::string_view word) {
-  return begins_with_one(word, {"actual", "measur", "gemess", "messw", "istw", "istp", "observ", "mesur"}) ||
+  return begins_with_one(word, {"actual", "measur", "gemess", "messw", "istw", "istp", "observed", "mesur"}) ||
          is_one_of(word, {"ist", "act", "meas", "mes", "laser",
                           "r\xC3\xA9"
                           "el"});
