@@ -136,11 +136,14 @@ void number_runs(MeasurementSet& set) {
 void compare_with_means(MeasurementSet& set, const Plan& plan) {
   const bool tips = std::ranges::any_of(plan.fields, [](const Field& field) { return is_tip(field.rule.field); });
   if (!has_role(plan.fields, Role::measured) || (!tips && has_role(plan.fields, Role::position))) return;
-  const auto point_of = [&](const Reading& reading) {
-    const auto found = reading.extras.find(kPointColumn);
-    return found == reading.extras.end() ? 0.0 : found->second;
+  using Point = std::pair<double, std::string>;  // its number, or its name
+  const auto point_of = [](const Reading& reading) {
+    const auto number = reading.extras.find(kPointColumn);
+    const auto name = reading.text_extras.find(kPointColumn);
+    return Point{number == reading.extras.end() ? 0.0 : number->second,
+                 name == reading.text_extras.end() ? std::string() : name->second};
   };
-  std::map<double, std::array<std::pair<double, int>, kAxes>> sums;  // of each point, along X, Y, Z [um]
+  std::map<Point, std::array<std::pair<double, int>, kAxes>> sums;  // along X, Y, Z [um]
   for (const Reading& reading : set.readings) {
     auto& [sum, count] = sums[point_of(reading)][index_of(direction_of(reading.sense))];
     sum += reading.error;

@@ -122,6 +122,17 @@ TEST_CASE("points that are visited again and again are errors against the mean o
   CHECK(set.readings[9].run == 2);
 }
 
+TEST_CASE("points with names stay apart as those with numbers do") {
+  const std::string text = "P1, 10.00, 0.0, 5.0\nP2, 90.00, 0.0, 5.0\nP1, 10.02, 0.0, 5.0\nP2, 90.04, 0.0, 5.0\n";
+  const auto set =
+      must(parse_any(text, "points.txt", by_columns("point=1,measured_x_mm=2,measured_y_mm=3,measured_z_mm=4"))).set;
+  REQUIRE(set.readings.size() == 12);
+  CHECK(set.readings[0].error == Approx(-10.0));
+  CHECK(set.readings[9].position_mm[0] == Approx(90.02));
+  CHECK(set.readings[9].run == 2);
+  CHECK(set.readings[9].text_extras.at("point") == "P2");
+}
+
 TEST_CASE("a scan of a poor encoder over one turn is suggested in degrees, and rests are left out of it") {
   std::string text = "stamp;set;velocity;actual\n";
   std::size_t moving = 0;
