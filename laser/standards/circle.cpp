@@ -115,8 +115,8 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kCircleColumns{"angle_deg", "deviation_um", "direction"};
 
-constexpr double kLargestRadius_mm = 1e6;         ///< a choice
-constexpr long long kMostCircleRuns = 1'000'000;  ///< a choice
+constexpr double kLargestRadius_mm = 1e6;   ///< a choice
+constexpr int kMostCircleRuns = 1'000'000;  ///< a choice
 
 void take_plane(TableReader& table, CircleTest& test, Findings& findings) {
   const auto axis_at = [](const std::string& text, std::size_t place) -> std::optional<Axis> {
@@ -159,11 +159,12 @@ CircleReading circle_reading(TableReader& row) {
   reading.clockwise = row.text("direction") == "cw";
   if (!reading.clockwise && row.text("direction") != "ccw") row.wrong("direction", "cw or ccw");
   if (!row.has("run")) return reading;
-  const auto run = integer_in(row.text("run"));
-  if (run && std::abs(*run) <= kMostCircleRuns)
+  const auto run = number_in(row.text("run"));
+  const bool is_whole = run && *run == std::round(*run);
+  if (is_whole && std::abs(*run) <= kMostCircleRuns)
     reading.run = static_cast<int>(*run);
   else
-    row.wrong("run", run ? fmt::format("a whole number within {}", kMostCircleRuns) : "a whole number");
+    row.wrong("run", is_whole ? fmt::format("a whole number within {}", kMostCircleRuns) : "a whole number");
   return reading;
 }
 

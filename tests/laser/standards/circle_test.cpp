@@ -114,6 +114,13 @@ TEST_CASE("a circle that was written is read as it was") {
   CHECK(back.readings[45].deviation_um == Approx(test.readings[45].deviation_um).epsilon(1e-3));
 }
 
+TEST_CASE("a run written with decimals is the whole number that it is") {
+  std::string text = "# plane: XY\n# radius_mm: 100\nangle_deg,deviation_um,direction,run\n";
+  for (int angle = 0; angle < 360; angle += 10) text += fmt::format("{},1,ccw,2.0\n", angle);
+  CHECK(must(parse_circle_test(text, "a.csv")).readings.front().run == 2);
+  CHECK(contains(must_fail(parse_circle_test(text + "5,1,ccw,1.5\n", "a.csv")).message, "a whole number"));
+}
+
 TEST_CASE("what a circle lacks is said in words") {
   CHECK(contains(circle_refusal(kHead + rows(0, 360, "ccw") + rows(0, 300, "cw")),
                  "cw, run 1: the circle is open: no reading between 290 and 0 degrees, a gap of 70 degrees"));
