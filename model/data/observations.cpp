@@ -374,18 +374,36 @@ std::vector<std::size_t> in_file_order(const Observations& data) {
   return order;
 }
 
-/// The ball changes while an axis goes from one angle to the next.
-bool ball_changes_in_sweep(const Observations& data) {
+/// The ball changes while an axis goes from one angle to the next, and no set of several balls does. With several balls
+/// the axis goes through the same angles with each; with wrong pivots the point moves on from angle to angle.
+/// @param angles  of each ball
+bool ball_changes_in_sweep(const Observations& data, const std::vector<std::set<Vector3>>& angles) {
+  const auto parked = [](Vector3 angle, Axis moved) {
+    angle[index_of(moved)] = 0.0;
+    return angle;
+  };
   const auto sweep = [&](std::size_t k) {
-    Vector3 parked = data.position_mm[k];
-    parked[index_of(data.axis[k])] = 0.0;
-    return std::make_tuple(data.axis[k], data.run[k], data.approach[k], parked);
+    return std::make_tuple(data.axis[k], data.run[k], data.approach[k], parked(data.position_mm[k], data.axis[k]));
+  };
+  const auto in_sweep = [&](std::size_t ball_of, std::size_t k) {  // angles of that ball, of the axis that moves in k
+    std::vector<double> own;
+    for (const Vector3& angle : angles[static_cast<std::size_t>(data.through_chain[ball_of].ball) - 1])
+      if (parked(angle, data.axis[k]) == parked(data.position_mm[k], data.axis[k]))
+        own.push_back(angle[index_of(data.axis[k])]);
+    return own;
+  };
+  const auto pass_through = [](const std::vector<double>& one, const std::vector<double>& other) {
+    const auto [least, greatest] = std::ranges::minmax(other);
+    return std::ranges::count_if(one, [&](double angle) { return angle >= least && angle <= greatest; }) >=
+           static_cast<std::ptrdiff_t>(kFewestPoses);
   };
   const std::vector<std::size_t> order = in_file_order(data);
-  for (std::size_t i = 1; i < order.size(); ++i)
-    if (data.through_chain[order[i]].ball != data.through_chain[order[i - 1]].ball &&
-        sweep(order[i]) == sweep(order[i - 1]))
-      return true;
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    const std::size_t before = order[i - 1], now = order[i];
+    if (data.through_chain[now].ball == data.through_chain[before].ball || sweep(now) != sweep(before)) continue;
+    const std::vector<double> last = in_sweep(before, now), next = in_sweep(now, now);
+    if (!pass_through(last, next) || !pass_through(next, last)) return true;
+  }
   return false;
 }
 
@@ -402,7 +420,7 @@ void take_balls(Observations& data, const std::vector<Vector3>& point_mm) {
   double farthest_mm = 0.0;
   for (const Vector3& one : data.balls_mm) farthest_mm = std::max(farthest_mm, apart_mm(one, data.balls_mm.front()));
   const bool few = std::ranges::any_of(angles, [](const auto& poses) { return poses.size() < kFewestPoses; });
-  if (few || ball_changes_in_sweep(data))
+  if (few || ball_changes_in_sweep(data, angles))
     data.not_followed = fmt::format(
         "with the given pivots, directions and tool offset, the tool is at {} points of the workpiece, up to {:.1f} mm "
         "apart, while an axis turns: the linear axes did not follow a ball. Give the signs of the angles (ISO 841), "

@@ -175,6 +175,25 @@ TEST_CASE("each of two balls has a place of its own, and the errors of the axes 
   CHECK(parse_add_request("ball_on_table:2")->ball == 2);
 }
 
+TEST_CASE("two balls in one run, from the same angles, are followed") {
+  const TurningMachine made = trunnion();
+  laser::MeasurementSet set;
+  for (const Vector3& place : {Vector3{600.0, 420.0, -400.0}, Vector3{655.0, 380.0, -380.0}})
+    for (Reading r : ball_set(made, {{0.0, 0.0, 0.0}, 0.4, false, place}, 21).readings) {
+      if (r.axis != Axis::Z || r.approach != Approach::forward || r.angle_deg[0] != 0.0) continue;
+      r.run = 1;
+      r.row = static_cast<int>(set.readings.size()) + 1;
+      r.time_s = r.row;
+      set.readings.push_back(r);
+    }
+  const Observations data = observations_of(set, Model{}, made.machine);
+  CHECK(data.not_followed == "");
+  CHECK(data.balls_mm.size() == 2);
+  TurningMachine other = made;
+  other.machine.rotary[2]->pivot_mm[0] += 30.0;
+  CHECK(observations_of(set, Model{}, other.machine).not_followed != "");
+}
+
 TEST_CASE("readings that do not follow a ball with the pivots given are not taken") {
   const TurningMachine made = trunnion();
   TurningMachine other = made;
