@@ -69,43 +69,73 @@ auto line_of(const MeasurementSet& set, const Paths& paths, std::size_t k) {
   return std::make_tuple(paths.of[k], r.axis, r.sense, parked);
 }
 
-enum class Clock { none, common, of_each_run };
-
-/// One instrument cannot start two runs of a line at the same time: the clock then restarts with each run.
-Clock clock_of(const MeasurementSet& set, const Paths& paths) {
-  if (!std::ranges::all_of(set.readings, [](const Reading& r) { return r.time_s.has_value(); })) return Clock::none;
-  std::map<decltype(std::make_pair(line_of(set, paths, 0), 0)), double> first_s;
+/// By run the number of the clock that its times are of. One instrument cannot measure two runs of a line at once:
+/// where passes of a line and approach overlap in time the clock restarts, with every run that begins before the one
+/// before it has ended. Empty: one clock for all.
+std::map<int, int> clocks_of(const MeasurementSet& set, const Paths& paths) {
+  struct Stretch {
+    double begin_s = 0.0, end_s = 0.0;
+  };
+  using Runs = std::map<int, Stretch>;
+  std::map<decltype(line_of(set, paths, 0)), std::map<Approach, Runs>> lines;
+  std::map<int, int> clock;
   for (std::size_t k = 0; k < set.readings.size(); ++k) {
     const Reading& r = set.readings[k];
-    double& first = first_s.try_emplace({line_of(set, paths, k), r.run}, *r.time_s).first->second;
-    first = std::min(first, *r.time_s);
+    clock[r.run] = 0;
+    if (!r.time_s) continue;
+    Runs& runs = lines[line_of(set, paths, k)][r.approach];
+    Stretch& pass = runs.try_emplace(r.run, Stretch{*r.time_s, *r.time_s}).first->second;
+    pass = {std::min(pass.begin_s, *r.time_s), std::max(pass.end_s, *r.time_s)};
   }
-  std::set<decltype(std::make_pair(line_of(set, paths, 0), 0.0))> starts;
-  const bool restarts = std::ranges::any_of(first_s, [&](const auto& one) {
-    return !starts.insert({one.first.first, one.second}).second;
-  });
-  return restarts ? Clock::of_each_run : Clock::common;
+  const auto overlaps = [](const Stretch& earlier, const Stretch& later) {
+    return later.begin_s < earlier.end_s || later.begin_s == earlier.begin_s;
+  };
+  bool any_overlap = false;
+  std::set<int> restarts;
+  for (const auto& [line, by_approach] : lines) {
+    Runs runs;  // of both approaches
+    for (const auto& [approach, passes] : by_approach) {
+      std::vector<Stretch> in_time;
+      for (const auto& [run, pass] : passes) {
+        in_time.push_back(pass);
+        Stretch& all = runs.try_emplace(run, pass).first->second;
+        all = {std::min(all.begin_s, pass.begin_s), std::max(all.end_s, pass.end_s)};
+      }
+      std::ranges::sort(in_time, {}, [](const Stretch& one) { return std::pair(one.begin_s, one.end_s); });
+      any_overlap = any_overlap || std::ranges::adjacent_find(in_time, overlaps) != in_time.end();
+    }
+    for (auto run = runs.begin(); run != runs.end(); ++run)
+      if (run != runs.begin() && overlaps(std::prev(run)->second, run->second)) restarts.insert(run->first);
+  }
+  if (!any_overlap) return {};
+  int number = 0;
+  for (auto& [run, own] : clock) own = number += restarts.contains(run) ? 1 : 0;
+  return clock;
 }
 
 /// Everything a reading is, in an order of its own: two readings that compare equal are interchangeable. Readings at
 /// one place of a pass stay as they follow each other in the file: in order of size, neighbours would differ too
 /// little.
-auto key_of(const MeasurementSet& set, const Paths& paths, std::size_t k, Clock clock) {
+/// @param clocks  as clocks_of(); null: some reading has no time
+auto key_of(const MeasurementSet& set, const Paths& paths, std::size_t k, const std::map<int, int>* clocks) {
   const Reading& r = set.readings[k];
   const double along = paths.of[k] > 0 ? paths.along[k] : laser::target_of(r);
   const double travelled = along * (r.approach == Approach::reverse ? -1.0 : 1.0);
   const Vector3 place = r.rotary ? r.position_mm : Vector3{};
-  return std::make_tuple(clock == Clock::of_each_run ? r.run : 0, clock == Clock::none ? 0.0 : *r.time_s,
+  return std::make_tuple(clocks && !clocks->empty() ? clocks->at(r.run) : 0, clocks ? *r.time_s : 0.0,
                          line_of(set, paths, k), r.run, -static_cast<int>(r.approach), travelled, place, r.feed_mm_min,
                          r.load_kg, r.row, r.error);
 }
 
-std::vector<std::size_t> canonical_order(const MeasurementSet& set, const Paths& paths) {
-  const Clock clock = clock_of(set, paths);
+std::vector<std::size_t> canonical_order(const MeasurementSet& set, const Paths& paths,
+                                         const std::map<int, int>& clocks) {
+  const bool all_timed = std::ranges::all_of(set.readings, [](const Reading& r) { return r.time_s.has_value(); });
+  const std::map<int, int>* const in_time = all_timed ? &clocks : nullptr;
   std::vector<std::size_t> order(set.readings.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::sort(
-      order, [&](std::size_t a, std::size_t b) { return key_of(set, paths, a, clock) < key_of(set, paths, b, clock); });
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
+    return key_of(set, paths, a, in_time) < key_of(set, paths, b, in_time);
+  });
   return order;
 }
 
@@ -507,7 +537,8 @@ Observations observations_of(const MeasurementSet& set, const KnownTables& table
                              const std::optional<params::Machine>& machine) {
   Observations data;
   Paths paths = paths_of(set);
-  const std::vector<std::size_t> order = canonical_order(set, paths);
+  const std::map<int, int> clocks = clocks_of(set, paths);
+  const std::vector<std::size_t> order = canonical_order(set, paths, clocks);
   data.file_order = order;
   data.rotary = !set.readings.empty() && set.readings.front().rotary;
   for (const std::size_t k : order) {

@@ -11,33 +11,6 @@
 namespace ecs::model {
 namespace {
 
-/// Runs of one line that begin before the one before them has ended were not measured at once: each counts its own
-/// time.
-bool has_clock_of_run(const Observations& data) {
-  using Line = std::tuple<Channel, Axis, Vector3>;
-  struct Stretch {
-    double begin_s = 0.0, end_s = 0.0;
-  };
-  std::map<Line, std::map<int, Stretch>> lines;  // by run
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    const double now_s = data.time_s[k];
-    if (std::isnan(now_s)) continue;
-    Stretch& run = lines[{data.channel(k), data.axis[k], data.parked_of(k)}]
-                       .try_emplace(data.run[k], Stretch{now_s, now_s})
-                       .first->second;
-    run = {std::min(run.begin_s, now_s), std::max(run.end_s, now_s)};
-  }
-  return std::ranges::any_of(lines, [](const auto& line) {
-    std::vector<Stretch> runs;
-    for (const auto& [number, stretch] : line.second) runs.push_back(stretch);
-    std::ranges::sort(runs, {}, &Stretch::begin_s);
-    bool overlap = runs.size() > 1;
-    for (std::size_t i = 1; i < runs.size(); ++i)
-      overlap = overlap && (runs[i].begin_s < runs[i - 1].end_s || runs[i].begin_s == runs[i - 1].begin_s);
-    return overlap;
-  });
-}
-
 /// One step of the low-pass. @param degC  of the sensor before and after it
 double stepped(double followed, double before_degC, double after_degC, double step_s, double lag_s) {
   const double steps = step_s / lag_s;
@@ -87,7 +60,9 @@ bool is_part_of_history(const Observations& data, std::string_view sensor) {
 SensorHistory history_of(const Observations& data) {
   SensorHistory history;
   history.clock.assign(data.size(), 0);
-  if (has_clock_of_run(data)) history.clock = data.run;
+  for (std::size_t k = 1; k < data.size(); ++k)
+    history.clock[k] = history.clock[k - 1] + (data.time_s[k] < data.time_s[k - 1] ? 1 : 0);
+  if (std::ranges::any_of(data.time_s, [](double t) { return std::isnan(t); })) history.clock = data.run;
   history.time_s = data.time_s;
   history.sensors_degC = data.sensors_degC;
   return history;

@@ -23,7 +23,7 @@ struct SensorHistory {
   std::map<std::string, CourseWithoutNoise, std::less<>> without_noise;  ///< of the sensors that are noisy or coarse
 };
 
-/// Null where there are no times or no sensors. Runs of a line that overlap in time have a clock each.
+/// Null where there are no times or no sensors. Where some reading has no time, each run has a clock of its own.
 [[nodiscard]] std::shared_ptr<const SensorHistory> sensor_history_of(const Observations& data);
 
 /// Temperature of what follows a sensor with this time constant, in each reading: τ dF/dt = T − F, with F = T at the

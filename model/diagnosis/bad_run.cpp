@@ -214,9 +214,11 @@ std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::Ve
   constexpr std::size_t kFewestRunsOfStep = 4;
   struct Run {
     int number = 0;
-    double readings = 0.0, time = 0.0, mean = 0.0, squares = 0.0;
+    double readings = 0.0, time = 0.0, place = 0.0, mean = 0.0, squares = 0.0;
   };
   std::map<Channel, std::map<int, Run>> channels;
+  const bool in_time = std::ranges::none_of(data.time_s, [](double t) { return std::isnan(t); });
+  const bool restarts = in_time && !std::ranges::is_sorted(data.time_s);  // clocks with times in common, rows in order
   for (std::size_t k = 0; k < data.size(); ++k) {
     if (left_out[k]) continue;
     Run& run = channels[data.channel(k)][data.run[k]];
@@ -224,6 +226,7 @@ std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::Ve
     run.number = data.run[k];
     run.readings += 1.0;
     run.time += std::isnan(t) ? 0.0 : t;
+    run.place += static_cast<double>(k);
     run.mean += r;
     run.squares += r * r;
   }
@@ -234,6 +237,7 @@ std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::Ve
     double inside = 0.0, readings = 0.0;
     for (auto& [number, run] : by_number) {
       run.time /= run.readings;
+      run.place /= run.readings;
       run.mean /= run.readings;
       inside += run.squares - run.readings * run.mean * run.mean;
       readings += run.readings;
@@ -241,6 +245,8 @@ std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::Ve
     }
     const auto count = static_cast<Eigen::Index>(runs.size());
     if (runs.size() < kFewestRunsOfStep || runs.size() > kMostRunsCompared) continue;
+    if (restarts)
+      for (Run& run : runs) run.time = run.place;
     std::ranges::stable_sort(runs, [](const Run& a, const Run& b) { return a.time < b.time; });
     // means of the runs, each as heavy as its readings, beside a level and a trend
     Eigen::VectorXd weight(count), target(count);

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -244,27 +246,31 @@ class Conditions {
     constexpr double kLongest = 0.2;  // share of the session
     const auto sensor = data_.sensors_degC.find(effect.effect.sensor);
     if (sensor == data_.sensors_degC.end()) return;
-    std::map<double, double> degC;
+    const auto clock_of = [&](std::size_t k) { return data_.history ? data_.history->clock[data_.in_history[k]] : 0; };
+    std::map<std::pair<int, double>, double> degC;  // by clock and time
     for (std::size_t k = 0; k < data_.size(); ++k)
-      if (std::isfinite(data_.time_s[k] + sensor->second[k])) degC[data_.time_s[k]] = sensor->second[k];
+      if (std::isfinite(data_.time_s[k] + sensor->second[k])) degC[{clock_of(k), data_.time_s[k]}] = sensor->second[k];
     const VectorXd t = r_.column([&](std::size_t k) { return data_.time_s[k]; });
     if (degC.size() < kFewestOfLeft || !t.allFinite()) return;
-    const auto at = [&](double time_s) {
-      const auto after = degC.lower_bound(time_s);
+    const auto at = [&](int clock, double time_s) {
+      const auto after = degC.lower_bound({clock, time_s});
       if (after == degC.begin()) return after->second;
       const auto before = std::prev(after);
-      if (after == degC.end()) return before->second;
-      return std::lerp(before->second, after->second, (time_s - before->first) / (after->first - before->first));
+      if (after == degC.end() || (after->first.first != clock && before->first.first == clock)) return before->second;
+      if (before->first.first != clock) return after->second;
+      const double from_s = before->first.second, to_s = after->first.second;
+      return std::lerp(before->second, after->second, (time_s - from_s) / (to_s - from_s));
     };
     // what explains most beside the model; and the delay at which the effect alone leaves the least of what is its due
     const VectorXd due = r_.y + r_.column([&](std::size_t k) { return effect.contribution[k]; });
     const MatrixXd over = legendre(r_.u, 0, 1);
-    const double session_s = degC.rbegin()->first - degC.begin()->first;
+    const double session_s = t.maxCoeff() - t.minCoeff();
     MatrixXd best;
     double most = 0.0, least = kBeyondAll, best_s = 0.0;
     for (int i = -kDelays; i <= kDelays; ++i) {
       const double delay_s = kLongest * session_s * i / kDelays;
-      const MatrixXd delayed = times(over, t.unaryExpr([&](double time_s) { return at(time_s - delay_s); }));
+      const MatrixXd delayed =
+          times(over, r_.column([&](std::size_t k) { return at(clock_of(k), data_.time_s[k] - delay_s); }));
       if (const double gain = r_.weight(r_.y, r_.one_cell, delayed).gain; i != 0 && gain > most) {
         most = gain;
         best = delayed;

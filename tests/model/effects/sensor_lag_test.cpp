@@ -127,6 +127,45 @@ TEST_CASE("runs that overlap in time have clocks of their own: another run's tem
   for (std::size_t k = 0; k < data.size(); ++k) CHECK(std::abs(late[k] - data.sensors_degC.at(kSpindle)[k]) < 1.0);
 }
 
+namespace {
+
+/// Two days of two runs each, the clock from 0 on each; the second day is 5 degC warmer.
+/// @param late_s  by which the clock of the second day is read later
+laser::MeasurementSet two_days(double late_s) {
+  auto set = hour_of_spindle();
+  const auto second_day = std::ranges::find(set.readings, 3, &Reading::run);
+  const double begin_s = *second_day->time_s - *set.readings.front().time_s;
+  for (Reading& r : set.readings) {
+    const bool second = r.run > 2;
+    if (second) r.time_s = *r.time_s + late_s - begin_s;
+    r.sensors_degC[kSpindle] = (second ? 25.0 : 20.0) + 0.001 * *r.time_s;
+  }
+  return set;
+}
+
+}  // namespace
+
+TEST_CASE("where the clock restarts each day, the readings of a day follow one another and no others") {
+  for (const double late_s : {0.0, 7.0}) {
+    const Observations data = observations_of(two_days(late_s), Model{}, mill());
+    CHECK(std::ranges::is_sorted(data.run));
+    for (std::size_t k = 0; k < data.size(); ++k) CHECK(data.history->clock[k] == (data.run[k] > 2 ? 1 : 0));
+    CHECK(data.history->without_noise.empty());  // the other day's temperature is no noise of the sensor
+    CHECK(followed_degC(data, kSpindle, 0.0) == data.sensors_degC.at(kSpindle));
+  }
+  CHECK(std::ranges::max(observations_of(hour_of_spindle(), Model{}, mill()).history->clock) == 0);
+}
+
+TEST_CASE("passes in one direction, then those in the other, are on one clock") {
+  auto set = hour_of_spindle();
+  const double hour_s = 3600.0;
+  for (Reading& r : set.readings)
+    if (r.approach == Approach::reverse) r.time_s = *r.time_s + 10.0 * hour_s;
+  const Observations data = observations_of(set, Model{}, mill());
+  CHECK(std::ranges::is_sorted(data.time_s));
+  CHECK(std::ranges::max(data.history->clock) == 0);
+}
+
 TEST_CASE("a model file without a lag has none, and is written without; below 0 it is refused") {
   const std::string text =
       "[[effect]]\nid = \"thermal_drift\"\naxis = \"X\"\nsense = \"EX\"\nsensor = \"t_spindle_degC\"\n";
