@@ -13,6 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "model/diagnosis/structure.hpp"
+#include "model/diagnosis/visits.hpp"
 #include "model/diagnosis/waves.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
@@ -246,6 +247,10 @@ bool found_proved(const std::vector<Standing>& standings) {
   return std::ranges::find(standings, Standing::proved) != standings.end();
 }
 
+bool found_any(const std::vector<Standing>& standings) {
+  return std::ranges::any_of(standings, [](Standing one) { return one != Standing::possible; });
+}
+
 Verdict verdict_of(const ReportInput& in, const std::vector<Standing>& standings, bool noise) {
   if (standings.empty()) return noise ? Verdict::adequate : Verdict::unexplained_structure;
   if (in.found.bad_run || (in.found.step && !found_proved(standings))) return Verdict::unexplained_structure;
@@ -359,6 +364,31 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
       held_out_um, in.found.noise.pure.unit, rms_um);
 }
 
+/// Takes the part in the answer from effects of position that errors of the points themselves would look like, of
+/// points in space. @return whether any had a part
+bool deny_errors_of_points(const ReportInput& in, std::vector<Standing>& standings) {
+  const Observations& data = in.regressors.data();
+  if (!found_any(standings) || !are_scattered_points(data)) return false;
+  std::vector<std::size_t> answer, denied;
+  for (std::size_t g = 0; g < standings.size(); ++g)
+    if (standings[g] != Standing::possible) answer.push_back(g);
+  const auto columns_of = [&](std::size_t g) {
+    const Choice& choice = in.found.groups[g].member;
+    return columns_on(in.regressors, in.found.families[choice.family].effect, choice);
+  };
+  // any set of as many candidates could have been found
+  const double sets = std::pow(static_cast<double>(in.found.candidates_tried), static_cast<double>(answer.size()));
+  for (const std::size_t g : answer) {
+    LinearProblem others = in.problem;
+    for (const std::size_t other : answer)
+      if (other != g) others = joined_with(others, columns_of(other));
+    const auto chance = chance_of_points(data, in.base.core.left_out, others.columns, columns_of(g).of, others.target);
+    if (chance && *chance * sets > in.options.false_naming_limit) denied.push_back(g);
+  }
+  for (const std::size_t g : denied) standings[g] = Standing::possible;
+  return !denied.empty();
+}
+
 }  // namespace
 
 /// Why the best effects of the library do not count as an explanation.
@@ -398,8 +428,16 @@ Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise)
 
 Result<Answer> answer_of(const ReportInput& in) {
   const bool noise = noise_left(in.found, in.options);
-  const std::vector<Standing> standings = standings_of(in, noise);
+  std::vector<Standing> standings = standings_of(in, noise);
+  const bool of_points = deny_errors_of_points(in, standings);
   Answer answer{verdict_of(in, standings, noise), ranked_candidates(in.found, standings), ""};
+  if (of_points && !found_any(standings)) {
+    answer.verdict = Verdict::cannot_tell;
+    answer.cannot_tell = fmt::format(
+        "the residual differs from point to point, and errors of the points themselves would look like any "
+        "cause on so few points: measure lines of at least {} targets along each axis",
+        kFewestCurveTargets);
+  }
   if (answer.verdict != Verdict::adequate) return answer;
   Fit fit;
   ECS_DO(base_of(in.model, in.regressors, in.options.plain, &fit));

@@ -1,16 +1,20 @@
 #include "model/diagnosis/visits.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include <Eigen/QR>
 #include <fmt/format.h>
 
+#include "base/linear/decompositions.hpp"
 #include "base/units.hpp"
+#include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
 
 namespace ecs::model {
@@ -193,6 +197,78 @@ std::optional<MotionsOfGroups> motions_of_groups(const Observations& data, const
     if (motions && (!best || motions->held_out_rms_um < best->held_out_rms_um)) best = motions;
   }
   return best;
+}
+
+namespace {
+
+/// Visits come back to a point within this; instruments read its place anew each time.
+constexpr double kSamePoint_mm = 0.1;
+/// Of a column of position this share at most differs from visit to visit: the places differ a little.
+constexpr double kSameAtVisits = 0.01;
+
+std::array<long long, kAxes> point_of(const Vector3& position_mm) {
+  std::array<long long, kAxes> point{};
+  for (std::size_t a = 0; a < kAxes; ++a) point[a] = std::llround(position_mm[a] / kSamePoint_mm);
+  return point;
+}
+
+}  // namespace
+
+bool are_scattered_points(const Observations& data) {
+  if (data.rotary || data.moved || !data.through_chain.empty()) return false;
+  using Point = std::array<long long, kAxes>;
+  std::map<std::pair<Axis, Sense>, std::set<Point>> lines;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    lines[{data.axis[k], data.sense[k]}].insert(point_of(data.position_mm[k]));
+  return std::ranges::all_of(lines, [](const auto& line) {
+    std::size_t varied = 0;
+    for (std::size_t a = 0; a < kAxes; ++a) {
+      std::map<Point, std::set<long long>> along;  // by the other coordinates
+      std::set<long long> all;
+      for (const Point& point : line.second) {
+        Point others = point;
+        others[a] = 0;
+        along[others].insert(point[a]);
+        all.insert(point[a]);
+      }
+      if (std::ranges::any_of(along, [](const auto& each) { return each.second.size() >= kFewestCurveTargets; }))
+        return false;
+      varied += all.size() > 1 ? 1U : 0U;
+    }
+    return varied > 1;
+  });
+}
+
+std::optional<double> chance_of_points(const Observations& data, const std::vector<bool>& left_out,
+                                       const MatrixXd& others, const MatrixXd& effect, const VectorXd& target) {
+  std::set<Sense> acting;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!left_out[k] && effect.row(static_cast<Index>(k)).squaredNorm() > 0.0) acting.insert(data.sense[k]);
+  std::map<std::tuple<Axis, Sense, std::array<long long, kAxes>>, std::vector<Index>> points;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!left_out[k] && acting.contains(data.sense[k]))
+      points[{data.axis[k], data.sense[k], point_of(data.position_mm[k])}].push_back(static_cast<Index>(k));
+  const auto count = static_cast<Index>(points.size());
+  MatrixXd of_others(count, others.cols()), of_both(count, others.cols() + effect.cols());
+  VectorXd of_target(count);
+  double between_visits = 0.0;
+  Index i = 0;
+  for (const auto& [point, rows] : points) {
+    const double root = std::sqrt(static_cast<double>(rows.size()));
+    const MatrixXd own = effect(rows, Eigen::all);
+    of_others.row(i) = root * others(rows, Eigen::all).colwise().mean();
+    of_both.row(i) << of_others.row(i), root * own.colwise().mean();
+    of_target(i++) = root * target(rows).mean();
+    between_visits += (own.rowwise() - own.colwise().mean()).squaredNorm();
+  }
+  if (between_visits > kSameAtVisits * kSameAtVisits * effect.squaredNorm()) return std::nullopt;
+  const PivotedQr without(of_others), with(of_both);
+  const auto gained = static_cast<double>(with.rank() - without.rank());
+  const auto spare = static_cast<double>(count - with.rank());
+  if (gained < 1.0 || spare < 1.0) return 1.0;
+  const double left = (of_target - of_both * with.solve(of_target)).squaredNorm();
+  const double before = (of_target - of_others * without.solve(of_target)).squaredNorm();
+  return std::exp(ln_f_tail((before - left) / gained / std::max(left / spare, kLeastDivisor), gained, spare));
 }
 
 std::string words_for(const MotionsOfGroups& motions) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -30,6 +31,18 @@ struct MotionsOfGroups {
 /// @param residual  um
 [[nodiscard]] std::optional<MotionsOfGroups> motions_of_groups(const Observations& data,
                                                                const Eigen::VectorXd& residual);
+
+/// Points in space: at least two coordinates change from point to point of a line, and no line along an axis has the
+/// targets that a curve needs.
+[[nodiscard]] bool are_scattered_points(const Observations& data);
+
+/// How likely errors of the points themselves, without any law, are explained as well by an effect of position, which
+/// does the same at each visit (F test over the means of the points in the directions on which it acts). 1 where it
+/// leaves no point to be predicted; nothing for an effect that does not do the same at each visit.
+/// @param others  columns of everything else that is fitted  @param effect  those of the effect
+[[nodiscard]] std::optional<double> chance_of_points(const Observations& data, const std::vector<bool>& left_out,
+                                                     const Eigen::MatrixXd& others, const Eigen::MatrixXd& effect,
+                                                     const Eigen::VectorXd& target);
 
 /// "Each visit (run) has a rigid motion of its own: …", as an answer begins.
 [[nodiscard]] std::string words_for(const MotionsOfGroups& motions);

@@ -103,6 +103,47 @@ TEST_CASE("without motions none is named, whatever the points have of errors of 
   CHECK(named == 0);
 }
 
+TEST_CASE("errors of single points are no cause: so few points cannot tell") {
+  for (const std::size_t points : {3U, 4U, 5U})
+    for (unsigned seed = 1; seed <= 8; ++seed) {
+      std::mt19937_64 random(seed);
+      NormalDraws normal;
+      Set set = visited({.visits = 10, .points = points, .shift_um = 0.0, .turn_um_per_m = 0.0, .seed = seed});
+      std::map<std::pair<Vector3, Sense>, double> own;
+      for (Reading& r : set.readings)
+        r.error += own.try_emplace({r.position_mm, r.sense}, 30.0 * normal(random)).first->second;
+      const Model model = offsets_of_space();
+      const Diagnosis found = must(diagnose(model, observations_of(set, model, mill())));
+      INFO(summary_of(found));
+      CHECK(found.verdict != Verdict::adequate);
+      CHECK(std::ranges::none_of(found.candidates, &Candidate::in_answer));
+    }
+}
+
+TEST_CASE("an effect that leaves no point to be predicted has no chance of its own, one that predicts them has") {
+  const Set set = visited({.visits = 10, .shift_um = 0.0, .turn_um_per_m = 0.0});
+  const Observations data = observations_of(set, Model{}, std::nullopt);
+  CHECK(are_scattered_points(data));
+  const auto n = static_cast<Eigen::Index>(data.size());
+  Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(n, 1), slope = zero, free = Eigen::MatrixXd::Zero(n, 4), visit = zero;
+  Eigen::VectorXd target(n), errors(n);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    const bool along = data.sense[k] == Sense::EX;
+    zero(i, 0) = along ? 1.0 : 0.0;
+    slope(i, 0) = along ? data.position_mm[k][1] / 1000.0 : 0.0;
+    visit(i, 0) = along ? data.run[k] : 0.0;
+    for (Eigen::Index j = 0; j < 4; ++j) free(i, j) = along && data.position_mm[k] == kPoints_mm[j + 1] ? 1.0 : 0.0;
+    target(i) = 100.0 * slope(i, 0) + 0.1 * std::sin(static_cast<double>(i));
+    errors(i) = data.reading[k];
+  }
+  const std::vector<bool> all(data.size(), false);
+  CHECK(must(chance_of_points(data, all, zero, slope, target)) < 1e-6);
+  CHECK(must(chance_of_points(data, all, zero, slope, errors)) > 0.01);
+  CHECK(must(chance_of_points(data, all, zero, free, target)) == 1.0);
+  CHECK_FALSE(chance_of_points(data, all, zero, visit, target));
+}
+
 TEST_CASE("points on a line, and senses that were measured apart, show no rigid motion") {
   Set on_line = visited({.seed = 4});
   for (Reading& r : on_line.readings) r.position_mm = {r.position_mm[0], 0.0, 0.0};
