@@ -14,6 +14,7 @@
 #include "commissioning/maps/rotary_part.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/models/view.hpp"
+#include "commissioning/models/what_if.hpp"
 #include "commissioning/models/work.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "model/effects/artefact_place.hpp"
@@ -325,6 +326,9 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
   declare_missing_zero(built, arguments.zero_missing);
   built.findings = laser::findings_for(built.compiled.map, built.parameters.parameters, travels_of(*machine));
   find_unmeasured_directions(built, *model, *machine);
+  for (const EffectInstance& effect : model->effects)
+    if (const std::string periods = other_periods_text(effect); !periods.empty() && is_carried(effect, *machine))
+      built.findings.push_back({false, periods});
   return built;
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/text.hpp"
 #include "commissioning/models/view.hpp"
+#include "commissioning/models/what_if.hpp"
 #include "model/diagnosis/words.hpp"
 
 namespace ecs::commissioning {
@@ -155,8 +156,25 @@ std::string cost_if_of_measurement(const model::EffectInstance& effect, const st
       place_text(effect), measurement_alternatives(effect), amount, model::separating_measurement(effect, others));
 }
 
+std::string other_periods_text(const model::EffectInstance& effect) {
+  std::vector<std::string_view> periods;
+  for (const std::string_view part : split(effect.tied_with, ','))
+    if (const auto at = part.find('@'); at != std::string_view::npos) periods.push_back(trimmed(part.substr(at + 1)));
+  if (periods.empty()) return "";
+  const std::string_view unit = laser::target_unit(effect.rotary);
+  return fmt::format(
+      "{}: a period of {} {} fits the readings as well as {:.4g} {}. With a wrong period, compensation adds error "
+      "between the targets. Decide this first: measure the line at targets displaced from equal steps by a tenth of "
+      "the "
+      "step or more (ISO 230-2:2014, 5.3.2), and fit the model to these readings too",
+      place_text(effect), fmt::join(periods, " or "), unit,
+      given_or_fitted(effect, effect.definition().searched_parameter()).value_or(0.0), unit);
+}
+
 void keep_alternatives(model::EffectInstance& effect, const std::vector<model::EffectInstance>& alternatives) {
-  effect.tied_with = fmt::format("{}", fmt::join(places_of(alternatives), ", "));
+  std::vector<std::string> names = places_of(alternatives);
+  if (!names.empty() && !effect.tied_with.empty()) names.push_back(effect.tied_with);  // other periods
+  effect.tied_with = fmt::format("{}", fmt::join(names, ", "));
 }
 
 namespace {

@@ -268,6 +268,10 @@ std::vector<std::string> made_worse(const std::vector<AfterDirection>& direction
 std::vector<std::string> notes_on(const ModelWork& work, const model::WhatIf& what,
                                   const std::optional<Achieved>& after, const std::vector<AfterDirection>& directions) {
   std::vector<std::string> notes = made_worse(directions, work.data.rotary);
+  for (const model::EffectInstance& effect : work.model.effects)
+    if (const std::string periods = other_periods_text(effect);
+        !periods.empty() && is_carried(effect, work.data.machine))
+      notes.push_back(periods);
   if (!work.data.clock_note.empty()) notes.push_back(work.data.clock_note);
   const std::string_view unit = work.data.reading_unit();
   for (std::size_t i = 0; i < what.shares.size(); ++i)  // in the order of the model

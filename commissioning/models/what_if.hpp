@@ -68,6 +68,10 @@ struct WhatIfAnswer {
                                                   const std::string& model_file, const std::vector<std::string>& after,
                                                   const ImportArguments& import);
 
+/// That other periods of a wave fit the readings as well, what a wrong one costs, and the measurement that decides; ""
+/// where its model keeps none.
+[[nodiscard]] std::string other_periods_text(const model::EffectInstance& effect);
+
 /// "Compensating all that the unit can would bring … Of that the machine keeps …, … belong to the measurement": for
 /// the verb, the screen and the report.
 [[nodiscard]] std::string what_if_summary(const model::WhatIf& what, const model::Model& model,

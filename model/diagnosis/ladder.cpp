@@ -12,6 +12,7 @@
 #include "base/text.hpp"
 #include "laser/csv_columns.hpp"
 #include "model/diagnosis/investigation.hpp"
+#include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/held_out.hpp"
@@ -74,6 +75,15 @@ Result<State> state_of(const Model& model, const Regressors& regressors) {
   State state{std::move(assembly), {}};
   state.core = fitted(state.assembly, regressors, {});
   return state;
+}
+
+/// "cyclic:X:EX@17.14, reverse" for each other period that fits the readings as well, with commas between them.
+std::string other_periods(const EffectInstance& wave, const Observations& data) {
+  std::vector<std::string> names;
+  const std::string name = to_text(wave);
+  for (const double period : aliases_of(wave, data))
+    names.push_back(fmt::format("{}@{:.6g}{}", name, period, place_text(wave).substr(name.size())));
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 /// The best of the places by score, as an instance with its nonlinear value.
@@ -172,6 +182,7 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
   ECS_TRY(after, state_of(added.model, regressors));
   const Fit fit = reported(after.assembly, regressors, after.core);
   added.model = with_values(added.model, fit);
+  added.model.effects.back().tied_with = other_periods(added.model.effects.back(), data);
   added.model.compensated_readings = static_cast<int>(std::ranges::count(data.compensated, true));
   if (fit.effects.back().readings == 0 || fit.effects.back().rms_um == 0.0) {
     const bool is_there =
@@ -184,6 +195,7 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
                                "columns)"));
   }
   added.effect = fit.effects.back();
+  added.effect.effect.tied_with = added.model.effects.back().tied_with;
   added.rms_before_um = rms_of(before.core.residual);
   added.rms_after_um = fit.rms_um;
   added.noise_um = fit.noise.noise_um;
@@ -276,7 +288,18 @@ std::string cut_off(std::string& name, std::string_view mark) {
 }
 
 /// Of a name as place_text() writes it; nothing for one that is no effect of the library.
-std::optional<AddRequest> request_for(std::string name) {
+/// @param effect  that it is an alternative of: with "@17.14" behind its name, with that period
+std::optional<AddRequest> request_for(std::string name, const EffectInstance& effect) {
+  if (const std::size_t at = name.find('@'); at != std::string::npos) {
+    const std::string searched(effect.definition().searched_parameter());
+    const std::string value = name.substr(at + 1);
+    const auto period = number_in(std::string_view(value).substr(0, value.find(',')));
+    if (!period || searched.empty()) return std::nullopt;
+    EffectInstance other = effect;
+    other.parameters[searched] = *period;
+    other.fitted.clear();
+    return request_of(other);
+  }
   std::string sensor = cut_off(name, " with ");
   const std::string approach = cut_off(name, ", ");
   auto request = parse_add_request(name);
@@ -288,9 +311,8 @@ std::optional<AddRequest> request_for(std::string name) {
 }
 
 /// Σ r² over the noise's variance, with one more effect; nothing where the readings cannot show it.
-std::optional<double> chi2_with(const Model& model, const Observations& data, const std::string& name,
+std::optional<double> chi2_with(const Model& model, const Observations& data, const std::optional<AddRequest>& request,
                                 double noise_um) {
-  const auto request = request_for(name);
   if (!request) return std::nullopt;
   const auto added = add_effect(model, data, *request, "");
   if (!added || added->effect.readings == 0) return std::nullopt;
@@ -304,10 +326,11 @@ struct Tie {
 Tie judged(const Model& model, std::size_t effect, const Observations& data, double noise_um) {
   Model without = model;
   without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(effect));
-  const auto own = chi2_with(without, data, place_text(model.effects[effect]), noise_um);
+  const EffectInstance& held = model.effects[effect];
+  const auto own = chi2_with(without, data, request_for(place_text(held), held), noise_um);
   Tie tie;
-  for (const std::string& name : names_in(model.effects[effect].tied_with)) {
-    const auto other = own ? chi2_with(without, data, name, noise_um) : std::nullopt;
+  for (const std::string& name : names_in(held.tied_with)) {
+    const auto other = own ? chi2_with(without, data, request_for(name, held), noise_um) : std::nullopt;
     const double worse = other ? *other - *own : 0.0;
     (worse > kDecides ? tie.out : worse < -kDecides ? tie.better : tie.open).push_back(name);
   }

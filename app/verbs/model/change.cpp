@@ -179,7 +179,9 @@ Result<Outcome> add(VerbContext& context, const AddRequest& request) {
   }
   ECS_DO(in_file(take_as_named(*work, wanted), request.model));
   ECS_TRY(added, in_file(model::add_effect(work->model, work->data, wanted, work->data_name), request.model));
-  added.effect.effect.tied_with = added.model.effects.back().tied_with = alternatives;
+  std::string& tied = added.model.effects.back().tied_with;  // other periods that fit as well
+  if (!alternatives.empty()) tied = alternatives + (tied.empty() ? "" : ", " + tied);
+  added.effect.effect.tied_with = tied;
   if (!request.output.empty()) ECS_DO(model::write_model(request.output, added.model, request.model));
   return outcome_of(added_cell(added, work->data.reading_unit(), request.output));
 }

@@ -2,6 +2,7 @@
 // former readings left open: new ones rule alternatives out, speak for one of them, or say nothing.
 #include "model/diagnosis/ladder.hpp"
 
+#include "model/fit/model_file.hpp"
 #include "tests/model/support/measured_lines.hpp"
 #include "tests/support/test.hpp"
 
@@ -32,6 +33,31 @@ TEST_CASE("a drift of the readout belongs to the measurement, a drift with tempe
   CHECK(what.machine_um == Approx(machine).epsilon(1e-3));  // no noise in these readings
   CHECK(what.measurement_um > 0.5);
   CHECK(what.rms_after_um < what.rms_now_um);
+}
+
+TEST_CASE("a wave keeps the periods that even targets cannot distinguish from its own, until other targets do") {
+  const auto wave = [](const Reading& r) { return 5.0 * std::sin(2.0 * std::numbers::pi * p(r) / 170.0); };
+  const auto added_to = [&](const laser::MeasurementSet& set) {
+    return must(add_effect(straight(), observations_of(set, straight(), mill()), must(parse_add_request("cyclic:X:EX")),
+                           "data.csv"))
+        .model;
+  };
+  const laser::MeasurementSet uneven = measured({}, kNoise_um, wave);
+  laser::MeasurementSet even = uneven;
+  for (Reading& r : even.readings) {
+    r.error -= wave(r);
+    r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
+    r.error += wave(r);
+  }
+  const Model model = added_to(even);
+  const std::string tied = model.effects.back().tied_with;
+  CHECK(tied.starts_with("cyclic:X:EX@"));
+  CHECK(contains(to_toml(model), "# or " + tied));
+  CHECK(must(decided_ties(model, observations_of(even, model, mill()))).model.effects.back().tied_with == tied);
+  const auto decided = must(decided_ties(model, observations_of(uneven, model, mill())));
+  CHECK(decided.model.effects.back().tied_with.empty());
+  CHECK(contains(decided.notes.front(), "these readings rule out " + tied));
+  CHECK(added_to(uneven).effects.back().tied_with.empty());
 }
 
 TEST_CASE("without an effect of the measurement the machine keeps all that is left") {
