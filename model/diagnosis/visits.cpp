@@ -201,8 +201,10 @@ std::optional<MotionsOfGroups> motions_of_groups(const Observations& data, const
 
 namespace {
 
-/// Visits come back to a point within this; instruments read its place anew each time.
+/// Visits come back to a point within this; instruments read its place each time.
 constexpr double kSamePoint_mm = 0.1;
+/// Of points seen less often than this the noise is the scatter of the points themselves.
+constexpr Index kVisits = 2;
 /// Of a column of position this share at most differs from visit to visit: the places differ a little.
 constexpr double kSameAtVisits = 0.01;
 
@@ -249,6 +251,9 @@ std::optional<double> chance_of_points(const Observations& data, const std::vect
     if (!left_out[k] && acting.contains(data.sense[k]))
       points[{data.axis[k], data.sense[k], point_of(data.position_mm[k])}].push_back(static_cast<Index>(k));
   const auto count = static_cast<Index>(points.size());
+  Index readings = 0;
+  for (const auto& [point, rows] : points) readings += static_cast<Index>(rows.size());
+  if (readings < kVisits * count) return std::nullopt;
   MatrixXd of_others(count, others.cols()), of_both(count, others.cols() + effect.cols());
   VectorXd of_target(count);
   double between_visits = 0.0;

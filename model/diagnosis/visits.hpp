@@ -38,7 +38,8 @@ struct MotionsOfGroups {
 
 /// How likely errors of the points themselves, without any law, are explained as well by an effect of position, which
 /// does the same at each visit (F test over the means of the points in the directions on which it acts). 1 where it
-/// leaves no point to be predicted; nothing for an effect that does not do the same at each visit.
+/// leaves no point to be predicted; nothing for an effect that does not do the same at each visit, and of points seen
+/// once, of which the noise is what they scatter.
 /// @param others  columns of everything else that is fitted  @param effect  those of the effect
 [[nodiscard]] std::optional<double> chance_of_points(const Observations& data, const std::vector<bool>& left_out,
                                                      const Eigen::MatrixXd& others, const Eigen::MatrixXd& effect,

@@ -192,10 +192,7 @@ void add_levered(const Observations& data, std::vector<EffectInstance>& out) {
   std::set<Component> seen;
   for (const Term& term : data.terms) {
     if (!term.has_lever || !term.uses_coordinate) continue;
-    const auto sense = static_cast<Sense>(term.observed);
-    const bool has_targets =
-        is_squareness(term.component) || places(data, sense, moving_axis(term.component)) >= kFewestCurveTargets;
-    if (!has(data, sense) || !has_targets || !seen.insert(term.component).second) continue;
+    if (!has(data, static_cast<Sense>(term.observed)) || !seen.insert(term.component).second) continue;
     EffectInstance effect;
     effect.id = effect_at(is_squareness(term.component) ? Place::squareness : Place::rotation);
     effect.axis = is_squareness(term.component) ? term.lever : moving_axis(term.component);
