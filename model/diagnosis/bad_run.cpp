@@ -97,14 +97,16 @@ bool is_apart(const Observations& data, const Whitener& whitener, const Space& s
               const std::set<int>& runs, int run, Eigen::Index count, double gain) {
   Space beside = space;
   absorb(beside, whitener(Eigen::MatrixXd(columns_of_run(data, channel, run).leftCols(count))));
-  const double others = static_cast<double>(runs.size()) - 2.0;  // beside their common mean
-  double between = 0.0;
+  const double left = beside.chi2();
+  const Eigen::Index taken = beside.q.cols();
   for (const int other : runs)
-    if (other != run)
-      between += gain_of(beside, whitener(Eigen::MatrixXd(columns_of_run(data, channel, other).leftCols(1)))) / others;
-  if (ln_chi2_tail(between * others, others) > std::log(kOddChance)) return true;
-  const auto freedom = static_cast<double>(count);
-  return ln_f_tail(gain / freedom / between, freedom, others) + std::log(static_cast<double>(runs.size())) <
+    if (other != run) absorb(beside, whitener(Eigen::MatrixXd(columns_of_run(data, channel, other).leftCols(1))));
+  // what the model and other effects take of the differences between runs shows no agreement
+  const auto freedom = static_cast<double>(count), others = static_cast<double>(beside.q.cols() - taken);
+  if (others < 1.0) return false;
+  const double between = left - beside.chi2();
+  if (ln_chi2_tail(between, others) > std::log(kOddChance)) return true;
+  return ln_f_tail(gain / freedom / (between / others), freedom, others) + std::log(static_cast<double>(runs.size())) <
          std::log(kApartChance);
 }
 
@@ -181,6 +183,46 @@ std::map<int, double> noisy_runs(const Observations& data, const Eigen::VectorXd
 
 }  // namespace
 
+std::optional<OddPass> run_apart(const Observations& data, const Eigen::VectorXd& residual,
+                                 const std::vector<bool>& left_out) {
+  struct Sums {
+    double count = 0.0, sum = 0.0, squares = 0.0;
+    [[nodiscard]] double mean() const { return sum / count; }
+    [[nodiscard]] double inside() const { return squares - sum * mean(); }
+  };
+  std::map<int, Sums> runs;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (left_out[k]) continue;
+    const double r = residual(static_cast<Eigen::Index>(k));
+    Sums& sums = runs[data.run[k]];
+    sums = {sums.count + 1.0, sums.sum + r, sums.squares + r * r};
+  }
+  if (runs.size() < kFewestRuns) return std::nullopt;
+  Sums all;
+  double inside = 0.0;
+  for (const auto& [run, sums] : runs) {
+    all = {all.count + sums.count, all.sum + sums.sum, all.squares + sums.squares};
+    inside += sums.inside();
+  }
+  const double number = static_cast<double>(runs.size()), freedom = all.count - number, others = number - 2.0;
+  if (freedom < 1.0) return std::nullopt;
+  std::optional<OddPass> apart;
+  double least = std::log(kApartChance / number);
+  for (const auto& [run, sums] : runs) {
+    const Sums rest{all.count - sums.count, all.sum - sums.sum, all.squares - sums.squares};
+    const double off = sums.mean() - rest.mean(), between = rest.inside() - (inside - sums.inside());
+    const double gain = off * off * sums.count * rest.count / all.count;
+    const double scatter = std::max(inside / freedom, kLeastDivisor);
+    const bool differ = ln_f_tail(between / others / scatter, others, freedom) < std::log(kOddChance);
+    const double chance = differ ? ln_f_tail(gain / (between / others), 1.0, others)
+                                 : ln_f_tail(gain / ((between + inside) / (others + freedom)), 1.0, others + freedom);
+    if (chance >= least) continue;
+    least = chance;
+    apart = {run, off};
+  }
+  return apart;
+}
+
 std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorXd& whitened,
                                   const Eigen::VectorXd& residual, const std::vector<bool>& left_out) {
   const std::map<int, double> by_raw = noisy_runs(data, residual, left_out);
@@ -200,12 +242,15 @@ std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorX
     sum += r;
     squares += r * r;
   }
-  worst->shifted = 2.0 * sum * sum > count * squares;
+  if (2.0 * sum * sum <= count * squares) return worst;
+  const auto apart = run_apart(data, residual, left_out);
+  if (!apart || apart->run != worst->run) return std::nullopt;
+  worst->off_um = apart->off_um;
   return worst;
 }
 
 std::string words_for(const NoisyRun& run) {
-  if (run.shifted) return fmt::format("run {} lies apart from the other runs", run.run);
+  if (run.off_um) return fmt::format("run {} lies apart from the other runs", run.run);
   return fmt::format("run {} scatters {:.2g} times as much as the others", run.run, run.ratio);
 }
 

@@ -22,14 +22,27 @@ struct RunOffset {
 [[nodiscard]] std::optional<RunOffset> best_run_offset(const Observations& data, const Whitener& whitener,
                                                        const Space& space, std::size_t fewest = 3);
 
+/// A run, or its pass of one line and approach, that stands off the others.
+struct OddPass {
+  int run = 0;
+  double off_um = 0.0;  ///< mean residual less that of the others, um or um/m
+};
+/// The run of three or more, if any, whose mean lies farther from those of the others than these from each other (where
+/// they agree: than the scatter inside runs allows) by chance (Grubbs 1969). @param residual  um or um/m
+/// @param left_out  outliers, not counted
+[[nodiscard]] std::optional<OddPass> run_apart(const Observations& data, const Eigen::VectorXd& residual,
+                                               const std::vector<bool>& left_out);
+
 struct NoisyRun {
   int run = 0;
-  double ratio = 1.0;    ///< of its mean absolute residual to that of the other runs, um
-  bool shifted = false;  ///< the mean is more of it than the scatter about the mean
+  double ratio = 1.0;  ///< of its mean absolute residual to that of the other runs, um
+  /// Its mean residual less that of all others, um or um/m, where that is more of it than the scatter about the mean.
+  std::optional<double> off_um{};
 };
 /// "run 5 scatters 3 times as much as the others", or "run 5 lies apart from the other runs" where it is shifted.
 [[nodiscard]] std::string words_for(const NoisyRun& run);
-/// The run of three or more that scatters more than the others, far beyond what chance does.
+/// The run of three or more that scatters more than the others, far beyond what chance does; one that is shifted only
+/// if it is apart (run_apart).
 /// Both residuals must show it: whitening may mistake one run, correlated noise the other.
 /// @param whitened  with everything found absorbed  @param residual  um or um/m  @param left_out  outliers, not counted
 [[nodiscard]] std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorXd& whitened,
@@ -53,13 +66,9 @@ struct StepOfRuns {
 [[nodiscard]] std::optional<double> drift_of_last_run(const Observations& data, const Eigen::VectorXd& residual,
                                                       int run);
 
-/// The pass of one run that stands off the other passes of its line and approach.
-struct OddPass {
-  int run = 0;
-  double off_um = 0.0;  ///< mean residual less that of the others, um or um/m
-};
-/// The pass, if any, whose mean is further from those of the other runs, four or more, than these among themselves and
-/// the scatter inside them allow by chance. @param residual  um or um/m  @param left_out  outliers, not counted
+/// The pass of one run, if any, that stands off the other passes of its line and approach: its mean is further from
+/// those of the other runs, four or more, than these among themselves and the scatter inside them allow by chance.
+/// @param residual  um or um/m  @param left_out  outliers, not counted
 [[nodiscard]] std::optional<OddPass> odd_pass(const Observations& data, const Eigen::VectorXd& residual,
                                               const std::vector<bool>& left_out);
 

@@ -38,44 +38,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// A run whose mean residual is twice as far from the median of the runs as that of any other; three runs or more.
-std::optional<OddPass> farthest_run(const Observations& data, const VectorXd& residual) {
-  constexpr double kAlone = 2.0;
-  std::map<int, std::pair<double, double>> sums;  // by run: residual, readings
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    sums[data.run[k]].first += residual(static_cast<Index>(k));
-    sums[data.run[k]].second += 1.0;
-  }
-  if (sums.size() < 3) return std::nullopt;
-  std::vector<double> means;
-  for (const auto& [run, sum] : sums) means.push_back(sum.first / sum.second);
-  std::nth_element(means.begin(), means.begin() + static_cast<std::ptrdiff_t>(means.size() / 2), means.end());
-  const double median = means[means.size() / 2];
-  OddPass farthest;
-  double next = 0.0;
-  for (const auto& [run, sum] : sums) {
-    const double off = sum.first / sum.second - median;
-    if (std::abs(off) > std::abs(farthest.off_um)) {
-      next = std::abs(farthest.off_um);
-      farthest = {run, off};
-    } else {
-      next = std::max(next, std::abs(off));
-    }
-  }
-  if (std::abs(farthest.off_um) <= kAlone * next) return std::nullopt;
-  return farthest;
-}
-
-/// Mean residual of a run less that of all other runs.
-double off_the_others(const Observations& data, const VectorXd& residual, int run) {
-  double sum[2]{}, count[2]{};
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    sum[data.run[k] == run] += residual(static_cast<Index>(k));
-    ++count[data.run[k] == run];
-  }
-  return sum[1] / count[1] - sum[0] / count[0];
-}
-
 /// ", beside a rising trend of 13 um over all runs": without it the means of the runs differ by another amount.
 std::string trend_text(const StepOfRuns& step, std::string_view unit) {
   constexpr double kWorthSaying = 0.1;
@@ -106,11 +68,10 @@ std::optional<DifferentRun> different_run(const Found& found, const Diagnosis& d
             step.height_um > 0.0 ? "rise" : "fall", std::abs(step.height_um), diagnosis.noise.unit, step.before,
             step.after, trend_text(step, diagnosis.noise.unit))};
   };
-  if (found.noisy && !found.noisy->shifted) return of_run(found.noisy->run, words_for(*found.noisy), false);
+  if (found.noisy && !found.noisy->off_um) return of_run(found.noisy->run, words_for(*found.noisy), false);
   if (found.noisy)
-    return of_run(found.noisy->run,
-                  fmt::format("run {} lies {:+.3g} {} from the other runs on average", found.noisy->run,
-                              off_the_others(data, residual, found.noisy->run), diagnosis.noise.unit));
+    return of_run(found.noisy->run, fmt::format("run {} lies {:+.3g} {} from the other runs on average",
+                                                found.noisy->run, *found.noisy->off_um, diagnosis.noise.unit));
   if (found.step) return of_step(*found.step);
   if (found.odd_pass)
     return of_run(found.odd_pass->run, fmt::format("run {} differs from the other runs by {:.3g} {} in one approach",
@@ -123,7 +84,7 @@ std::optional<DifferentRun> different_run(const Found& found, const Diagnosis& d
       diagnosis.where.front().variable != "run")
     return std::nullopt;
   if (const auto step = step_of_runs(data, residual, std::vector<bool>(data.size()))) return of_step(*step);
-  if (const auto run = farthest_run(data, residual))
+  if (const auto run = run_apart(data, residual, std::vector<bool>(data.size())))
     return of_run(run->run, fmt::format("run {} differs from the other runs by {:.2g} {} on average", run->run,
                                         run->off_um, diagnosis.noise.unit));
   return std::nullopt;
@@ -451,6 +412,36 @@ std::optional<std::string> slope_note(const Candidate& one, const Regressors& re
       place_text(one.effect));
 }
 
+/// From where the lever of an angle of the answer is counted, if the machine file does not state it and no line of the
+/// axis lies there: then what is the same in all lines looks like another cause.
+std::optional<std::string> lever_note(const Candidate& one, const Regressors& regressors) {
+  if (!one.in_answer() || !one.effect.traits().keeps_slope || !one.effect.code || !regressors.lever_varies(one.effect))
+    return std::nullopt;
+  const Observations& data = regressors.data();
+  for (const Term& term : data.terms) {
+    if (term.component != *one.effect.code || !term.has_lever || !term.uses_coordinate) continue;
+    const Axis axis = moving_axis(term.component);
+    const auto& facts = data.machine.axes[index_of(axis)];
+    if (!facts || facts->measurement_line_mm[index_of(term.lever)]) continue;
+    std::optional<double> first;
+    bool is_there = false;
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      if (data.on_path(k) || data.axis[k] != axis || data.sense[k] != static_cast<Sense>(term.observed)) continue;
+      const double at_mm = data.position_mm[k][index_of(term.lever)];
+      is_there = is_there || std::abs(at_mm) < kSamePlace_mm;
+      if (!first) first = at_mm;
+    }
+    if (!first || is_there) continue;
+    const char lever = small_letter_of(term.lever);
+    return fmt::format(
+        "the lever of {0} is counted from {1} = 0 mm, where no line along {2} lies, because the machine file does not "
+        "state the line on which {2} was measured. A smooth error that is equal in all lines may be part of this "
+        "angle: state that line in [axis.{2}], for example measurement_line_mm = {{ {1} = {3:.1f} }}",
+        place_text(one.effect), lever, letter_of(axis), *first);
+  }
+  return std::nullopt;
+}
+
 /// "a part of machine_bending (z_sin_um, z_cos_um) may be head_bending instead: …"
 std::string note_of(const RivalOfPart& rival) {
   std::vector<std::string_view> sizes;
@@ -535,7 +526,8 @@ Result<Diagnosis> reported(const ReportInput& in) {
   for (std::string& note : untried_effects(data)) diagnosis.notes.push_back(std::move(note));
   if (const auto note = even_targets_note(data)) diagnosis.notes.push_back(*note);
   for (const Candidate& candidate : diagnosis.candidates)
-    if (const auto note = slope_note(candidate, in.regressors)) diagnosis.notes.push_back(*note);
+    for (const auto& note : {slope_note(candidate, in.regressors), lever_note(candidate, in.regressors)})
+      if (note) diagnosis.notes.push_back(*note);
   for (const Candidate& candidate : diagnosis.candidates)
     for (const RivalOfPart& rival : candidate.in_part)
       if (candidate.in_answer()) diagnosis.notes.push_back(note_of(rival));

@@ -257,6 +257,47 @@ TEST_CASE("one run apart from the others is no step, and neither is noise") {
   CHECK_FALSE(step_in({0.0, 0.0, 0.0, -4.0}));  // four runs: a trend and a step fit anything
 }
 
+namespace {
+
+std::optional<OddPass> run_apart_in(const std::vector<double>& means_um, unsigned seed = 1) {
+  Scatter made = scatter_of(line_of_runs(static_cast<int>(means_um.size())), seed);
+  for (std::size_t k = 0; k < made.data.size(); ++k)
+    made.residual(static_cast<Index>(k)) += means_um[static_cast<std::size_t>(made.data.run[k]) - 1];
+  return run_apart(made.data, made.residual, made.left_out);
+}
+
+}  // namespace
+
+TEST_CASE("a run lies apart only if the others lie closer to each other than chance allows") {
+  const auto found = must(run_apart_in({0.0, 0.0, 0.0, 0.0, -5.0, 0.0}));
+  CHECK(found.run == 5);
+  CHECK(found.off_um == Approx(-5.0).epsilon(0.1));
+  CHECK(must(run_apart_in({1.0, -1.0, 0.5, 0.0, -15.0, 0.0})).run == 5);  // far beyond what the others differ
+  CHECK_FALSE(run_apart_in({-9.94, 9.74, -5.82, 9.50, -8.96, 5.47}));     // a law of the load
+  CHECK_FALSE(run_apart_in({-4.0, 0.0, 4.0}));                            // each of three differs
+  CHECK(must(run_apart_in({-4.0, 0.0, 0.0})).run == 1);
+  CHECK_FALSE(run_apart_in({-4.0, 0.0}));
+}
+
+TEST_CASE("of runs of noise alone one lies apart once in a hundred sets") {
+  unsigned found = 0;
+  for (unsigned seed = 1; seed <= 400; ++seed)
+    if (run_apart_in({0.0, 0.0, 0.0, 0.0}, seed)) ++found;
+  CHECK(found <= 10);  // 4 expected: three standard deviations
+}
+
+TEST_CASE("where other effects take all differences between the other runs none is apart") {
+  const auto truth = [](const Reading& r) { return r.run == 2 ? 2.0 : 0.0; };
+  Searching of(measured(line_of_runs(4), kSigma_um, truth), kSigma_um, {});
+  REQUIRE(best_run_offset(of.data, of.whitener, of.search.base()));
+  Space taken = of.search.base();
+  Eigen::MatrixXd runs = Eigen::MatrixXd::Zero(static_cast<Index>(of.data.size()), 2);
+  for (std::size_t k = 0; k < of.data.size(); ++k)
+    if (of.data.run[k] > 2) runs(static_cast<Index>(k), of.data.run[k] - 3) = 1.0;
+  absorb(taken, of.whitener(runs));
+  CHECK_FALSE(best_run_offset(of.data, of.whitener, taken));
+}
+
 TEST_CASE("a bad run is said in the ratio of what the sentence says in um") {
   Scatter made = scatter_of(line_of_runs(5), 3);
   VectorXd whitened = made.residual;  // the whitener makes much of run 3
@@ -267,6 +308,6 @@ TEST_CASE("a bad run is said in the ratio of what the sentence says in um") {
   }
   const auto run = must(noisy_run(made.data, whitened, made.residual, made.left_out));
   CHECK(run.run == 3);
-  CHECK(run.shifted);
+  CHECK(must(run.off_um) == Approx(4.0).epsilon(0.1));
   CHECK(run.ratio == Approx(4.0 / 0.8).epsilon(0.1));  // mean |N(0, 1)| is 0.80
 }
