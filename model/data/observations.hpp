@@ -91,8 +91,8 @@ using Channel = int;
 inline constexpr Channel kSenseChannels = static_cast<Channel>(kSenseNames.size());
 
 /// Readings in canonical order: by time where every row has one (by clock and time where clocks restart: a row is of
-/// another if its time is less than that before), else by axis, sense, parked place, run, approach and the way travelled; those along paths behind the others.
-/// All columns have `size()` entries or none.
+/// another if its time is less than that before), else by axis, sense, parked place, run, approach and the way
+/// travelled; those along paths behind the others. All columns have `size()` entries or none.
 struct Observations {
   std::vector<int> row;                 ///< number of the data row in its file, from 1
   std::vector<std::size_t> file_order;  ///< file_order[k] = place in `readings` of the measurement set

@@ -434,9 +434,9 @@ std::optional<std::string> lever_note(const Candidate& one, const Regressors& re
     if (!first || is_there) continue;
     const char lever = small_letter_of(term.lever);
     return fmt::format(
-        "the lever of {0} is counted from {1} = 0 mm, where no line along {2} lies, because the machine file does not "
-        "state the line on which {2} was measured. A smooth error that is equal in all lines may be part of this "
-        "angle: state that line in [axis.{2}], for example measurement_line_mm = {{ {1} = {3:.1f} }}",
+        "the lever of {0} is counted from {1} = 0 mm, where no line along {2} lies: the machine file does not state "
+        "another place. A smooth error that is equal in all lines may be part of this angle. State the line on which "
+        "{2} was measured in [axis.{2}], for example measurement_line_mm = {{ {1} = {3:.1f} }}",
         place_text(one.effect), lever, letter_of(axis), *first);
   }
   return std::nullopt;

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <ranges>
 #include <set>
+#include <span>
 #include <utility>
 
 #include <fmt/args.h>
@@ -18,6 +18,7 @@
 #include "model/diagnosis/waves.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::model {
 namespace {
@@ -207,7 +208,7 @@ std::string other_periods_text(const Candidate& candidate) {
   const std::size_t others = values->second.size() - 1;
   if (candidate.effect.rotary && others > 0 && others <= kMostListed) {
     std::vector<std::string> orders;
-    for (const double period_deg : values->second | std::views::drop(1))
+    for (const double period_deg : std::span(values->second).subspan(1))
       orders.push_back(fmt::format("{:.0f}", kUsualPeriod_deg / period_deg));
     return fmt::format(", or {} waves a turn, which {} as well", fmt::join(orders, " or "),
                        others == 1 ? "fits" : "fit");
@@ -374,7 +375,7 @@ std::optional<std::string> hidden_pitches(const Observations& data, const EvenTa
 std::optional<std::string> undetected(const Observations& data, const EvenTargets& targets) {
   if (data.rotary) {
     const auto steps = steps_a_turn(targets.step_mm);
-    return steps ? fmt::format(", where n waves a turn look like {0} - n, and {0} like none", *steps) : "";
+    return steps ? fmt::format(", where N waves a turn look like {0} - N, and {0} like none", *steps) : "";
   }
   const auto hidden = hidden_pitches(data, targets);
   if (!hidden) return ", and no machine file gives the pitch of its screw or scale";

@@ -33,9 +33,9 @@ constexpr double kMostOfRange = 3.0, kHardlySeen = 0.005;
 constexpr double kDetermined = 25.0, kUnseen = 1e-12;
 /// Weight in a unit direction from which a column takes part in it.
 constexpr double kPartOfDirection = 0.1;
-/// Fits that differ by less than this fall of χ² for each value cannot be told apart (three standard deviations of three
-/// degrees of freedom, a period and the two sizes of a harmonic): a period is no other one because its double, with a
-/// harmonic more, fits noise better.
+/// Fits that differ by less than this fall of χ² for each value cannot be told apart (three standard deviations of
+/// three degrees of freedom, a period and the two sizes of a harmonic): a period is no other one because its double,
+/// with a harmonic more, fits noise better.
 constexpr double kSameFit = 14.2;
 /// A period is half of another where it agrees to a percent.
 constexpr double kSamePeriod = 0.01;

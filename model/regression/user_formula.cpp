@@ -189,7 +189,8 @@ std::vector<ValueRange> UserFormulas::ranges_read() const {
     for (const auto& [name, cell] : compiled.parser->GetUsedVar()) {
       const auto& names = kRowNames[parts.data->rotary];
       const auto position = std::ranges::find(names, name);  // before approach, run and compensated
-      if (position - names.begin() <= static_cast<std::ptrdiff_t>(kAxes) || parts.cells.contains(name)) cells.push_back(cell);
+      if (position - names.begin() <= static_cast<std::ptrdiff_t>(kAxes) || parts.cells.contains(name))
+        cells.push_back(cell);
     }
     for (std::size_t k = 0; k < parts.data->size(); ++k) {
       if (compiled.formula.sense != parts.data->sense[k] || !parts.value(compiled, k)) continue;

@@ -98,7 +98,8 @@ TEST_CASE("of two runs none is the bad one") {
 TEST_CASE("effects that are together no more than another zero of one of two runs are no causes") {
   // a drift, a lost motion that grows along the axis and a constant lost motion sum up to the second run's zero
   for (unsigned seed = 1; seed <= 6; ++seed) {
-    const auto set = measured(line_of_runs(2, 13), kSigma_um, [](const Reading& r) { return r.run == 2 ? 6.0 : 0.0; }, seed);
+    const auto set = measured(
+        line_of_runs(2, 13), kSigma_um, [](const Reading& r) { return r.run == 2 ? 6.0 : 0.0; }, seed);
     Model model = straight();
     model.effects.push_back(effect(backlash, Axis::X, Sense::EX));
     const Diagnosis found = must(diagnose(model, observations_of(set, model, mill())));

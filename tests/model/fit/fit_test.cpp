@@ -263,8 +263,8 @@ TEST_CASE("a stated range of a parameter does not hinder its fit") {
   EffectInstance bump = of_formula("k * exp(-((x_mm - c) / w)^2)", {"k", "c", "w"});
   bump.user[1] = {"c", "mm", {}, 300.0, 0.0, 1200.0};
   bump.user[2].start = 30.0;
-  const auto sizes = sizes_of(bump, {},
-                              [](const Reading& r) { return 9.0 * std::exp(-std::pow((p(r) - 672.0) / 45.0, 2)); });
+  const auto sizes =
+      sizes_of(bump, {}, [](const Reading& r) { return 9.0 * std::exp(-std::pow((p(r) - 672.0) / 45.0, 2)); });
   CHECK(sizes[1] == Approx(672.0).epsilon(0.01));
 }
 
