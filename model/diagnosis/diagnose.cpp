@@ -46,6 +46,16 @@ std::string trend_text(const StepOfRuns& step, std::string_view unit) {
                      std::abs(step.trend_um), unit);
 }
 
+/// Mean residual of a run less that of all other runs.
+double off_the_others(const Observations& data, const VectorXd& residual, int run) {
+  double sum[2]{}, count[2]{};
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    sum[data.run[k] == run] += residual(static_cast<Index>(k));
+    ++count[data.run[k] == run];
+  }
+  return sum[1] / count[1] - sum[0] / count[0];
+}
+
 /// The run that is bad, if one is: the headline begins with it.
 /// @param residual  of the model as given, um, a row a reading of `data`
 std::optional<DifferentRun> different_run(const Found& found, const Diagnosis& diagnosis, const Observations& data,
@@ -78,8 +88,10 @@ std::optional<DifferentRun> different_run(const Found& found, const Diagnosis& d
                                                    found.odd_pass->run, found.odd_pass->off_um, diagnosis.noise.unit));
   if (found.bad_run)
     return of_run(found.bad_run->run,
-                  fmt::format("run {} differs from the other run{}: its offset explains as much as any effect does",
-                              found.bad_run->run, std::set(data.run.begin(), data.run.end()).size() > 2 ? "s" : ""));
+                  fmt::format("run {} lies {:+.3g} {} from the other run{} on average: this explains as much as any "
+                              "effect does",
+                              found.bad_run->run, off_the_others(data, residual, found.bad_run->run),
+                              diagnosis.noise.unit, std::set(data.run.begin(), data.run.end()).size() > 2 ? "s" : ""));
   if (diagnosis.verdict != Verdict::unexplained_structure || diagnosis.where.empty() ||
       diagnosis.where.front().variable != "run")
     return std::nullopt;

@@ -375,10 +375,14 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
   }
   deny_sets_of_a_run(data, search, whitener, found);
   std::vector<bool> proved;
-  for (const Group& group : found.groups) proved.push_back(group.e_value.value_or(0.0) >= kProved);
+  std::vector<std::size_t> periods;
+  for (const Group& group : found.groups) {
+    proved.push_back(group.e_value.value_or(0.0) >= kProved);
+    periods.push_back(group.values.size());
+  }
   found.objection =
       found.bad_run ? fmt::format("an offset of run {} explains it as well: check that run first", found.bad_run->run)
-                    : objection_to_waves(data, found.families, chosen, proved);
+                    : objection_to_waves(data, found.families, chosen, proved, periods);
   const auto effect_of_member = [&](std::size_t i) -> const EffectInstance& {
     return found.families[chosen[i].family].effect;
   };

@@ -26,6 +26,9 @@ constexpr double kIndistinguishableHarmonic = 14.2;
 /// A rival that needs more parameters for the same fit stays one while its score is at most this much lower: about two
 /// coefficients at Schwarz's price for 1000 readings.
 constexpr double kRivalScoreMargin = 15.0;
+/// Evidence that differs by less than this does not speak against a pitch of the machine (2 ln of odds of 4.5 to 1;
+/// Kass and Raftery 1995: positive from 2 to 6).
+constexpr double kEven = 3.0;
 /// Fits that differ by less than this fall of χ² are the same fit: rounding and the end of a refinement.
 constexpr double kSame = 0.05;
 /// Breadth of the search: choices, each trading processor time against a set that is not met.

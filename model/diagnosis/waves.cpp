@@ -29,6 +29,8 @@ constexpr double kSamePeriod = 0.01;
 /// surely another beyond four standard deviations, each a ten-thousandth at least: a machine that is 10 degC warmer.
 constexpr int kMostOfPitch = 10;
 constexpr double kSurelyOther = 4.0, kLeastSigma = 1e-4;
+/// Of so many periods that fit as well one is a pitch, a multiple or a part of it, by chance.
+constexpr std::size_t kManyPeriods = 4;
 constexpr double kWholeTurn_deg = 360.0;
 /// A period is a part of another up to this number.
 constexpr double kMostParts = 12.5;
@@ -176,12 +178,19 @@ std::string objection_to_smoothness(const Regressors& regressors, const Whitener
 }
 
 std::string objection_to_waves(const Observations& data, const std::vector<Family>& families,
-                               const std::vector<Choice>& chosen, const std::vector<bool>& proved) {
+                               const std::vector<Choice>& chosen, const std::vector<bool>& proved,
+                               const std::vector<std::size_t>& periods) {
   const auto shapes_on_line_of = [&](const EffectInstance& wave) {
     return std::ranges::count_if(chosen, [&](const Choice& choice) {
       const EffectInstance& effect = families[choice.family].effect;
       return effect.traits().shape_of_position && !effect.traits().of_approach && same_line(effect, wave);
     });
+  };
+  const auto is_known_pitch = [&](std::size_t i) {
+    const Family& family = families[chosen[i].family];
+    const bool is_any_of_many =
+        i < periods.size() && periods[i] >= kManyPeriods && shapes_on_line_of(family.effect) > 2;
+    return !is_any_of_many && is_pitch_or_no_wave(family, chosen[i]);
   };
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const Family& one = families[chosen[i].family];
@@ -191,7 +200,7 @@ std::string objection_to_waves(const Observations& data, const std::vector<Famil
       const Family& other = families[chosen[j].family];
       if (i == j || !same_line(one.effect, other.effect)) continue;
       const bool two_causes = proved[i] && proved[j] && shapes_on_line_of(one.effect) == 2;
-      if (is_jump(other.effect) && !two_causes && !is_pitch_or_no_wave(one, chosen[i]))
+      if (is_jump(other.effect) && !two_causes && !is_known_pitch(i))
         return fmt::format(
             "a wave of {:.4g} {} explains it only together with a step: any shape can be described in this way", period,
             data.position_unit());
@@ -203,8 +212,7 @@ std::string objection_to_waves(const Observations& data, const std::vector<Famil
       if (!data.rotary && apart * travel < kBeating)
         return fmt::format("waves of {:.4g} and {:.4g} mm beat: one wave whose size or period changes along the travel",
                            period, period2);
-      if (!is_pitch_or_no_wave(one, chosen[i]) && !is_pitch_or_no_wave(other, chosen[j]) &&
-          !is_whole_fraction(period, period2))
+      if (!is_known_pitch(i) && !is_known_pitch(j) && !is_whole_fraction(period, period2))
         return fmt::format(
             "waves of {:.4g} and {:.4g} mm are unrelated and match no pitch of the machine: any shape can be described "
             "by enough waves",

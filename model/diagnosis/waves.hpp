@@ -18,8 +18,11 @@ namespace ecs::model {
 /// is a pitch of the machine, neighbouring periods that beat, a wave that needs a step to help.
 /// @param proved  for each effect: by readings it was not fitted to; one wave and one step so, with no other shape of
 /// position on their line, are two causes
+/// @param periods  for each effect: how many values of its period fit as well; of many one is near a pitch by chance,
+/// so that beside two other shapes on its line it counts as none. As for one period where it is empty
 [[nodiscard]] std::string objection_to_waves(const Observations& data, const std::vector<Family>& families,
-                                             const std::vector<Choice>& chosen, const std::vector<bool>& proved);
+                                             const std::vector<Choice>& chosen, const std::vector<bool>& proved,
+                                             const std::vector<std::size_t>& periods = {});
 
 /// How a wave found changes its size or its phase along the travel or in time.
 struct ChangeOfWave {

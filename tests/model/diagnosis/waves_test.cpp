@@ -163,6 +163,19 @@ TEST_CASE("a wave that needs a step is no cause unless it is a pitch; one beside
   CHECK(x.objection({x.choice(x.wave, 87.3), x.choice(x.backlash)}).empty());
 }
 
+TEST_CASE("a wave of any of many periods is no pitch beside two other shapes") {
+  const MetreOfX x;
+  const auto objection = [&](std::vector<Choice> chosen, const std::vector<std::size_t>& periods) {
+    return objection_to_waves(x.of.data, x.of.search.families(), chosen, std::vector<bool>(chosen.size(), true),
+                              periods);
+  };
+  const Choice pitch = x.choice(x.wave, 10.0), other = x.choice(x.wave, 161.8);
+  CHECK(objection({pitch, other, x.choice(x.curve)}, {1, 1, 0}).empty());
+  CHECK(contains(objection({pitch, other, x.choice(x.curve)}, {12, 1, 0}), "unrelated"));
+  CHECK(objection({pitch, other}, {12, 1}).empty());
+  CHECK(contains(objection({pitch, x.choice(x.step), x.choice(x.curve)}, {12, 0, 0}), "only together with a step"));
+}
+
 TEST_CASE("waves of different lines have nothing to do with each other") {
   const MetreOfX x;
   std::vector<Family> families = x.of.search.families();
