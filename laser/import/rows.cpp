@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "base/words.hpp"
 #include "laser/csv_columns.hpp"
 #include "laser/findings.hpp"

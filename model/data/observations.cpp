@@ -423,9 +423,10 @@ bool ball_changes_in_sweep(const Observations& data, const std::vector<std::set<
     return own;
   };
   const auto pass_through = [](const std::vector<double>& one, const std::vector<double>& other) {
-    const auto [least, greatest] = std::ranges::minmax(other);
-    return std::ranges::count_if(one, [&](double angle) { return angle >= least && angle <= greatest; }) >=
-           static_cast<std::ptrdiff_t>(kFewestPoses);
+    if (other.empty()) return false;
+    const auto ends = std::minmax_element(other.begin(), other.end());
+    const auto is_among = [&](double angle) { return angle >= *ends.first && angle <= *ends.second; };
+    return std::ranges::count_if(one, is_among) >= static_cast<std::ptrdiff_t>(kFewestPoses);
   };
   const std::vector<std::size_t> order = in_file_order(data);
   for (std::size_t i = 1; i < order.size(); ++i) {

@@ -343,7 +343,8 @@ bool may_be_wave(const EffectInstance& curve, const Observations& data) {
     if (data.axis[k] == *curve.axis && data.sense[k] == *curve.sense) targets_mm.push_back(data.p_mm(k, *curve.axis));
   }
   std::ranges::sort(targets_mm);
-  return std::ranges::unique(targets_mm).begin() - targets_mm.begin() < static_cast<int>(kFewestWaveTargets);
+  const auto end = std::unique(targets_mm.begin(), targets_mm.end());
+  return end - targets_mm.begin() < static_cast<std::ptrdiff_t>(kFewestWaveTargets);
 }
 
 namespace {

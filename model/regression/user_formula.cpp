@@ -195,7 +195,7 @@ std::vector<ValueRange> UserFormulas::ranges_read() const {
     for (std::size_t k = 0; k < parts.data->size(); ++k) {
       if (compiled.formula.sense != parts.data->sense[k] || !parts.value(compiled, k)) continue;
       for (const double* cell : cells) {
-        ValueRange& range = ranges.try_emplace(cell, *cell, *cell).first->second;
+        ValueRange& range = ranges.try_emplace(cell, ValueRange{*cell, *cell}).first->second;
         range = {std::min(range.least, *cell), std::max(range.greatest, *cell)};
       }
     }
