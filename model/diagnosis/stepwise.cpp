@@ -26,8 +26,8 @@ constexpr double kIndistinguishableHarmonic = 14.2;
 /// A rival that needs more parameters for the same fit stays one while its score is at most this much lower: about two
 /// coefficients at Schwarz's price for 1000 readings.
 constexpr double kRivalScoreMargin = 15.0;
-/// Evidence that differs by less than this does not speak against a pitch of the machine (2 ln of odds of 4.5 to 1;
-/// Kass and Raftery 1995: positive from 2 to 6).
+/// Evidence that differs by less than this does not speak against the simpler effect (2 ln of odds of 4.5 to 1; Kass
+/// and Raftery 1995: positive from 2 to 6).
 constexpr double kEven = 3.0;
 /// Fits that differ by less than this fall of χ² are the same fit: rounding and the end of a refinement.
 constexpr double kSame = 0.05;
@@ -220,11 +220,6 @@ double price_of_shape(const Choice& choice, const Family& family) {
   return (functions - 1.0) * std::log(std::max(1.0, mean_square));
 }
 
-/// 2 ln of the odds of an alternative for one cause, up to a term that all have.
-double ln_odds(const Choice& choice, const std::vector<Family>& families) {
-  return choice.score() - (choice.parameters > 0 ? price_of_shape(choice, families[choice.family]) : 0.0);
-}
-
 /// The score from which so many effects together are better than none.
 double enough(const StepwiseOptions& options, std::size_t effects) {
   return 0.5 * options.entry_score * static_cast<double>(effects);
@@ -272,16 +267,11 @@ Solution exchanged(const Search& search, Solution best, const StepwiseOptions& o
   return best;
 }
 
-/// Whether one effect may be what two others are together: they act in one approach each, or across one axis each, as
-/// the slopes of EX over y and of EY over x that a rotation of the set-up makes.
+/// Whether one effect may be what two others are together: they act in one approach each, or in one sense each.
 bool may_stand_for_both(const EffectInstance& both, const EffectInstance& one, const EffectInstance& other) {
   if (same_place(one, other))
     return one.approach != other.approach && same_place(both, one) && both.approach == ApproachMode::both;
-  const auto is_along = [](const EffectInstance& effect) {
-    return effect.sense && effect.axis && direction_of(*effect.sense) == *effect.axis;
-  };
-  return both.definition().place == Place::set_up && one.sense != other.sense && one.axis != other.axis &&
-         !is_along(one) && !is_along(other);
+  return both.definition().place == Place::set_up && one.sense != other.sense;
 }
 
 /// Whether a curve that keeps its slope may be what a curve without it and a slope are together: the same shape.
@@ -581,16 +571,21 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       else if (other.score() >= entry_score && group.weaker.size() < kMostWeaker)
         group.weaker.push_back(other);
     }
-    // the most probable one, of equally probable ones the first in the library; a rotation that stands for slopes of
-    // both senses stays, and so does its rest
+    // of equals the one with fewer parameters, then of equally likely ones the first in the library; a rotation that
+    // stands for slopes of both senses stays, and so does its rest
     for (Choice& rival : group.rivals) {
       const bool is_part = std::ranges::any_of(rest.chosen, [&](const Choice& other) {
         return may_stand_for_both(instance(group.member), instance(rival), instance(other)) ||
                may_stand_for_both(instance(other), instance(group.member), instance(rival));
       });
       if (is_part) continue;
-      const double better = ln_odds(rival, search.families()) - ln_odds(group.member, search.families());
-      if (better > kSame || (better >= -kSame && rival.family < group.member.family)) std::swap(rival, group.member);
+      const bool same_evidence =
+          rival.parameters < group.member.parameters && rival.score() >= group.member.score() - kEven;
+      if (std::abs(rival.gain - group.member.gain) > kSame && !same_evidence) continue;
+      const bool simpler = rival.parameters < group.member.parameters ||
+                           (rival.parameters == group.member.parameters && rival.family < group.member.family &&
+                            rival.score() >= group.member.score() - kSame);
+      if (simpler) std::swap(rival, group.member);
     }
     std::erase_if(group.rivals, [&](const Choice& rival) { return !is_alike(search, group.member, rival); });
     for (const RivalOfSet& one : of_sets) {
@@ -614,7 +609,8 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
 
 std::vector<double> probabilities_of(const std::vector<Choice>& alternatives, const std::vector<Family>& families) {
   std::vector<double> shares;
-  for (const Choice& choice : alternatives) shares.push_back(ln_odds(choice, families));
+  for (const Choice& choice : alternatives)
+    shares.push_back(choice.score() - (choice.parameters > 0 ? price_of_shape(choice, families[choice.family]) : 0.0));
   const double best = *std::ranges::max_element(shares);
   double sum = 0.0;
   for (double& share : shares) sum += share = std::exp(0.5 * (share - best));

@@ -424,7 +424,7 @@ Solution Search::refined(const std::vector<Choice>& chosen, const std::vector<Ch
   const auto take = [&](Solution tried) {
     if (tried.score() > best.score()) best = std::move(tried);
   };
-  if (own.empty() && !movable) return best;
+  if (own.empty() && (chosen.size() < 2 || !movable)) return best;
   for (int round = 0; round < 3; ++round) {
     const double before = best.score();
     for (std::size_t i = 0; i < own.size(); ++i) {

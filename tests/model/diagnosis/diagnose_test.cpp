@@ -1,6 +1,4 @@
-#include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "model/fit/compare.hpp"
@@ -462,29 +460,5 @@ TEST_CASE("of days that only wander no drift is named, whatever warms") {
   for (unsigned seed = 11; seed <= 20; ++seed) {
     CAPTURE(seed);
     for (const Candidate& candidate : diagnosis_of_days(0.0, seed).candidates) CHECK_FALSE(candidate.named);
-  }
-}
-
-TEST_CASE("a smooth curve of many bends is one cause: no wave is named beside a curve that needs none") {
-  constexpr std::array kAt_mm{0.0,   30.5,  54.5,  80.9,  107.6, 135.7, 157.9, 194.3,
-                              210.0, 238.9, 265.7, 288.8, 325.6, 351.5, 372.6, 400.0};
-  constexpr std::array kCurve_um{-20.0, 15.0, 35.0, 42.0, 32.0,  12.0,  -2.0,  -6.0,
-                                 -1.0,  11.0, 17.0, 12.0, -10.0, -27.0, -34.0, -29.0};
-  for (unsigned seed = 1; seed <= 5; ++seed) {
-    CAPTURE(seed);
-    laser::MeasurementSet set = measured({.targets = 16, .runs = 5}, 1.0, nothing, seed);
-    std::map<double, std::size_t> place;
-    for (const Reading& r : set.readings) place.try_emplace(p(r), 0);
-    std::size_t number = 0;
-    for (auto& [at_mm, i] : place) i = number++;
-    for (Reading& r : set.readings) {
-      const std::size_t i = place.at(p(r));
-      r.position_mm[0] = kAt_mm[i];
-      r.error += kCurve_um[i];
-    }
-    const Diagnosis found = diagnosed(straight(), set);
-    CHECK(found.verdict == Verdict::missing_effect);
-    const auto named = std::ranges::count_if(found.candidates, &Candidate::in_answer);
-    CHECK_MESSAGE(named == 1, found.headline);
   }
 }

@@ -139,22 +139,3 @@ TEST_CASE("a turned plate is one cause beside a free wave of the model, no slope
   }
   CHECK(std::find(names.begin(), names.end(), to_text(rotation(Sense::EC))) != names.end());
 }
-
-TEST_CASE("a squareness beside a scale of its axis is no rotation: a rotation acts across both axes") {
-  laser::MeasurementSet set;
-  Model model = straight(Axis::X, Sense::EX);
-  for (const EffectInstance& effect : straight(Axis::X, Sense::EY).effects) model.effects.push_back(effect);
-  unsigned seed = 0;
-  for (const Sense sense : {Sense::EX, Sense::EY})
-    for (const double y_mm : {0.0, 150.0, 300.0, 450.0}) {
-      const double of_line_um = (sense == Sense::EX ? 26.0 : 1.6) * y_mm / 1000.0;
-      measure(
-          set, {.sense = sense, .targets = 21, .parked_mm = {0.0, y_mm, -100.0}}, kNoise_um,
-          [&](const Reading&) { return of_line_um; }, ++seed);
-    }
-  const Diagnosis diagnosis = diagnosed(model, set);
-  REQUIRE_FALSE(diagnosis.candidates.empty());
-  const Candidate& first = diagnosis.candidates.front();
-  CHECK_MESSAGE(to_text(first.effect) == "squareness:Y:C0Y", diagnosis.headline);
-  for (const SetMember& member : first.set) CHECK(member.probability <= first.probability + 1e-6);
-}

@@ -312,13 +312,3 @@ TEST_CASE("a curve looks past one poor function to the good ones behind it") {
   CHECK(choice.columns.size() == 3);
   CHECK(choice.score() == Approx(10.0));  // 4 + 9 − 3, against 4 − 1
 }
-
-TEST_CASE("a curve that remains alone takes the functions that another effect had taken beside it") {
-  const auto bends = [](const Reading& r) { return std::cos(7.0 * p(r) / 1000.0) + std::cos(17.0 * p(r) / 1000.0); };
-  const Searching of(measured_line(bends), kSigma_um, candidates_named({"progressive:X:EX"}));
-  const Choice alone = of.search.expand(of.search.base()).front();
-  REQUIRE(alone.columns.size() > 4);
-  Choice crippled = alone;
-  crippled.columns.resize(3);
-  CHECK(of.search.refined({crippled}).score() == Approx(of.search.solution({alone}).score()));
-}
