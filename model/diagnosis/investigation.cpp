@@ -639,11 +639,18 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       if (options.p_values) state_p_values(regressors, base, search, found);
     }
     found.beyond_position = tests_beyond_position(data, whitener, structure, alone, found.before);
-    const VectorXd residual = residual_of(all, whitener);
+    const VectorXd residual = residual_of(all, whitener);  // beside what was taken back too: less structure
     found.noisy = noisy_run(data, found.solution.space.y, residual, found.left_out);
+    if (found.noisy && found.noisy->off_um) {
+      const auto apart = run_apart(data, residual_of(joined(base, search, found.solution), whitener), found.left_out);
+      if (apart && apart->run == found.noisy->run)
+        found.noisy->off_um = apart->off_um;
+      else
+        found.noisy.reset();
+    }
     found.wave = free_wave(data, found.solution.space.y, found.left_out);
     if (found.solution.chosen.empty()) found.odd_pass = odd_pass(data, residual, found.left_out);
-    if ((found.noisy && found.noisy->shifted) || found.odd_pass || found.bad_run) {
+    if ((found.noisy && found.noisy->off_um) || found.odd_pass || found.bad_run) {
       found.step = step_of_runs(data, residual_of(joined(base, search, search.alone()), whitener), found.left_out);
       if (found.step) blame_step(found);
     }
