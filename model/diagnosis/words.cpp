@@ -523,13 +523,6 @@ bool explains_alone(const Candidate& candidate, const Diagnosis& diagnosis) {
          share_alone(candidate) >= std::max(kLeastShareSaid, by_noise);
 }
 
-bool has_known_size(const Candidate& candidate) {
-  const std::string_view searched = candidate.effect.definition().searched_parameter();
-  return std::ranges::any_of(candidate.parameters, [&](const ParameterEstimate& one) {
-    return one.name != searched && one.value != 0.0 && is_known(one);
-  });
-}
-
 std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, const Observations& data,
                        const std::optional<JointProof>& joint) {
   std::string text = candidate.in_answer() && joint && !proved_alone(candidate, diagnosis)
@@ -539,8 +532,7 @@ std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, c
     if (const std::string pitch = pitch_text(candidate.effect, one.sigma, data);
         one.name == candidate.effect.definition().searched_parameter() && !pitch.empty())
       text += fmt::format("; the period of {:.5g} {} is {}", one.value, data.position_unit(), pitch);
-  if (candidate.in_answer() &&
-      (!has_known_size(candidate) || std::ranges::any_of(candidate.parameters, &ParameterEstimate::undetermined)))
+  if (candidate.in_answer() && std::ranges::any_of(candidate.parameters, &ParameterEstimate::undetermined))
     text += fmt::format(". Its presence is {}, but these data do not determine how large it is",
                         name_of(candidate.standing));
   return text + fmt::format(". How to recognise it: {}.", candidate.effect.definition().tells_apart);

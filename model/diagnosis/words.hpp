@@ -44,9 +44,6 @@ struct JointProof {
 /// columns fitted to noise would.
 [[nodiscard]] bool explains_alone(const Candidate& candidate, const Diagnosis& diagnosis);
 
-/// Whether the readings determine any size of a candidate, so that a number is told of it.
-[[nodiscard]] bool has_known_size(const Candidate& candidate);
-
 /// @param diagnosis  with rms, noise, all candidates and the number of noise replicates
 /// @param joint  absent where fewer than two effects are named
 [[nodiscard]] std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, const Observations& data,

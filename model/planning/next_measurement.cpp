@@ -546,7 +546,7 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
   if (diagnosis.verdict != Verdict::missing_effect) return std::nullopt;
   for (const Candidate& candidate : diagnosis.candidates)
     if (candidate.in_answer() &&
-        (!candidate.named || !has_known_size(candidate) || !candidate.rivals.empty() || !candidate.in_part.empty() ||
+        (!candidate.named || !candidate.rivals.empty() || !candidate.in_part.empty() ||
          !candidate.parameters_set.empty() || candidate.e_value.value_or(0.0) < kProved ||
          std::ranges::any_of(candidate.parameters, [](const ParameterEstimate& one) { return one.undetermined; })))
       return std::nullopt;
