@@ -150,7 +150,7 @@ struct DifferentRun {
 };
 struct Diagnosis {
   std::size_t observations = 0;
-  double rms_um = 0.0;                                                           ///< of what the model leaves
+  double rms_um = 0.0;                                                           ///< of its residual
   double rms_after_um = 0.0;                                                     ///< with every effect of the answer
   double kept_rms_um = 0.0, kept_rms_after_um = 0.0;                             ///< the same without the outliers
   SizesByUnit rms_by_unit, rms_after_by_unit, kept_by_unit, kept_after_by_unit;  ///< these four

@@ -95,7 +95,7 @@ TEST_CASE("reading gives back what a controller format was given, within its res
   }
 }
 
-TEST_CASE("every controller format lists what it leaves out of the rotary axes of a map") {
+TEST_CASE("every controller format lists the errors of rotary axes that it does not export") {
   ExportSource source = whole_machine();
   laser::MapRotaryAxis axis;
   axis.axis.letter = 'C';
