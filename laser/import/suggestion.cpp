@@ -624,7 +624,7 @@ std::string transposed_obstacle(const Columns& columns) {
 
 /// Every column with numbers that the rules do not read.
 std::string unread_in(const Columns& columns, const std::string& rules_text) {
-  constexpr std::size_t kMostNamed = 12;  // more are named by their numbers alone
+  constexpr std::size_t kMostHeadings = 12;  // more are named by their numbers alone
   const auto rules = column_rules(rules_text);
   std::vector<const TableColumn*> unread;
   for (const TableColumn& column : columns) {
@@ -640,7 +640,7 @@ std::string unread_in(const Columns& columns, const std::string& rules_text) {
   for (const TableColumn* column : unread) {
     readings = readings || column->meaning == Meaning::reading;
     const bool words = !column->is_number() && !column->has_gaps();
-    named.push_back(unread.size() > kMostNamed || column->heading.empty()
+    named.push_back(unread.size() > kMostHeadings || column->heading.empty()
                         ? std::to_string(column->number)
                         : fmt::format("{} {}", column->number, in_quotes(column->heading)));
     if (words) named.back() += " (some cells are not numbers)";
