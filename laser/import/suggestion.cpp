@@ -606,9 +606,9 @@ std::string target_obstacle(const Columns& columns) {
 
 /// A row for each run below a row of targets.
 std::string transposed_obstacle(const Columns& columns) {
-  constexpr std::size_t kLeastTargets = 4;
+  constexpr std::size_t kFewestTargets = 4;
   constexpr double kGreatestPart = 0.3;  // errors are smaller than this part of the last target
-  if (columns.size() < 1 + kLeastTargets || columns.front().is_number() || columns.front().cells.size() < 2) return {};
+  if (columns.size() < 1 + kFewestTargets || columns.front().is_number() || columns.front().cells.size() < 2) return {};
   double before = -std::numeric_limits<double>::infinity(), largest = 0.0;
   for (std::size_t k = 1; k < columns.size(); ++k) {
     const auto& values = columns[k].values;
