@@ -62,7 +62,8 @@ void note_short_periods(MapFromModel& built, const Model& model) {
 /// Where an effect lands in the map or among the parameters; nothing for one that stays out.
 std::optional<Component> component_for(const EffectInstance& effect) {
   if (effect.definition().has_lever()) return effect.code;
-  if (effect.rotary || !effect.axis || !effect.sense || effect.definition().carrier != model::Carrier::error_map)
+  if (effect.rotary || effect.from_run > 0 || !effect.axis || !effect.sense ||
+      effect.definition().carrier != model::Carrier::error_map)
     return std::nullopt;
   return curve_of(*effect.sense, *effect.axis);
 }

@@ -58,6 +58,7 @@ Json effect_json(const EffectInstance& effect) {
   if (!effect.sensor2.empty()) out["sensor2"] = effect.sensor2;
   if (effect.ball > 1) out["ball"] = effect.ball;
   if (effect.line > 0) out["line"] = effect.line;
+  if (effect.from_run > 0) out["run"] = effect.from_run;
   return out;
 }
 
@@ -82,6 +83,7 @@ std::optional<EffectInstance> effect_in(const Json& object) {
   };
   effect.ball = number("ball", 1);
   effect.line = number("line", 0);
+  effect.from_run = number("run", 0);
   if (effect.is_user()) {
     const std::string name = word_in(object, "name");
     effect.name = name.starts_with("user:") ? name.substr(5) : name;

@@ -291,6 +291,46 @@ void set_lines(Observations& data) {
     if (seen[{data.axis[k], data.sense[k]}].size() > kMostLines) data.line[k] = 1;
 }
 
+/// A session begins with a run of another file, on another clock, or after a pause longer than the session before it
+/// has lasted: then the readout is usually set to zero again. One run is no session: runs with pauses between all of
+/// them are one measurement.
+void set_sessions(Observations& data, const MeasurementSet& set, const std::map<int, int>& clocks) {
+  struct Run {
+    int file = 0, clock = 0;
+    double begin_s = 0.0, end_s = 0.0;
+  };
+  std::map<std::pair<Axis, Sense>, std::map<int, Run>> lines;
+  int file = 0, line_before = 0;
+  for (const Reading& r : set.readings) {
+    file += r.line < line_before ? 1 : 0;
+    line_before = r.line;
+    const double time_s = r.time_s.value_or(0.0);
+    const auto clock = clocks.find(r.run);
+    const Run fresh{file, clock == clocks.end() ? 0 : clock->second, time_s, time_s};
+    Run& run = lines[{r.axis, r.sense}].try_emplace(r.run, fresh).first->second;
+    run.begin_s = std::min(run.begin_s, time_s);
+    run.end_s = std::max(run.end_s, time_s);
+  }
+  constexpr int kFewestRuns = 2;
+  for (const auto& [place, runs] : lines) {
+    std::vector<int> starts;
+    bool each_has_runs = true;
+    int count = 0;
+    double begin_s = runs.begin()->second.begin_s;
+    for (auto run = runs.begin(); run != runs.end(); ++run, ++count) {
+      if (run == runs.begin()) continue;
+      const Run &before = std::prev(run)->second, &now = run->second;
+      if (now.file == before.file && now.clock == before.clock && now.begin_s - before.end_s <= before.end_s - begin_s)
+        continue;
+      each_has_runs = each_has_runs && count >= kFewestRuns;
+      starts.push_back(run->first);
+      begin_s = now.begin_s;
+      count = 0;
+    }
+    if (!starts.empty() && each_has_runs && count >= kFewestRuns) data.sessions[place] = std::move(starts);
+  }
+}
+
 void put_on_paths(Observations& data, Paths paths, const std::vector<std::size_t>& order) {
   data.paths = std::move(paths.all);
   for (const std::size_t k : order) {
@@ -570,7 +610,10 @@ Observations observations_of(const MeasurementSet& set, const KnownTables& table
     std::iota(data.in_history.begin(), data.in_history.end(), std::size_t{0});
   }
   set_natural_axes(data);
-  if (!data.rotary && paths.all.empty()) set_lines(data);
+  if (!data.rotary && paths.all.empty()) {
+    set_lines(data);
+    set_sessions(data, set, clocks);
+  }
   if (!paths.all.empty()) put_on_paths(data, std::move(paths), order);
   return data;
 }

@@ -138,6 +138,9 @@ struct Observations {
   /// Number, from 1, of the measured line among those of its sense along its axis: another parked position or set-up is
   /// another line. Empty: as if all were one, as for readings over a grid, along paths and of rotary axes.
   std::vector<int> line;
+  /// By axis and sense: the runs with which a session begins, the first one left out. The readout may have been set to
+  /// zero before each. Without an entry all is one session.
+  std::map<std::pair<Axis, Sense>, std::vector<int>> sessions;
   /// By sense: its own axis where that moved, else the first that did.
   std::array<Axis, kSenseNames.size()> natural_axes{Axis::X, Axis::Y, Axis::Z, Axis::X, Axis::Y, Axis::Z};
 

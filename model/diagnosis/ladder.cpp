@@ -23,7 +23,9 @@
 namespace ecs::model {
 
 bool is_requested(const EffectInstance& effect, const AddRequest& request) {
-  if (effect.id != request.id || effect.ball != request.ball || effect.line != request.line) return false;
+  if (effect.id != request.id || effect.ball != request.ball || effect.line != request.line ||
+      effect.from_run != request.from_run)
+    return false;
   if (request.axis && (effect.axis != request.axis || effect.rotary != request.rotary)) return false;
   if (request.sense && effect.sense != request.sense) return false;
   if (request.code && effect.code != request.code) return false;
@@ -60,6 +62,7 @@ std::vector<EffectInstance> places_for(const Model& model, const Observations& d
     effect.sensor2 = request.sensor2;
     effect.ball = request.ball;
     effect.line = request.line;
+    effect.from_run = request.from_run;
     list.push_back(effect);
   }
   return list;
@@ -105,12 +108,13 @@ std::optional<EffectInstance> best_place(const State& state, const Regressors& r
 
 AddRequest request_of(const EffectInstance& effect) {
   AddRequest request{effect.id,     effect.axis,    effect.rotary, effect.sense, effect.code, effect.approach,
-                     effect.sensor, effect.sensor2, effect.name,   effect.ball,  effect.line};
+                     effect.sensor, effect.sensor2, effect.name,   effect.ball,  effect.line, effect.from_run};
   request.as_named = effect;
   return request;
 }
 
 Result<AddRequest> parse_add_request(std::string_view text) {
+  constexpr std::string_view kFromRun = "run";
   const auto parts = split(text, ':');
   AddRequest request;
   const EffectId id = effect_named(parts.front());
@@ -147,6 +151,9 @@ Result<AddRequest> parse_add_request(std::string_view text) {
     } else if (const auto number = number_in(part);
                (id->place == Place::artefact || id->traits.of_lines) && number && *number >= 1.0) {
       (id->traits.of_lines ? request.line : request.ball) = static_cast<int>(*number);
+    } else if (const auto run = number_in(part.substr(std::min<std::size_t>(part.size(), kFromRun.size())));
+               id->traits.of_lines && part.starts_with(kFromRun) && run && *run >= 1.0) {
+      request.from_run = static_cast<int>(*run);
     } else if (code) {
       request.code = code;
     } else {

@@ -24,6 +24,7 @@ struct AddRequest {
   std::string name;  ///< of a user effect
   int ball = 1;      ///< of a ball on the table
   int line = 0;      ///< of an offset
+  int from_run = 0;  ///< of an offset
   /// As a diagnosis names it, its values as a start; or a user effect that the model does not know yet.
   std::optional<EffectInstance> as_named{};
 };

@@ -80,7 +80,8 @@ std::vector<Choice> without_member(std::vector<Choice> chosen, std::size_t i) {
 
 /// Whether one effect may act twice in a sense: as several of its kind, each with its sensors or each for its axis.
 bool may_act_twice(const EffectInstance& one, const EffectInstance& other) {
-  return one.traits().several_alike || one.ball != other.ball || one.line != other.line || !same_sensors(one, other) ||
+  return one.traits().several_alike || one.ball != other.ball || one.line != other.line ||
+         one.from_run != other.from_run || !same_sensors(one, other) ||
          (one.traits().one_per_axis && one.axis != other.axis);
 }
 
@@ -218,6 +219,11 @@ double price_of_shape(const Choice& choice, const Family& family) {
   const auto functions = static_cast<double>(choice.parameters);
   const double mean_square = choice.gain / (std::exp(family.ln_readings) * functions);  // in units of the noise
   return (functions - 1.0) * std::log(std::max(1.0, mean_square));
+}
+
+/// 2 ln of the odds of an alternative for one cause, up to a term that all have.
+double ln_odds(const Choice& choice, const std::vector<Family>& families) {
+  return choice.score() - (choice.parameters > 0 ? price_of_shape(choice, families[choice.family]) : 0.0);
 }
 
 /// The score from which so many effects together are better than none.
@@ -571,21 +577,23 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       else if (other.score() >= entry_score && group.weaker.size() < kMostWeaker)
         group.weaker.push_back(other);
     }
-    // of equals the one with fewer parameters, then of equally likely ones the first in the library; a rotation that
-    // stands for slopes of both senses stays, and so does its rest
+    // of equals the one with fewer parameters, then of equally likely ones the first in the library, but the zero of a
+    // session where it is more probable; a rotation that stands for slopes of both senses stays, and so does its rest
     for (Choice& rival : group.rivals) {
       const bool is_part = std::ranges::any_of(rest.chosen, [&](const Choice& other) {
         return may_stand_for_both(instance(group.member), instance(rival), instance(other)) ||
                may_stand_for_both(instance(other), instance(group.member), instance(rival));
       });
       if (is_part) continue;
+      const bool zero = instance(rival).from_run > 0 &&
+                        ln_odds(rival, search.families()) > ln_odds(group.member, search.families()) + kSame;
       const bool same_evidence =
           rival.parameters < group.member.parameters && rival.score() >= group.member.score() - kEven;
-      if (std::abs(rival.gain - group.member.gain) > kSame && !same_evidence) continue;
+      if (!zero && std::abs(rival.gain - group.member.gain) > kSame && !same_evidence) continue;
       const bool simpler = rival.parameters < group.member.parameters ||
                            (rival.parameters == group.member.parameters && rival.family < group.member.family &&
                             rival.score() >= group.member.score() - kSame);
-      if (simpler) std::swap(rival, group.member);
+      if (simpler || zero) std::swap(rival, group.member);
     }
     std::erase_if(group.rivals, [&](const Choice& rival) { return !is_alike(search, group.member, rival); });
     for (const RivalOfSet& one : of_sets) {
@@ -609,8 +617,7 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
 
 std::vector<double> probabilities_of(const std::vector<Choice>& alternatives, const std::vector<Family>& families) {
   std::vector<double> shares;
-  for (const Choice& choice : alternatives)
-    shares.push_back(choice.score() - (choice.parameters > 0 ? price_of_shape(choice, families[choice.family]) : 0.0));
+  for (const Choice& choice : alternatives) shares.push_back(ln_odds(choice, families));
   const double best = *std::ranges::max_element(shares);
   double sum = 0.0;
   for (double& share : shares) sum += share = std::exp(0.5 * (share - best));

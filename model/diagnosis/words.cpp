@@ -74,7 +74,8 @@ std::string duration_text(double s) {
 std::string where_word(const EffectInstance& effect) {
   if (effect.sense)
     return readings_word(*effect.sense, effect.axis, effect.rotary) +
-           (effect.line > 1 ? fmt::format(" in line {}", effect.line) : "");
+           (effect.line > 1 ? fmt::format(" in line {}", effect.line) : "") +
+           (effect.from_run > 0 ? fmt::format(" from run {}", effect.from_run) : "");
   return effect.axis ? fmt::format("Readings along {}", axis_letter(effect)) : "Readings";
 }
 

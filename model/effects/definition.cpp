@@ -49,6 +49,7 @@ std::string to_text(const EffectInstance& effect) {
   if (effect.code && !by_sense) return text + fmt::format(":{}", name_of(*effect.code));
   if (effect.sense) text += fmt::format(":{}", name_of(*effect.sense));
   if (effect.line > 0) text += fmt::format(":{}", effect.line);
+  if (effect.from_run > 0) text += fmt::format(":run{}", effect.from_run);
   return text;
 }
 
@@ -105,7 +106,7 @@ std::string sensors_text(const EffectInstance& effect) {
 
 bool same_place(const EffectInstance& a, const EffectInstance& b) {
   return a.id == b.id && a.axis == b.axis && a.sense == b.sense && a.code == b.code && a.name == b.name &&
-         a.rotary == b.rotary && a.ball == b.ball && a.line == b.line;
+         a.rotary == b.rotary && a.ball == b.ball && a.line == b.line && a.from_run == b.from_run;
 }
 
 bool same_sensors(const EffectInstance& a, const EffectInstance& b) {

@@ -73,6 +73,7 @@ struct EffectInstance {
   ApproachMode approach = ApproachMode::both;
   int ball = 1;           ///< of a ball on the table or a tool: which, in the order of the readings
   int line = 0;           ///< of an offset: 0 in all readings of its sense, 1 in all lines along its axis, n in the nth
+  int from_run = 0;       ///< of an offset: acts along its axis in this run and later ones only; 0: in all
   std::string sensor;     ///< column of the sensor, where one is used
   std::string sensor2;    ///< of the second, where their difference is
   std::string name;       ///< of a user effect

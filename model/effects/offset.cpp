@@ -1,5 +1,5 @@
 // A shift c of all readings of a sense: datum or laser zero; and of single lines of it, for the readout is set to zero
-// again when the optics move to another line.
+// again when the optics move to another line, and when it is measured again in another session.
 #include <algorithm>
 
 #include "model/effects/definition.hpp"
@@ -9,7 +9,8 @@ namespace ecs::model::effects {
 
 namespace {
 
-/// The first line of a sense has the shift of the sense; every other one may have one of its own.
+/// The first line of a sense has the shift of the sense; every other one may have one of its own, and so may every
+/// later session of a line.
 std::vector<EffectInstance> of_further_lines(const Site& site) {
   std::vector<EffectInstance> each;
   if (site.data.rotary || !site.data.paths.empty()) return each;
@@ -22,6 +23,11 @@ std::vector<EffectInstance> of_further_lines(const Site& site) {
     each.push_back(site.once().front());
     each.back().line = number;
   }
+  if (const auto starts = site.data.sessions.find({site.axis, site.sense}); starts != site.data.sessions.end())
+    for (const int run : starts->second) {
+      each.push_back(site.once().front());
+      each.back().from_run = run;
+    }
   return each;
 }
 
@@ -33,7 +39,8 @@ EffectDefinition offset() {
       .title = "Datum shift",
       .formula = "c",
       .cause = "datum or laser zero shifted",
-      .tells_apart = "the same everywhere and always",
+      .tells_apart =
+          "the same everywhere and always; after the readout was set to zero again, in every run from then on",
       .check = "check where the readout was set to zero, and the repeatability of the datum switch",
       .headline = "{where} all shifted by {um}",
       .parameters = {{"um", "um", "constant offset"}},

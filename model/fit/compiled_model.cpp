@@ -223,6 +223,11 @@ Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machi
       out.not_carried.push_back(fmt::format("{}: the fitted readings do not determine it", to_text(effect)));
       continue;
     }
+    if (effect.from_run > 0) {
+      out.not_carried.push_back(
+          fmt::format("{}: the zero of the readout in some runs, not an error of the machine", to_text(effect)));
+      continue;
+    }
     if (!components_of(effect.definition()).empty() && is_carried(effect, machine)) {
       add_components(effect, machine, out, tables);
       carried.push_back(&effect);

@@ -24,9 +24,9 @@ namespace {
 
 const std::vector<std::string> kModelKeys{"name",  "effect",  "candidate", "map",
                                           "known", "history", "origin",    "compensated_readings"};
-const std::vector<std::string> kEffectKeys{"id",      "axis",       "sense",  "approach", "code",
-                                           "ball",    "line",       "sensor", "sensor2",  "name",
-                                           "formula", "parameters", "fitted", "curve",    "undetermined"};
+const std::vector<std::string> kEffectKeys{"id",         "axis",   "sense",  "approach",    "code", "ball",
+                                           "line",       "run",    "sensor", "sensor2",     "name", "formula",
+                                           "parameters", "fitted", "curve",  "undetermined"};
 
 constexpr double kMostReadings = 1e9;
 
@@ -243,11 +243,19 @@ void complete(TomlReader& reader, const toml::table& table, EffectInstance& effe
   want(!table.contains("ball") || definition.place == Place::artefact,
        "no key ball, which is of ball_on_table and ball_in_spindle");
   want(!table.contains("line") || definition.traits.of_lines, "no key line, which is of offset");
-  const char* const key = definition.traits.of_lines ? "line" : "ball";
-  const auto number = reader.number(table, key);
-  want(!number || (*number >= 1.0 && *number == std::floor(*number)),
-       fmt::format("{} = 1, 2 …, in the order of the readings", key));
-  if (number) (definition.traits.of_lines ? effect.line : effect.ball) = static_cast<int>(*number);
+  want(!table.contains("run") || definition.traits.of_lines, "no key run, which is of offset");
+  const auto take_number = [&](const char* key, int& taken) {
+    const auto number = reader.number(table, key);
+    want(!number || (*number >= 1.0 && *number == std::floor(*number)),
+         fmt::format("{} = 1, 2 …, in the order of the readings", key));
+    if (number) taken = static_cast<int>(*number);
+  };
+  if (definition.traits.of_lines) {
+    take_number("line", effect.line);
+    take_number("run", effect.from_run);
+  } else {
+    take_number("ball", effect.ball);
+  }
   const bool rotation = effect.code && is_angular(*effect.code);
   if (definition.place == Place::rotation) want(rotation, "code = one of EAX … ECZ");
   if (definition.place == Place::known_component) want(rotation, "code = the known angular component, EAX … ECZ");

@@ -66,6 +66,7 @@ std::string effect_text(const EffectInstance& effect, std::string_view table) {
   word("code", code_text(effect));
   if (effect.ball > 1) text += fmt::format("ball = {}\n", effect.ball);
   if (effect.line > 0) text += fmt::format("line = {}\n", effect.line);
+  if (effect.from_run > 0) text += fmt::format("run = {}\n", effect.from_run);
   if (effect.approach != ApproachMode::both) text += fmt::format("approach = \"{}\"\n", name_of(effect.approach));
   if (!effect.sensor.empty()) text += fmt::format("sensor = {}\n", params::toml_string(effect.sensor));
   if (!effect.sensor2.empty()) text += fmt::format("sensor2 = {}\n", params::toml_string(effect.sensor2));

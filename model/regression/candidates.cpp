@@ -368,7 +368,9 @@ std::vector<EffectInstance> usual_effects(const Observations& all) {
         add_at(site(axis), &EffectDefinition::of_reversal, true, usual);
     }
   }
-  std::erase_if(usual, [&](const EffectInstance& one) { return one.line > 1 && !has_own_set_up(data, one); });
+  std::erase_if(usual, [&](const EffectInstance& one) {
+    return one.from_run > 0 || (one.line > 1 && !has_own_set_up(data, one));
+  });
   return usual;
 }
 

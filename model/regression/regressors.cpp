@@ -55,6 +55,7 @@ bool acts_by_place(const Observations& data, std::size_t k, const EffectInstance
   if (definition.traits.of_lines && effect.sense && data.through_chain.empty()) {
     if (effect.line > 0 && data.axis[k] != *effect.axis) return false;
     if (effect.line > 1 && data.line_of(k) != effect.line) return false;
+    if (effect.from_run > 0 && (data.axis[k] != *effect.axis || data.run[k] < effect.from_run)) return false;
   }
   if (definition.traits.of_approach) return is_own_motion(data, k, *effect.axis);
   if (effect.approach == ApproachMode::both) return true;

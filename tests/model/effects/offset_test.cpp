@@ -3,6 +3,7 @@
 #include <set>
 
 #include "model/diagnosis/ladder.hpp"
+#include "model/fit/compiled_model.hpp"
 #include "model/fit/model_file.hpp"
 #include "model/regression/candidates.hpp"
 #include "tests/model/support/measured_lines.hpp"
@@ -117,4 +118,82 @@ TEST_CASE("the offset of a numbered line is written to a model file and read aga
     measure(grid, {.targets = 9, .runs = 1, .both_ways = false, .parked_mm = {0.0, 50.0 * y, 0.0}}, kNoise_um, nothing);
   const Observations data = observations_of(grid, Model{}, mill());
   CHECK(std::ranges::all_of(data.line, [](int line) { return line == 1; }));
+}
+
+namespace {
+
+/// Three runs of EX along X, then three more in another session, with a zero of their own.
+laser::MeasurementSet two_sessions(double pause_s, double zero_um, const Truth& truth) {
+  laser::MeasurementSet set = measured({.targets = 21}, kNoise_um, nothing, 1);
+  laser::MeasurementSet later = measured({.targets = 21}, kNoise_um, nothing, 2);
+  const double last_s = *set.readings.back().time_s;
+  for (Reading& r : later.readings) {
+    r.row += static_cast<int>(later.readings.size());
+    r.run += 3;
+    *r.time_s += last_s + pause_s;
+    r.error += zero_um;
+    set.readings.push_back(r);
+  }
+  for (Reading& r : set.readings) r.error += truth(r);
+  return set;
+}
+
+constexpr double kLongPause_s = 14400.0, kShortPause_s = 200.0;
+
+std::set<std::string> first_group(const laser::MeasurementSet& set) {
+  Model model;
+  model.effects = usual_effects(observations_of(set, model, mill()));
+  const Diagnosis found = diagnosed(model, set);
+  std::set<std::string> names;
+  if (found.candidates.empty() || !found.candidates.front().in_answer()) return names;
+  names.insert(to_text(found.candidates.front().effect));
+  for (const EffectInstance& rival : found.candidates.front().rivals) names.insert(to_text(rival));
+  return names;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a session begins after a pause longer than the session before it, or in another file, with two runs or more") {
+  const auto sessions = [](const laser::MeasurementSet& set) {
+    const Observations data = observations_of(set, Model{}, mill());
+    const auto found = data.sessions.find({Axis::X, Sense::EX});
+    return found == data.sessions.end() ? std::vector<int>() : found->second;
+  };
+  CHECK(sessions(two_sessions(kLongPause_s, 3.0, nothing)) == std::vector<int>{4});
+  laser::MeasurementSet short_pause = two_sessions(kShortPause_s, 3.0, nothing);
+  CHECK(sessions(short_pause).empty());
+  for (std::size_t k = 0; k < short_pause.readings.size(); ++k)  // the second half is of another file
+    short_pause.readings[k].line = 2 + static_cast<int>(k % (short_pause.readings.size() / 2));
+  CHECK(sessions(short_pause) == std::vector<int>{4});
+  laser::MeasurementSet single = two_sessions(kLongPause_s, 3.0, nothing);
+  std::erase_if(single.readings, [](const Reading& r) { return r.run > 4; });
+  CHECK(sessions(single).empty());
+}
+
+TEST_CASE("a zero that was set again between two sessions is named before a drift over the pause") {
+  const auto zero = first_group(two_sessions(kLongPause_s, 3.0, nothing));
+  CHECK(zero.contains("offset:X:EX:run4"));
+  constexpr double kHour_s = 3600.0;
+  const auto drift =
+      first_group(two_sessions(kLongPause_s, 0.0, [](const Reading& r) { return 2.0 * *r.time_s / kHour_s; }));
+  CHECK_FALSE(drift.contains("offset:X:EX:run4"));
+  CHECK(first_group(two_sessions(kLongPause_s, 0.0, nothing)).empty());
+}
+
+TEST_CASE("the zero of a session is written to a model file and read again, and no map holds it") {
+  Model model = straight();
+  model.effects.push_back(effect(ecs::model::test::effects::offset, Axis::X, Sense::EX));
+  model.effects.back().from_run = 4;
+  model.effects.back().fitted["um"] = 3.0;
+  const std::string text = to_toml(model);
+  CHECK(contains(text, "run = 4"));
+  CHECK(must(parse_model(text, "model.toml", "")).effects.back() == model.effects.back());
+  CHECK(must(parse_add_request("offset:X:EX:run4")).from_run == 4);
+  CHECK(contains(must_fail(parse_add_request("offset:X:EX:run0")).message, "expected EFFECT"));
+  model.effects.erase(model.effects.begin(), model.effects.end() - 1);
+  const CompiledModel map = must(compiled(model, mill(), 100.0));
+  CHECK(map.map.tables.empty());
+  REQUIRE(map.not_carried.size() == 1);
+  CHECK(contains(map.not_carried.front(), "not an error of the machine"));
 }
