@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <map>
 
 #include <fmt/format.h>
 
@@ -27,16 +26,17 @@ std::vector<std::string> heading_words(std::string_view heading) {
 }
 
 std::optional<Approach> approach_named(std::string_view word) {
-  static const std::map<std::string, Approach, std::less<>> kWords{
-      {"1", Approach::forward},        {"+1", Approach::forward},      {"+", Approach::forward},
-      {"f", Approach::forward},        {"fwd", Approach::forward},     {"forward", Approach::forward},
-      {"up", Approach::forward},       {"pos", Approach::forward},     {"-1", Approach::reverse},
-      {"-", Approach::reverse},        {"r", Approach::reverse},       {"b", Approach::reverse},
-      {"rev", Approach::reverse},      {"reverse", Approach::reverse}, {"bwd", Approach::reverse},
-      {"backward", Approach::reverse}, {"down", Approach::reverse},    {"neg", Approach::reverse},
-      {"0", Approach::unknown},        {"", Approach::unknown}};
-  const auto found = kWords.find(lower(word));
-  return found == kWords.end() ? std::nullopt : std::optional(found->second);
+  constexpr std::string_view kForward = "1 +1 + f fwd forward up pos v vor vorw\u00E4rts hin aller";
+  constexpr std::string_view kReverse =
+      "-1 - r b rev reverse bwd backward back neg down r\u00FCck r\u00FCckw\u00E4rts zur\u00FCck retour";
+  const std::string name = lower(word);
+  const auto is_among = [&](std::string_view words) {
+    const auto list = split(words, ' ');
+    return std::ranges::find(list, name) != list.end();
+  };
+  if (is_among(kForward)) return Approach::forward;
+  if (is_among(kReverse)) return Approach::reverse;
+  return name.empty() || name == "0" ? std::optional(Approach::unknown) : std::nullopt;
 }
 
 namespace {

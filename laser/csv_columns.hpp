@@ -16,7 +16,7 @@ namespace ecs::laser {
 /// The words of a heading in lower case: "Target_mm" and "target (mm)" are target and mm. At least one, perhaps empty.
 [[nodiscard]] std::vector<std::string> heading_words(std::string_view heading);
 
-/// "forward", "rev", "+", "down", "1", … in any case; an empty word is unknown. Nothing for other words.
+/// "forward", "rev", "+", "down", "1", "zurück", "aller" … in any case; an empty word is unknown. Nothing for others.
 [[nodiscard]] std::optional<Approach> approach_named(std::string_view word);
 
 /// An optional number of a reading and the column that holds it.

@@ -249,11 +249,10 @@ PassHeading pass_heading(const std::string& heading) {
     const std::string letters = word.substr(0, digits);
     const bool numbered = digits < word.size() && integer_in(word.substr(digits));
     if (numbered) pass.number = word.substr(digits);
-    if (is_one_of(letters, {"f", "fwd", "forward", "v", "vor", "vorw\xC3\xA4rts", "hin", "aller", "up"}))
-      pass.direction = "forward";
-    else if (is_one_of(letters, {"b", "r", "rev", "reverse", "bwd", "back", "backward", "r\u00FCck",
-                                 "r\u00FCckw\xC3\xA4rts", "zur\u00FCck", "retour", "down"}))
-      pass.direction = "reverse";
+    const auto approach =
+        is_one_of(letters, {"", "pos", "neg"}) ? std::nullopt : approach_named(letters);  // pos: a position
+    if (approach)
+      pass.direction = *approach == Approach::forward ? "forward" : "reverse";
     else
       pass.rest += (numbered ? letters : word) + " ";
   }

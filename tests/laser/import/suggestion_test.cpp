@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "laser/csv_columns.hpp"
 #include "laser/import/columns.hpp"
 #include "laser/import/import.hpp"
 #include "tests/laser/support/import_options.hpp"
@@ -178,6 +179,15 @@ TEST_CASE("passes are found by their words, whatever statistics are beside them"
   const auto suggestion = suggestion_of(kTables[2]);
   CHECK(suggestion.columns == "x_mm=1[mm],forward1=2[um],reverse1=3[um],forward2=4[um],reverse2=5[um]");
   CHECK(suggestion.unread == "These columns are not read: 6 \"Mittel\", 7 \"Umkehrspanne\"");
+}
+
+TEST_CASE("approaches are read by their words in three languages") {
+  for (const char* word : {"+", "fwd", "Vor", "vorw\u00E4rts", "hin", "aller"})
+    CHECK(approach_named(word) == Approach::forward);
+  for (const char* word : {"-1", "Back", "zur\u00FCck", "r\u00FCck", "retour"})
+    CHECK(approach_named(word) == Approach::reverse);
+  CHECK(approach_named("0") == Approach::unknown);
+  CHECK_FALSE(approach_named("sideways"));
 }
 
 TEST_CASE("passes with the same headings are runs in their order") {
