@@ -243,12 +243,21 @@ double worth(const Search& search, const Solution& solution, const StepwiseOptio
   return worth;
 }
 
+/// The other members, refined. A curve that is left alone may bend more than beside the one that is gone.
+Solution refined_without(const Search& search, const Solution& solution, std::size_t i) {
+  Solution rest = search.refined(without_member(solution.chosen, i), solution.own);
+  if (rest.chosen.size() != 1 || !search.families()[rest.chosen.front().family].effect.traits().is_curve) return rest;
+  const Space space = search.solution({}, rest.own).space;
+  Solution alone = search.solution({search.refined_choice(space, rest.chosen.front().family, 0.0)}, rest.own);
+  return alone.score() > rest.score() ? alone : rest;
+}
+
 /// Tries to put another effect in the place of each, and to do without it.
 Solution exchanged(const Search& search, Solution best, const StepwiseOptions& options) {
   for (int round = 0; round < kExchanges; ++round) {
     bool changed = false;
     for (std::size_t i = 0; i < best.chosen.size() && best.chosen.size() > 1; ++i) {
-      const Solution rest = search.refined(without_member(best.chosen, i), best.own);
+      const Solution rest = refined_without(search, best, i);
       if (best.score() - rest.score() < options.entry_score &&  // beside the others it would not have been added
           plausible(search, rest.chosen)) {
         best = rest;

@@ -211,6 +211,27 @@ TEST_CASE("an angle that acts through one lever is one cause, and a note says th
                               [](const std::string& note) { return contains(note, "a slope and a curve"); }) == 1);
 }
 
+TEST_CASE("a curve that explains as much alone as beside a wave is one cause") {
+  struct Shape {
+    std::array<double, 3> size_um, phase_rad;  // of one, one and a half and two waves over the travel
+  };
+  Model level;
+  level.effects = {effect(effects::offset, Axis::X, Sense::EX), effect(effects::scale, Axis::X, Sense::EX)};
+  for (const Shape& shape : {Shape{{-8.0, 1.6, -8.3}, {4.9, 4.5, 5.8}}, Shape{{7.0, -6.5, -7.9}, {5.4, 4.0, 3.5}},
+                             Shape{{12.5, 5.2, 4.8}, {2.0, 5.9, 5.0}}, Shape{{15.7, 5.0, -4.8}, {3.7, 4.9, 5.5}}}) {
+    const auto truth = [&](const Reading& r) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < shape.size_um.size(); ++k)
+        sum += shape.size_um[k] *
+               std::cos(std::numbers::pi * (static_cast<double>(k) + 2.0) * p(r) / 1000.0 + shape.phase_rad[k]);
+      return sum;
+    };
+    const Diagnosis found = diagnosed(level, measured({}, kNoise_um, truth));
+    REQUIRE_MESSAGE(named_causes(found) == 1, found.headline);
+    CHECK(to_text(found.candidates.front().effect) == "progressive:X:EX");
+  }
+}
+
 TEST_CASE("a curve beside an effect that is nearly a slope is two causes, though one angle is nearly both") {
   Plan off_the_line;
   off_the_line.parked_mm = {0.0, -300.0, -500.0};
