@@ -215,7 +215,7 @@ class OutputScreen final : public AxesScreen {
     const auto* seen = unit_.axis(setting_.axis);
     const auto moved = moved_um();
     canvas.text(inside, kCallRow + 3, 0,
-                fmt::format("output     {:>12}  {:>8}    step {:g} um (< > another step)", um_text(setting_.um),
+                fmt::format("output     {:>12}  {:>8}    step {:g} um (< > another step)", um_text(acting_um()),
                             seen == nullptr ? "" : fmt::format("{} counts", seen->output_counts), kSteps_um[step_]));
     canvas.text(inside, kCallRow + 4, 0,
                 moved ? fmt::format("moved      {:>+9.2f} um  since the output was 0, by the transducer of {}", *moved,
@@ -232,20 +232,30 @@ class OutputScreen final : public AxesScreen {
     draw_message(canvas, last_rows(inside, 3), message_);
   }
 
+  /// The relay of the newest sample, not the one that was commanded: another mode closes it too.
   [[nodiscard]] ListRow relay_row() const {
     const char axis = letter_of(setting_.axis);
-    const std::string um = um_text(setting_.um);
-    if (!unit_.fresh)
+    const std::string um = um_text(acting_um());
+    const auto* seen = unit_.axis(setting_.axis);
+    if (!unit_.fresh || seen == nullptr)
       return {setting_.at_rest() ? std::string("RELAY NOT KNOWN  no answer: the output of the unit is not known")
                                  : fmt::format("RELAY NOT KNOWN  no answer; axis {} was sent {}, relay {}", axis, um,
                                                setting_.relay ? "closed" : "open"),
               Tone::bad};
-    if (setting_.relay) return {fmt::format("RELAY CLOSED     axis {} is moved by {}", axis, um), Tone::bad};
+    if (seen->relay_closed)
+      return {fmt::format("RELAY CLOSED     axis {} is moved by {}{}", axis, um,
+                          unit_.integrating() ? "" : ", its compensation"),
+              Tone::bad};
     if (setting_.um != 0.0)
       return {fmt::format("RELAY OPEN       {} at the converter of {}, nothing moves", um, axis), Tone::warning};
     return {"RELAY OPEN       no output, nothing moves", Tone::good};
   }
 
+  /// The value that was commanded, else that of the unit: its compensation in another mode than integration.
+  [[nodiscard]] double acting_um() const {
+    const auto* seen = unit_.axis(setting_.axis);
+    return seen == nullptr || !setting_.at_rest() ? setting_.um : seen->compensation_um;
+  }
   [[nodiscard]] int prompt_row(const Area& /*inside*/) const override { return kOutputPromptRow; }
   [[nodiscard]] const AxisParameters& parameters() const { return parameters_.axes[index_of(setting_.axis)]; }
   /// The axis's transducer since the output was at rest; nothing before anything was put out.

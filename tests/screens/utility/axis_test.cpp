@@ -206,6 +206,58 @@ TEST_CASE("what is typed to drive the emulated machine is a jog, a block or a pr
   for (const char* wrong : {"", "F2000", "fast", "X", "no-such.nc"}) CHECK_FALSE(drive_request(wrong));
 }
 
+/// What table and box say of the relay of X, or "differ".
+std::string relay_of_x(const std::string& seen) {
+  const std::size_t row = seen.find("> X ");
+  const bool closed = contains(seen.substr(row, seen.find('\n', row) - row), " CLOSED");
+  return contains(seen, "RELAY CLOSED") != closed ? "differ" : (closed ? "closed" : "open");
+}
+
+TEST_CASE("the box agrees with the relays of the newest sample while the unit begins and ends to compensate") {
+  const UnitBench bench;
+  bench.wait_for_unit();
+  give_map(*bench.controller, bench.folder);
+  const auto screen_made = output_screen(bench.controller);
+  Screen& screen = *screen_made;
+  std::string last;
+  const auto becomes = [&](const std::string& wanted) {
+    return until(screen,
+                 [&] {
+                   last = relay_of_x(picture(screen));
+                   return last == wanted || last == "differ";
+                 }) &&
+           last == wanted;
+  };
+  REQUIRE(shows(screen, "MCM-0107, integration"));
+  REQUIRE(becomes("open"));
+  REQUIRE(bench.with_link([](UnitLink& link) { return link.client().enter_compensation(); }));
+  REQUIRE(shows(screen, "MCM-0107, datuming"));
+  REQUIRE(becomes("open"));
+  TaskRunner referencing;
+  Message failed;
+  reference_machine(referencing, bench.controller->snapshot().workshop, {}, failed);
+  REQUIRE(becomes("closed"));
+  CHECK(contains(picture(screen), ", its compensation"));
+  REQUIRE(bench.with_link([](UnitLink& link) { return link.client().enter_integration(); }));
+  CHECK(becomes("open"));
+}
+
+TEST_CASE("a motion that the machine refuses stays open for correction") {
+  const BenchOf bench(monitor_screen);
+  Screen& screen = *bench.screen;
+  REQUIRE(shows(screen, "no fault"));
+  REQUIRE(shows_after(screen, "jX-9000 F2000\n", "-9000"));
+  REQUIRE(until(screen, [&] { return screen.typing(); }));
+  CHECK(contains(picture(screen), "Drive to: X-9000 F2000"));
+  replace_line(screen, "X-20 F3000");
+  REQUIRE(shows(screen, "is at X -"));
+}
+
+TEST_CASE("the monitor says of which axes the positions are not machine coordinates") {
+  const BenchOf bench(monitor_screen);
+  CHECK(shows(*bench.screen, "X, Y, Z not referenced: the unit counts from the position at switch-on"));
+}
+
 TEST_CASE("j on the monitor drives the emulated machine, and what is no place is refused and stays") {
   const BenchOf bench(monitor_screen);
   Screen& screen = *bench.screen;
