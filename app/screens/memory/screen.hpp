@@ -155,7 +155,7 @@ class MemoryScreen final : public KeyedScreen {
   std::chrono::steady_clock::time_point opened_at_{};
   Address cursor_ = kBankA.first;
   std::string refused_place_;      ///< why the place typed is none, until another key
-  bool opened_at_active_ = false;  ///< the first names that were read have moved it to the active bank
+  bool opened_at_active_ = false;  ///< the cursor went to the active bank when it became known
 
   std::optional<Address> filling_;  ///< a region that is read whole
   std::optional<Search> search_;    ///< under way

@@ -230,8 +230,8 @@ void MemoryScreen::step_search() {
 // --- comparing
 void MemoryScreen::decode_again() {
   names_ = MemoryNames(memory_);
-  if (cursor_ == kBankA.first && !std::exchange(opened_at_active_, true))
-    if (const auto active = names_.active_image()) go(*active);
+  if (const auto active = names_.active_image(); active && !std::exchange(opened_at_active_, true))
+    if (cursor_ == kBankA.first) go(*active);
   compare_again();
 }
 

@@ -50,6 +50,21 @@ TEST_CASE("the unit's memory is shown page by page with the names of its content
   one.go("100000");
 }
 
+TEST_CASE("the screen opens at the active bank, whichever of the two that is") {
+  MemoryCase one;
+  give_map(*one.unit, one);
+  REQUIRE(ran_on(*one.unit, {"params", "send",
+                             one.with("q.toml",
+                                      "[compensation]\nscope = \"linear\"\n"
+                                      "loop_period_us = 1500\n[axis.Y.datum]\n"
+                                      "approach_direction = \"reverse\"\n[axis.X]\n"
+                                      "transducer = \"encoder\"\n[axis.Z]\n"
+                                      "transducer = \"encoder\"\n# end of parameters\n")}) == 0);
+  MemoryScreen later{one.unit};
+  REQUIRE(shows(later, "ACTIVE: "));
+  CHECK(contains(picture(later), "0x200000"));
+}
+
 TEST_CASE("writing asks with old and new bytes, is read back, and is undone by undo") {
   MemoryCase one;
   REQUIRE(shows(one.screen, "unit MCM-0107"));
