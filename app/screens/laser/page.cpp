@@ -100,7 +100,7 @@ void LaserForm::draw(Canvas& canvas, const Area& area) const {
     canvas.put(at.box.row + at.fields, at.box.column + at.box.columns - 1, U'↓', Tone::strong);
   const LaserField& field = fields_[static_cast<std::size_t>(place_.selected)];
   std::string hint = hint_.empty() ? field.help : hint_;
-  if (hint_.empty() && !field.choices.empty()) hint += " (Space or a letter chooses)";
+  if (hint_.empty() && !field.choices.empty()) hint += " (Space: next value. Or type how it begins)";
   if (hint_.empty() && field.path) hint += " (Tab chooses or completes)";
   const Area help{at.inside.row + at.fields, at.inside.column + 1, std::max(0, at.inside.rows - at.fields - 1),
                   at.inside.columns - 2};
@@ -125,14 +125,34 @@ void LaserForm::next_choice(int by) {
   lines_[k].set(choices[static_cast<std::size_t>((now + by + count) % count)]);
 }
 
-/// The next word that holds this letter: C for EC.
-void LaserForm::next_choice_with(char32_t letter) {
+/// The choice that begins with the letters typed so far; the same letter again: the next one that begins with it. A
+/// letter after a whole word begins another one. Where there is none, the value before the word stays.
+void LaserForm::choose_by_letter(char32_t letter) {
   const auto k = static_cast<std::size_t>(place_.selected);
-  const std::string wanted = lower(utf8_of(letter));
-  for (std::size_t tries = 0; tries < fields_[k].choices.size(); ++tries) {
-    next_choice(1);
-    if (lower(lines_[k].text()).find(wanted) != std::string::npos) return;
+  const std::string one = lower(utf8_of(letter)), now = lines_[k].text();
+  const auto choose = [&](int by, const std::string& begin) {
+    next_choice(by);
+    for (std::size_t tries = 0; tries < fields_[k].choices.size(); ++tries, next_choice(1))
+      if (lower(lines_[k].text()).starts_with(begin)) return true;
+    return false;
+  };
+  if (word_.empty() || word_ == lower(now)) before_word_ = now;
+  word_ += one;
+  if (choose(0, word_)) return;
+  lines_[k].set(now);
+  if (word_ == lower(now) + one || word_ == one + one) {
+    word_ = one;
+    if (choose(1, one)) return;
   }
+  lines_[k].set(before_word_);
+  refuse_word();
+  if (word_ == one) word_.clear();
+}
+
+void LaserForm::refuse_word() {
+  std::vector<std::string> values = fields_[static_cast<std::size_t>(place_.selected)].choices;
+  std::erase(values, "");
+  say(fmt::format("No value begins with \"{}\". Values: {}. Backspace clears.", word_, fmt::join(values, ", ")));
 }
 
 void LaserForm::type(const Key& key) {
@@ -141,8 +161,9 @@ void LaserForm::type(const Key& key) {
   if (!field.choices.empty()) {
     if (is_letter(key, U' ') || key.name == Key::Name::right) next_choice(1);
     if (key.name == Key::Name::left) next_choice(-1);
-    if (key.name == Key::Name::letter && key.letter != U' ') next_choice_with(key.letter);
+    if (key.name == Key::Name::letter && key.letter != U' ') return choose_by_letter(key.letter);
     if (key.name == Key::Name::backspace) lines_[k].set("");
+    word_.clear();
     return;
   }
   if (key.name == Key::Name::tab && field.path && lines_[k].text().empty()) {
@@ -165,6 +186,10 @@ bool LaserForm::on_key(const Key& key) {
   const int count = static_cast<int>(fields_.size());
   if (key.name == Key::Name::escape) return false;
   if (key.name == Key::Name::enter) {
+    if (!word_.empty() && !lower(lines_[static_cast<std::size_t>(place_.selected)].text()).starts_with(word_)) {
+      refuse_word();
+      return true;
+    }
     std::vector<std::string> values;
     for (const TextLine& line : lines_) values.push_back(line.text());
     hint_ = take_(values);
@@ -173,8 +198,10 @@ bool LaserForm::on_key(const Key& key) {
   }
   if (key.name == Key::Name::up || key.name == Key::Name::down) {
     (void)place_.on_key(key, count);
+    word_.clear();
   } else if (key.name == Key::Name::tab && !fields_[static_cast<std::size_t>(place_.selected)].path) {
     place_.selected = (place_.selected + 1) % count;
+    word_.clear();
   } else {
     type(key);
   }

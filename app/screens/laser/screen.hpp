@@ -59,7 +59,8 @@ class LaserForm {
   [[nodiscard]] Layout layout(const Area& area) const;
   void type(const Key& key);
   void next_choice(int by);
-  void next_choice_with(char32_t letter);
+  void choose_by_letter(char32_t letter);
+  void refuse_word();
 
   std::string title_;
   std::vector<LaserField> fields_;
@@ -69,6 +70,7 @@ class LaserForm {
   Prompt files_;
   std::string hint_;
   bool refused_ = false;
+  std::string word_, before_word_;  ///< letters typed to choose; the value before them
 };
 
 /// The import options that the problem of a file asks for: "axis", "sense".

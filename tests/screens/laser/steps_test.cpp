@@ -68,6 +68,29 @@ TEST_CASE("a parameter file of another kind keeps the form open") {
   CHECK(driver.controller().choices().params_file.empty());
 }
 
+TEST_CASE("letters choose a value that begins with them, and a word that is none keeps the value before it") {
+  const StateFolder folder;
+  LaserScreenDriver driver;
+  driver.type("p");
+  driver.press(Key::Name::down);
+  const auto scope = [&](const std::string& keys) {
+    driver.type(keys);
+    const std::string seen = driver.seen();
+    const std::size_t at = seen.find("> scope");
+    return std::string(trimmed(seen.substr(at + 7, seen.find('_', at) - at - 7)));
+  };
+  CHECK(contains(driver.seen(), "next value. Or type how it begins"));
+  CHECK(scope("linear") == "linear");
+  CHECK(scope("planar") == "planar");
+  CHECK(scope("vo") == "volumetric");
+  CHECK(scope("x") == "planar");
+  CHECK(contains(driver.seen(), "No value begins with \"vox\". Values: linear, planar, volumetric."));
+  driver.type("\n");
+  CHECK(contains(driver.seen(), "No value begins with \"vox\""));
+  driver.press(Key::Name::backspace);
+  CHECK(scope("l") == "linear");
+}
+
 TEST_CASE("marks choose single files, and a typed path is completed") {
   const StateFolder folder;
   for (const char* name : {"one.csv", "two.csv", "three.csv"})
@@ -98,8 +121,10 @@ TEST_CASE("a file that does not say what was measured is asked, and the answers 
     CHECK(driver.controller().mark(LaserStep::files) == LaserMark::doubtful);
     CHECK(contains(driver.seen(), "incomplete: press Enter to add data"));
     CHECK(contains(driver.after("\n"), "import options of pitch.rta (needed: sense)"));
-    driver.type("c");  // the next word with this letter
-    CHECK(contains(driver.seen(), "EC"));
+    driver.type("q");
+    CHECK(contains(driver.seen(), "No value begins with \"q\". Values: EX"));
+    driver.type("ec");
+    check_holds(driver.seen(), {"> sense", "EC_"});
     REQUIRE(driver.settles_after("\n"));
     CHECK(driver.controller().work().lines.size() == 1);
     CHECK(driver.controller().mark(LaserStep::files) == LaserMark::done);
