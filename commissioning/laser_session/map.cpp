@@ -116,6 +116,14 @@ void take_components(LaserMapWork& work) {
       work.components.push_back(state_of(work, static_cast<Component>(k)));
 }
 
+/// Without those that only another scope needs: the choices keep them.
+std::vector<laser::DeclaredZero> zeros_needed(const LaserMapWork& work, const LaserChoices& choices) {
+  std::vector<laser::DeclaredZero> zeros = choices.recipe.declared_zero;
+  const ComponentSet needed = components_needed(work.parameters->parameters);
+  std::erase_if(zeros, [&](const laser::DeclaredZero& zero) { return !needed.contains(zero.component); });
+  return zeros;
+}
+
 /// What is chosen, for the files that are suggested.
 laser::MapRecipe full_recipe(const LaserMapWork& work, const LaserChoices& choices,
                              const std::vector<LaserLine>& lines) {
@@ -124,6 +132,7 @@ laser::MapRecipe full_recipe(const LaserMapWork& work, const LaserChoices& choic
   recipe.customer = header.customer;
   recipe.engineer = header.engineer;
   recipe.date = header.date;
+  recipe.declared_zero = zeros_needed(work, choices);
   recipe.components.clear();
   for (const laser::ComponentRecipe& suggested : work.suggested.recipe.components) {
     if (!laser::zero_reason(choices.recipe, suggested.component).empty()) continue;
@@ -253,7 +262,7 @@ void take_made(LaserMapWork& work, Result<MadeMap> made) {
 
 /// The tables of the file stand for the components that lines would make.
 void take_opened_map(LaserMapWork& work, const LaserChoices& choices, const laser::Travels& travels) {
-  take_made(work, opened_map(choices.opened_map, choices.recipe.declared_zero, *work.parameters, travels));
+  take_made(work, opened_map(choices.opened_map, zeros_needed(work, choices), *work.parameters, travels));
   if (!work.made) return;
   const laser::ErrorMap& map = work.made->map.map;
   for (const laser::MapTable& table : map.tables)

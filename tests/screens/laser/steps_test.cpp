@@ -91,6 +91,25 @@ TEST_CASE("letters choose a value that begins with them, and a word that is none
   CHECK(scope("l") == "linear");
 }
 
+TEST_CASE("a component declared zero that the scope does not need is not in the map, and comes back with its scope") {
+  const StateFolder folder;
+  LaserScreenDriver driver;
+  driver.take_files({folder.with("EXX.csv", measured_csv(kPositioning, [](double p) { return 0.01 * p; }))},
+                    "samples/mill/parameters.toml");
+  const auto zeros_with = [&](const std::string& scope) {
+    driver.controller().change("scope", [&](LaserChoices& c) {
+      c.scope = scope;
+      for (const Component one : {Component::EYX, Component::EZX}) laser::declare_zero(c.recipe, one, "stiff");
+    });
+    REQUIRE(driver.settled());
+    return driver.controller().work().map.made->map.map.header.declared_zero.size();
+  };
+  CHECK(zeros_with("volumetric") == 2);
+  CHECK(zeros_with("planar") == 1);
+  CHECK(reads(driver.after("8"), "1 component measured (forward and reverse table), 1 declared zero, not complete"));
+  CHECK(zeros_with("volumetric") == 2);
+}
+
 TEST_CASE("marks choose single files, and a typed path is completed") {
   const StateFolder folder;
   for (const char* name : {"one.csv", "two.csv", "three.csv"})
