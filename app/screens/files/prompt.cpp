@@ -234,7 +234,8 @@ void FileChooser::draw(Canvas& canvas, const Area& area) const {
   if (hint.empty() && marked_.empty())
     hint = wish_.many ? "Space marks files, Enter selects them or opens a folder. Or type a path: Tab completes it."
                       : "Enter selects the file or opens the folder. Or type a path: Tab completes it.";
-  if (hint.empty()) hint = fmt::format("{} marked: Enter selects them", marked_.size());
+  if (hint.empty())
+    hint = fmt::format("{} marked: Enter selects {}", marked_.size(), marked_.size() == 1 ? "it" : "them");
   const Area text{list.row + list.rows, area.column, below, area.columns};
   canvas.paragraph(text, 0, hint, refused_ ? Tone::bad : Tone::faint);
 }
@@ -282,12 +283,14 @@ FileChooser::Answer FileChooser::enter() {
     taken_ = {recent_[row.at].first};
     return taken_now();
   }
+  const auto marked = marked_;  // Enter marks for this choice only: it may be refused
   if (row.kind == RowKind::all) mark(row);
   if (row.kind == RowKind::entry && !on_folder && (marked_.empty() || typing())) marked_.insert(entries_[row.at].name);
   for (const auto& [path, look] : recent_)
     if (marked_.contains(path)) taken_.push_back(path);
   for (const FolderEntry& entry : entries_)
     if (marked_.contains(entry.name)) taken_.push_back((folder_ / entry.name).string());
+  marked_ = marked;
   return taken_now();
 }
 

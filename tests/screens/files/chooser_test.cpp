@@ -99,6 +99,24 @@ TEST_CASE("several files used last are marked and taken together") {
   CHECK(chooser.taken() == std::vector<std::string>{b, a});
 }
 
+TEST_CASE("a refused file is not marked, and the next one is taken alone") {
+  const StateFolder folder;
+  (void)folder.with("a.txt", "nothing");
+  (void)folder.with("b.txt", "nothing");
+  for (const bool many : {false, true}) {
+    FileChooser chooser(folder.path, {{FileKind::model}, many});
+    settle(chooser);
+    for (int k = 0; k < 9 && !contains(seen(chooser), many ? "> [ ] a.txt" : ">     a.txt"); ++k)
+      (void)chooser.on_key({Key::Name::down});
+    CHECK(chooser.on_key({Key::Name::enter}) == FileChooser::Answer::chosen);
+    chooser.refuse("a.txt is not a model");
+    CHECK_FALSE(contains(seen(chooser), "[x]"));
+    (void)chooser.on_key({Key::Name::down});
+    CHECK(chooser.on_key({Key::Name::enter}) == FileChooser::Answer::chosen);
+    CHECK(chooser.taken() == std::vector<std::string>{(folder.path / "b.txt").string()});
+  }
+}
+
 TEST_CASE("a path that does not exist is refused and stays for correction") {
   const StateFolder folder;
   FileChooser chooser(folder.path, {});
