@@ -184,7 +184,8 @@ Result<std::string> drive_request(const std::string& typed) {
   return problem(ProblemKind::usage, fmt::format("{}, found \"{}\"", kHowToDrive, text));
 }
 
-void drive_machine(TaskRunner& task, const std::string& workshop, const std::string& request, Message& message) {
+void drive_machine(TaskRunner& task, const std::string& workshop, const std::string& request, Message& message,
+                   std::function<void(const Problem&)> failed) {
   if (task.running()) return;
   const auto work = [workshop, request](JobControl& control) -> Result<std::string> {
     const auto done = WorkshopClient(workshop, control.cancelled).ask(Json::parse(request));
@@ -193,14 +194,15 @@ void drive_machine(TaskRunner& task, const std::string& workshop, const std::str
     const auto state = WorkshopClient(workshop, control.cancelled).ask({{"action", "state"}});
     return fmt::format("The emulated machine is at {}.", state ? place_in(*state) : place_in(*done));
   };
-  task.start("the emulated machine moves", work, [&message, &task, workshop, request](const Result<std::string>& done) {
-    if (!done) return message.say(done.error());
+  const auto taken = [&message, &task, workshop, request, failed = std::move(failed)](const Result<std::string>& done) {
+    if (!done) return failed(done.error());
     message.say(*done);
     if (task.cancelled())
       note_remark("the emulated machine was stopped on its way");
     else
       note_workshop(workshop, words_of_request(Json::parse(request)));
-  });
+  };
+  task.start("the emulated machine moves", work, taken);
 }
 
 namespace {

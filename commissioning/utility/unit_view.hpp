@@ -74,8 +74,9 @@ void reference_machine(TaskRunner& task, const std::string& workshop, const std:
 [[nodiscard]] Result<std::string> drive_request(const std::string& typed);
 
 /// Drives the machine by such a request. Nothing happens while `task` runs; cancelling it stops the machine.
-/// @param message  gets where it is afterwards, or why not; outlives the task
-void drive_machine(TaskRunner& task, const std::string& workshop, const std::string& request, Message& message);
+/// @param message  gets where it is afterwards; outlives the task  @param failed  gets why it is not there
+void drive_machine(TaskRunner& task, const std::string& workshop, const std::string& request, Message& message,
+                   std::function<void(const Problem&)> failed);
 
 /// What the emulated laser measures.
 struct EmulatedMeasurement {

@@ -132,6 +132,12 @@ class Prompt {
     may_be_empty_ = true;
     return *this;
   }
+  /// Why the text of what was asked last is refused; it stays for correction.
+  void refuse(const std::string& why) {
+    line_.set(line_.text());
+    hint_ = why;
+    refused_ = true;
+  }
   /// Tab completes what was asked last like this.
   void completed_by(std::function<std::string(const std::string&)> complete) { complete_ = std::move(complete); }
   /// Where choosing begins the next time.

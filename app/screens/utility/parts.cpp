@@ -7,6 +7,11 @@
 #include "core/fault.hpp"
 
 namespace ecs::app {
+namespace {
+
+constexpr double kPromptly_s = 3.0;  ///< a refusal that comes later finds the user at something else
+
+}  // namespace
 
 std::optional<Axis> axis_of_key(const Key& key) {
   for (const Axis a : kAllAxes)
@@ -20,12 +25,21 @@ void MachineDriver::ask(Prompt& prompt, const WatchedUnit& unit, Message& messag
     return message.say("Only the machine of the bundled emulator can be driven here. Move the axes at the control.",
                        Tone::warning);
   if (task_.running()) return message.say("The emulated machine is moving: press Esc to stop.", Tone::warning);
+  ask(prompt, unit.workshop, message, "");
+}
+
+void MachineDriver::ask(Prompt& prompt, const std::string& workshop, Message& message, const std::string& text) {
   prompt.ask(
-      "Drive to:", Prompt::Kind::text, "",
-      [this, workshop = unit.workshop, &message](const std::string& typed) {
+      "Drive to:", Prompt::Kind::text, text,
+      [this, &prompt, workshop, &message](const std::string& typed) {
         const auto request = drive_request(typed);
         if (!request) return request.error().message;
-        drive_machine(task_, workshop, *request, message);
+        const auto failed = [this, &prompt, workshop, &message, typed](const Problem& why) {
+          if (prompt.active() || task_.seconds() > kPromptly_s) return message.say(why);
+          ask(prompt, workshop, message, typed);
+          prompt.refuse(to_text(why));
+        };
+        drive_machine(task_, workshop, *request, message, failed);
         return std::string();
       },
       "X-100 F2000 (machine mm), G01 X-100, or a program's file");

@@ -22,6 +22,7 @@ namespace ecs::app {
 class MachineDriver {
  public:
   /// Asks where to go; of a real unit it says that its own control moves it.
+  /// What the machine refuses stays open for correction.
   /// @param prompt, message  outlive this
   void ask(Prompt& prompt, const WatchedUnit& unit, Message& message);
   /// Whether there is a machine to drive: the bundled emulator's.
@@ -32,6 +33,7 @@ class MachineDriver {
   [[nodiscard]] bool advance() { return task_.advance() || task_.running(); }
 
  private:
+  void ask(Prompt& prompt, const std::string& workshop, Message& message, const std::string& text);
   TaskRunner task_;
 };
 
