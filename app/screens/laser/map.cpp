@@ -305,7 +305,7 @@ class HeaderPage final : public LaserPage {
   }
 
   void begin_edit() {
-    line_ = TextLine(in_effect().*kFields[at()].value);
+    line_.propose(in_effect().*kFields[at()].value);
     editing_ = true;
   }
 

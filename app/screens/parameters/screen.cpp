@@ -277,7 +277,8 @@ void ParametersScreen::on_click(const Key& key) {
 
 void ParametersScreen::begin_edit() {
   const std::string here = key_here();
-  edit_ = ValueEdit{here, TextLine(value_of(here, controller_.set())), !choices_of(here).empty(), ""};
+  edit_ = ValueEdit{here, TextLine(), !choices_of(here).empty(), ""};
+  edit_->text.propose(value_of(here, controller_.set()));
 }
 
 void ParametersScreen::on_edit_key(const Key& key) {

@@ -50,6 +50,18 @@ TEST_CASE("the field under the cursor is explained: range, default, help and its
                      "Travel that counts as a move in a new direction", "minimum distance to qualify as move"});
 }
 
+TEST_CASE("the first letter typed replaces a value, and any other key keeps it for editing") {
+  OpenedParameters opened;
+  ParametersScreen& screen = opened.screen;
+  find(screen, "deadband");
+  type(screen, "\n9\n");
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 9.0);
+  (void)press(screen, Key::Name::enter);
+  (void)press(screen, Key::Name::end);
+  type(screen, ".5\n");
+  CHECK(screen.controller().set().parameters.axes[0].deadband_um == 9.5);
+}
+
 TEST_CASE("a wrong value is refused with the reason, and the typed text stays for correction") {
   OpenedParameters opened;
   ParametersScreen& screen = opened.screen;
