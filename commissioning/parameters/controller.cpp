@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "commissioning/parameters/set.hpp"
 #include "commissioning/session/commands.hpp"
 #include "commissioning/session/records.hpp"
@@ -50,7 +51,7 @@ Result<void> plain_file(const std::string& path) {
 
 Result<void> ParametersController::open_file(const std::string& path) {
   if (auto plain = plain_file(path); !plain) return plain;
-  ECS_TRY(text, read_file(path));
+  ECS_TRY(text, read_file_of(FileKind::parameters, path));
   ECS_TRY(read, params::parse_parameters(text, path));
   in_file_ = ParameterSet{read.parameters, read.identity};
   file_text_ = std::move(text);

@@ -50,6 +50,13 @@ TEST_CASE("the field under the cursor is explained: range, default, help and its
                      "Travel that counts as a move in a new direction", "minimum distance to qualify as move"});
 }
 
+TEST_CASE("a plan of measurements is not opened as parameters, and the reason comes first") {
+  const ParametersCase one;
+  ParametersScreen screen(no_link());
+  type(screen, "osamples/mill/plan.toml\n");
+  CHECK(reads(picture(screen), "this is a plan of measurements, not a parameter file"));
+}
+
 TEST_CASE("the first letter typed replaces a value, and any other key keeps it for editing") {
   OpenedParameters opened;
   ParametersScreen& screen = opened.screen;
