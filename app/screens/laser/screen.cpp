@@ -14,9 +14,9 @@ const LaserStepRow kLaserStepRows[kLaserSteps] = {
      "Step 1: add the instrument's files, of any format, several at once or a whole folder. Each file is read and "
      "identified. An error map is loaded unchanged, with the parameters saved in its folder. If a file does not state "
      "its axis or sense, press Enter to supply these data. A plain table of columns is shown with its first rows: give "
-     "each column a role and a unit, or accept the proposal with Enter. Files with the same headings are then proposed "
-     "to be read the same way. Press p to choose the "
-     "parameters of the unit, which determine the components that the map needs.",
+     "each column a role and a unit, or accept the proposal with Enter. The program then offers to read other files "
+     "with the same headings in the same way. Press p to choose the parameter file, or to receive the parameters of "
+     "the unit: they determine the components that the map needs.",
      laser_files_page},
     {"Lines", "measured lines, their positions and conditions",
      "Step 2: every measured line: component and axis, position of the other axes, targets, runs, approaches. Below "

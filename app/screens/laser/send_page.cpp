@@ -1,5 +1,6 @@
 // Steps 8 and 9: the map saved, checked, sent; read back, and what comes next.
 #include <algorithm>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -62,12 +63,12 @@ class SendPage final : public LaserPage {
     if (!d.after_failure().empty()) lines.say("after that", d.after_failure(), Tone::warning);
     if (d.ready()) lines.say("checked", checked_text(*d.ready()));
     lines.skip();
-    if (!map.complete() && map.parameters) lines.say("lacking", lacking_of(map), Tone::warning);
+    if (!map.complete() && map.parameters) lines.say("missing", missing_in(map), Tone::warning);
     if (d.sent_is_current() && !d.busy()) lines.say("next", "step 9 reads it back and compares it.");
     if (map.parameters && (!map.complete() || d.sent_is_current())) lines.skip();
-    lines.say("with it",
+    lines.say("also saved",
               d.choices().opened_map.empty()
-                  ? fmt::format("{} (parameters) and {} (`ecs map build` makes the same map of it)", files.parameters,
+                  ? fmt::format("{} (parameters) and {} (`ecs map build` makes the same map from it)", files.parameters,
                                 files.recipe)
                   : fmt::format("{} (parameters)", files.parameters),
               Tone::faint);
@@ -106,13 +107,18 @@ class SendPage final : public LaserPage {
     host().unless_there([this] { controller().prepare(); });
   }
 
-  static std::string map_text(const LaserMapWork& map) {
+  [[nodiscard]] std::string map_text(const LaserMapWork& map) const {
     if (!map.parameters) return "none yet: choose the parameters in step 6";
     if (!map.made) return "cannot be built: see step 6";
-    return fmt::format("{} tables, {} declared zero, {}", map.made->map.map.tables.size(),
-                       map.made->map.map.header.declared_zero.size(), completeness(map.findings()));
+    const laser::ErrorMap& made = map.made->map.map;
+    std::set<Component> curves;
+    for (const laser::MapTable& table : made.tables) curves.insert(table.component);
+    return fmt::format("{} component{} {}{}, {} declared zero, {}", curves.size(), curves.size() == 1 ? "" : "s",
+                       controller().choices().opened_map.empty() ? "measured" : "in the file",
+                       made.tables.size() == 2 * curves.size() ? " (forward and reverse table)" : "",
+                       made.header.declared_zero.size(), completeness(map.findings()));
   }
-  static std::string lacking_of(const LaserMapWork& map) {
+  static std::string missing_in(const LaserMapWork& map) {
     std::vector<std::string> names;
     for (const LaserComponent& one : map.components)
       if (one.state == ComponentState::missing || one.state == ComponentState::refused)
