@@ -52,7 +52,7 @@ class MemoryNames {
   [[nodiscard]] std::optional<Address> next(Address address) const;
   [[nodiscard]] std::optional<Address> previous(Address address) const;
   [[nodiscard]] const NamedStretch* stretch_at(Address address) const;
-  /// What a region holds, in words: "active map of 12,345 bytes, commit 3"; empty: nothing known.
+  /// What a region holds, in words: "active map of 12,345 bytes, made active as no. 3"; empty: nothing known.
   [[nodiscard]] std::string content_of(const MemoryRegion& region) const;
   /// Where the image begins that the unit uses; nothing: there is none, or it is not known yet.
   [[nodiscard]] std::optional<Address> active_image() const { return active_; }

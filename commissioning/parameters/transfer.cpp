@@ -96,7 +96,7 @@ std::string warned(const ParametersController& controller) {
 
 std::string taken_in_words(const SentParameters& sent, std::size_t differing) {
   std::string text =
-      fmt::format("sent to {} and read back: {}; commit {}", title_of(sent.after),
+      fmt::format("sent to {} and read back: {}; made active as no. {}", title_of(sent.after),
                   differing == 0 ? "no difference" : fmt::format("{} differ", differing), sent.report.commit_sequence);
   if (sent.report.map_kept) text += "; its map fits and is kept";
   if (sent.report.map_dropped) text += "; it now has no map";
