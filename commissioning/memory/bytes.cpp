@@ -254,8 +254,8 @@ std::string_view reason_of(const MemoryRegion& region) {
   if (region.first == kCommitRecords.first)
     return "only the unit writes there, when it accepts a map; use `map send` or `memory load`";
   if (in_axis_memory(region.first))
-    return "parameters and maps are written only as a whole, to the inactive bank; use `params send`, `map send` or "
-           "`memory load`";
+    return "parameters and maps are written only as a whole, to the inactive bank, by `params send`, `map send` or "
+           "`memory load`. Single bytes of either bank cannot be written";
   return "the host may not write there";
 }
 
