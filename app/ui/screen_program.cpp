@@ -393,7 +393,7 @@ int run_screens(Terminal& terminal, std::unique_ptr<Screen> first, const Program
       if (stack.unsaved().empty()) return 0;
       sure = true;
     } else if ((is_letter(key, U'?') && !screen.typing()) || (key.name == Key::Name::function && key.number == 1)) {
-      over.show_help(screen, picture_of(screen, "", {}, terminal.canvas(), false).plain_text());
+      over.show_help(screen, picture_of(screen, "", status, terminal.canvas(), false).plain_text());
     } else if (key.name == Key::Name::function && key.number == 3 && hooks.finder) {
       stack.take(opened(hooks.finder()));
     } else if (key.name == Key::Name::function && key.number == 6 && hooks.commands) {
