@@ -486,7 +486,7 @@ PlotPanel measured_panel(const Observations& data, const Fit& fit, const Measure
   std::string which = shown.means ? "means" : "all readings";
   if (shown.run) which = fmt::format("run {}", *shown.run);
   return panel_of(data, line, shown, data.reading, &fit,
-                  fmt::format("{}, {}: measured (dots), model (lines)", title_of(line), which));
+                  fmt::format("{}, {}: measured (symbols), model (lines)", title_of(line), which));
 }
 
 PlotPanel residual_panel(const Observations& data, const Fit& fit, const MeasuredLine& line,

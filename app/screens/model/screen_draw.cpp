@@ -201,7 +201,8 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
     return;
   }
   const Tone tone = is_adequate(d) ? Tone::good : Tone::warning;
-  int row = canvas.paragraph(text, 0, d.headline, tone);
+  const bool idle = d.verdict == model::Verdict::adequate && !d.candidates.empty();
+  int row = canvas.paragraph(text, 0, d.headline + (idle ? " The candidates below are not significant." : ""), tone);
   if (d.candidates.empty()) {
     const Area wide{area.row + row, area.column, area.rows - row, area.columns};  // its lines are made for 80 columns
     draw_scrolled(canvas, wide, sentences_wrapped(owned_lines_of(diagnosis_text(d)), wide.columns), scroll_);
@@ -212,7 +213,7 @@ void ModelScreen::draw_causes(Canvas& canvas, const Area& area) const {
     names = std::max(names, width_of(place_text(candidate.effect)));
   names = std::clamp(text.columns - 2 - kCauseNumbers, 12, names);
   canvas.text(text, row++, 2,
-              fmt::format("{:<{}} {:>18} explained", "effect:axis:sense", names,
+              fmt::format("{:<{}} {:>18} variance explained", "effect:axis:sense", names,
                           fmt::format("rms {}", d.noise.unit == "um/m" ? "um/m" : "um")),
               Tone::faint);
   std::vector<ListRow> rows;

@@ -137,8 +137,8 @@ TEST_CASE("the residual is shown over runs on a key, and its scale stays when th
   const StateFolder folder;
   const MillModel mill(folder);
   ModelScreen screen = mill.screen(kNoUnit);
-  CHECK(contains(picture(screen), "means: measured (dots)"));
-  CHECK(contains(after(screen, "r"), "run 1: measured (dots)"));
+  CHECK(contains(picture(screen), "means: measured (symbols)"));
+  CHECK(contains(after(screen, "r"), "run 1: measured (symbols)"));
   CHECK(contains(after(screen, "v"), "residual against run"));
 }
 
