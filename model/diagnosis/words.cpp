@@ -485,7 +485,7 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
     case Verdict::adequate:
       add(d.reservation);
       add(fmt::format("{}: {}{} is noise.",
-                      d.reservation.empty() ? "The model is adequate" : "No other effect is missing",
+                      d.reservation.empty() ? "The model is adequate" : "No detectable effect is missing",
                       d.outliers.empty() ? "" : "apart from outliers ",
                       d.reservation.empty() ? "its residual" : "the residual of the model"));
       break;

@@ -202,7 +202,7 @@ TEST_CASE("equal steps of a rotary axis hide waves: an answer without a cause be
     CHECK(found.verdict == Verdict::adequate);
     CHECK(found.headline.starts_with(
         "Periods shorter than 60 deg along C cannot be detected: the targets are equally spaced at 30 deg, where N "
-        "waves a turn look like 12 - N, and 12 like none. No other effect is missing"));
+        "waves a turn look like 12 - N, and 12 like none. No detectable effect is missing"));
   }
 }
 
