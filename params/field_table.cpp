@@ -215,7 +215,9 @@ void add_compensation(std::vector<Field>& table) {
   const Group group = Group::compensation;
   table.push_back(integer(
       {"compensation.memory_modules", group,
-       "Axis memory modules in the rack; each stores 32,000 error values. One is enough for most machines.",
+       "Axis memory modules that parameters and map may use, at most those in the rack; each stores 32,000 error "
+       "values. One "
+       "is enough for most machines.",
        "number of axis memory modules required"},
       {1.0, static_cast<double>(kMostModules)}, [](auto& p) -> auto& { return p.memory_modules; }));
   table.push_back(choice(
