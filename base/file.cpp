@@ -225,7 +225,7 @@ Result<void> keep_name(const std::filesystem::path& path) {
   const int error = errno;
   if (handle >= 0) ::close(handle);
   if (kept) return {};
-  return problem(ProblemKind::output, fmt::format("{}: cannot write: {}", folder.string(), std::strerror(error)));
+  return problem(ProblemKind::output, "{}: cannot write: {}", folder.string(), std::strerror(error));
 }
 
 std::string sha256_hex(std::string_view content) {
@@ -283,8 +283,7 @@ Result<std::string> FileWatch::content(const std::filesystem::path& path) {
 bool is_there(const std::filesystem::path& path) {
   if (FileWatch* watch = FileWatch::current(); watch != nullptr && watch->replaces_disc())
     return watch->content(path).has_value();
-  std::error_code ignored;
-  return std::filesystem::exists(path, ignored);
+  return disc::exists(path);
 }
 
 std::string head_of(const std::filesystem::path& path, std::size_t bytes) {
@@ -302,8 +301,7 @@ namespace {
 Result<void> unless_there(const std::vector<std::string>& files, const std::vector<std::string>& own,
                           std::string_view instead) {
   for (const std::string& file : files)
-    if (would_overwrite(file, own))
-      return problem(ProblemKind::usage, fmt::format("{} already exists: {}", file, instead));
+    if (would_overwrite(file, own)) return problem(ProblemKind::usage, "{} already exists: {}", file, instead);
   return {};
 }
 
@@ -328,4 +326,42 @@ Result<void> none_there(const std::vector<std::string>& files, std::string_view 
   return unless_there(files, {}, instead);
 }
 
+namespace disc {
+
+bool exists(const Path& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored);
+}
+
+bool is_file(const Path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
+}
+
+bool is_folder(const Path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(path, ignored);
+}
+
+Path absolute(const Path& path) {
+  std::error_code ignored;
+  return std::filesystem::absolute(path, ignored);
+}
+
+bool remove(const Path& path) {
+  std::error_code ignored;
+  return std::filesystem::remove(path, ignored);
+}
+
+void remove_all(const Path& path) {
+  std::error_code ignored;
+  std::filesystem::remove_all(path, ignored);
+}
+
+void make_folders(const Path& path) {
+  std::error_code ignored;
+  std::filesystem::create_directories(path, ignored);
+}
+
+}  // namespace disc
 }  // namespace ecs

@@ -100,4 +100,19 @@ class Unwatched {
 /// The same where nothing can force it. @param instead  what to do: "give another folder"
 [[nodiscard]] Result<void> none_there(const std::vector<std::string>& files, std::string_view instead);
 
+/// The disc as it is. A fault is no news: what cannot be asked is not there, what cannot be done is left undone.
+namespace disc {
+
+using Path = std::filesystem::path;
+
+[[nodiscard]] bool exists(const Path& path);
+[[nodiscard]] bool is_file(const Path& path);
+[[nodiscard]] bool is_folder(const Path& path);
+[[nodiscard]] Path absolute(const Path& path);  ///< from the working folder; empty without one
+bool remove(const Path& path);                  ///< a file or an empty folder. @return whether it was there
+void remove_all(const Path& path);
+void make_folders(const Path& path);
+
+}  // namespace disc
+
 }  // namespace ecs

@@ -55,7 +55,7 @@ class MemoryFile {
 };
 
 auto failed(const ChildWords& child, std::string_view what) {
-  return problem(ProblemKind::output, fmt::format("{}: {}", child.name, what));
+  return problem(ProblemKind::output, "{}: {}", child.name, what);
 }
 
 Result<pid_t> spawned(std::vector<std::string>& words, const ChildWords& child, const MemoryFile& in,

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
 #include <tl/expected.hpp>
 
 namespace ecs {
@@ -39,9 +40,23 @@ using Result = tl::expected<T, Problem>;
   return tl::unexpected(Problem{kind, std::move(message), {}, 0, 0, {}});
 }
 
+/// The same with a form and what stands in it.
+template <class First, class... Rest>
+[[nodiscard]] tl::unexpected<Problem> problem(ProblemKind kind, fmt::format_string<First, Rest...> form, First&& first,
+                                              Rest&&... rest) {
+  return problem(kind, fmt::format(form, std::forward<First>(first), std::forward<Rest>(rest)...));
+}
+
 /// The same with the place in a file.
 [[nodiscard]] inline tl::unexpected<Problem> problem_at(std::string file, int line, int column, std::string message) {
   return tl::unexpected(Problem{ProblemKind::bad_input, std::move(message), std::move(file), line, column, {}});
+}
+template <class First, class... Rest>
+[[nodiscard]] tl::unexpected<Problem> problem_at(std::string file, int line, int column,
+                                                 fmt::format_string<First, Rest...> form, First&& first,
+                                                 Rest&&... rest) {
+  return problem_at(std::move(file), line, column,
+                    fmt::format(form, std::forward<First>(first), std::forward<Rest>(rest)...));
 }
 
 /// The value of a call that answers a Result, or the end of this function with its problem:

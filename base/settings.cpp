@@ -2,8 +2,6 @@
 
 #include <cstdlib>
 
-#include <fmt/format.h>
-
 #include "base/file.hpp"
 #include "base/toml_reader.hpp"
 
@@ -27,8 +25,7 @@ std::filesystem::path settings_file() {
 
 Result<std::optional<std::string>> setting(std::string_view key) {
   const std::filesystem::path path = settings_file();
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) return std::optional<std::string>();
+  if (!disc::exists(path)) return std::optional<std::string>();
   ECS_TRY(text, read_file(path));
   ECS_TRY(table, parse_toml(text, path.string()));
   const auto* node = table.get(key);
@@ -36,7 +33,7 @@ Result<std::optional<std::string>> setting(std::string_view key) {
   const auto value = node->value<std::string>();
   if (!node->is_string() || !value)
     return problem_at(path.string(), static_cast<int>(node->source().begin.line),
-                      static_cast<int>(node->source().begin.column), fmt::format("{}: expected a text in quotes", key));
+                      static_cast<int>(node->source().begin.column), "{}: expected a text in quotes", key);
   return value;
 }
 

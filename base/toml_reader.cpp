@@ -71,17 +71,16 @@ class NestingScan {
 Result<toml::table> parse_toml(std::string_view text, const std::string& file) {
   if (auto why = why_no_text(text, file)) return tl::unexpected(std::move(*why));
   if (const int line = NestingScan(text).line_too_deep(); line > 0)
-    return problem_at(
-        file, line, 0,
-        fmt::format("expected keys of at most {} parts and values nested at most {} deep", kMostParts, kMostNested));
+    return problem_at(file, line, 0, "expected keys of at most {} parts and values nested at most {} deep", kMostParts,
+                      kMostNested);
   try {
     return toml::parse(text, std::string_view(file));
   } catch (const toml::parse_error& error) {
     const auto at = error.source().begin;
-    return problem_at(file, static_cast<int>(at.line), static_cast<int>(at.column),
-                      fmt::format("not valid TOML: {}", error.description()));
+    return problem_at(file, static_cast<int>(at.line), static_cast<int>(at.column), "not valid TOML: {}",
+                      error.description());
   } catch (const std::exception& error) {
-    return problem_at(file, 0, 0, fmt::format("not valid TOML: {}", error.what()));
+    return problem_at(file, 0, 0, "not valid TOML: {}", error.what());
   }
 }
 
@@ -109,14 +108,14 @@ void TomlReader::only(const toml::table& table, const std::vector<std::string>& 
     complain(node, like.empty() ? fmt::format("{}: expected one of {}, got \"{}\"", what, fmt::join(known, ", "), name)
                                 : fmt::format("{}: no such key \"{}\"; did you mean \"{}\"?", what, name, like));
   }
-  if (unknown > kMostUnknown) complain(table, fmt::format("{}: {} more unknown keys", what, unknown - kMostUnknown));
+  if (unknown > kMostUnknown) complain(table, "{}: {} more unknown keys", what, unknown - kMostUnknown);
 }
 
 std::optional<double> TomlReader::number(const toml::table& table, std::string_view key) {
   const toml::node* node = table.get(key);
   if (node == nullptr) return std::nullopt;
   if (const auto value = node->value<double>(); node->is_number() && value && std::isfinite(*value)) return *value;
-  complain(*node, fmt::format("{}: expected a finite number", key));
+  complain(*node, "{}: expected a finite number", key);
   return std::nullopt;
 }
 
@@ -124,7 +123,7 @@ std::optional<std::string> TomlReader::word(const toml::table& table, std::strin
   const toml::node* node = table.get(key);
   if (node == nullptr) return std::nullopt;
   if (const auto* text = node->as_string()) return text->get();
-  complain(*node, fmt::format("{}: expected a text in quotes", key));
+  complain(*node, "{}: expected a text in quotes", key);
   return std::nullopt;
 }
 
@@ -133,7 +132,7 @@ std::vector<const toml::table*> TomlReader::children(const toml::table& table, s
   const toml::node* node = table.get(key);
   if (node == nullptr) return found;
   if (!node->is_array_of_tables()) {
-    complain(*node, fmt::format("{}: expected [[{}]] tables", key, key));
+    complain(*node, "{}: expected [[{}]] tables", key, key);
     return found;
   }
   for (const toml::node& each : *node->as_array()) found.push_back(each.as_table());
@@ -144,7 +143,7 @@ const toml::table* TomlReader::child(const toml::table& table, std::string_view 
   const toml::node* node = table.get(key);
   if (node == nullptr) return nullptr;
   if (const auto* inner = node->as_table()) return inner;
-  complain(*node, fmt::format("{}: expected a table", key));
+  complain(*node, "{}: expected a table", key);
   return nullptr;
 }
 

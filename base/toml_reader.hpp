@@ -26,6 +26,11 @@ class TomlReader {
 
   void complain(const toml::node& at, std::string message);
   void complain(int line, std::string message);
+  /// The same with a form and what stands in it. @param at  a node or a line
+  template <class Place, class First, class... Rest>
+  void complain(const Place& at, fmt::format_string<First, Rest...> form, First&& first, Rest&&... rest) {
+    complain(at, fmt::format(form, std::forward<First>(first), std::forward<Rest>(rest)...));
+  }
   /// Adds a problem found in another file.
   void add(Problem problem) { problems_.push_back(std::move(problem)); }
 

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <optional>
 
-#include <fmt/format.h>
 #include <iconv.h>
 
 #include "base/file_kind.hpp"
@@ -138,7 +137,7 @@ Result<DecodedText> decoded(std::string_view bytes, const std::string& file_name
   if (taken == Encoding::windows_1252) text = from_windows_1252(bytes);
   if (taken == Encoding::latin1) text = converted(bytes, "ISO-8859-1");
   if (taken == Encoding::shift_jis) text = converted(bytes, "SHIFT-JIS");
-  if (!text) return problem_at(file_name, 0, 0, fmt::format("expected {} text, found invalid bytes", name_of(taken)));
+  if (!text) return problem_at(file_name, 0, 0, "expected {} text, found invalid bytes", name_of(taken));
   return DecodedText{std::move(*text), taken};
 }
 

@@ -41,7 +41,7 @@ std::string with_unit(std::string text, const Field& field) {
 }
 
 tl::unexpected<Problem> refused(const Field& field, std::string_view expected, std::string_view found) {
-  return problem(ProblemKind::usage, fmt::format("{}: expected {}, found \"{}\"", field.key, expected, found));
+  return problem(ProblemKind::usage, "{}: expected {}, found \"{}\"", field.key, expected, found);
 }
 
 /// `text` without the field's own unit at its end.
@@ -107,9 +107,8 @@ std::string did_you_mean_key(std::string_view key) {
 
 Result<const Field*> find_field(std::string_view key) {
   if (const Field* field = field_named(key)) return field;
-  return problem(ProblemKind::usage,
-                 fmt::format("\"{}\": there is no such parameter{}; `ecs params show` lists them all", key,
-                             did_you_mean_key(key)));
+  return problem(ProblemKind::usage, "\"{}\": there is no such parameter{}; `ecs params show` lists them all", key,
+                 did_you_mean_key(key));
 }
 
 std::string text_of(const Field& field, const UnitParameters& parameters) {
@@ -177,7 +176,7 @@ Result<void> set_text(const Field& field, UnitParameters& parameters, std::strin
 Result<void> set_number(const Field& field, UnitParameters& parameters, double value) {
   if (field.type == FieldType::text) return refused(field, range_text(field), shortest(value));
   const std::string reason = objection_to_number(field, value);
-  if (!reason.empty()) return problem(ProblemKind::usage, fmt::format("{}: {}", field.key, reason));
+  if (!reason.empty()) return problem(ProblemKind::usage, "{}: {}", field.key, reason);
   field.put(parameters, value);
   return {};
 }

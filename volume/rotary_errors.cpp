@@ -126,10 +126,9 @@ class RotaryReader {
     table.p_deg.push_back(*p_deg);
     table.error.push_back(error);
     if (u ? table.u.size() + 1 != table.error.size() : !table.u.empty())
-      return row_.refuse("p_deg",
-                         "u: expected a standard uncertainty at every angle of a component and approach or at "
-                         "none, found " +
-                             laser::in_quotes(row_.text("p_deg")));
+      return row_.refuse(
+          "p_deg", "u: expected a standard uncertainty at every angle of a component and approach or at none, found " +
+                       laser::in_quotes(row_.text("p_deg")));
     if (u) table.u.push_back(*u);
   }
 
@@ -280,16 +279,16 @@ Result<RotaryErrors> measured_rotary_errors(const laser::MeasurementSet& set) {
   for (const laser::Reading& reading : set.readings)
     if (!reading.rotary)
       return problem_at(set.source, std::max(1, reading.line), 0,
-                        fmt::format("expected readings of rotary axes as in the rows before, found the linear axis {}: "
-                                    "use a separate map for linear axes",
-                                    ecs::letter_of(reading.axis)));
+                        "expected readings of rotary axes as in the rows before, found the linear axis {}: use a "
+                        "separate map for linear axes",
+                        ecs::letter_of(reading.axis));
   RotaryErrors errors;
   for (const laser::Group& group : groups_of(set)) {
     const std::string name = rotary_name(rotary_joint(group.axis), group.sense);
     for (const RotaryTable& table : errors.tables)
       if (table.joint == rotary_joint(group.axis) && table.sense == group.sense)
         return problem_at(set.source, std::max(1, set.readings[group.readings.front()].line), 0,
-                          fmt::format("expected {} at one position of the other axes, found a second", name));
+                          "expected {} at one position of the other axes, found a second", name);
     if (has_known_approach(set, group)) {
       add_means(errors, set, group, Approach::forward, &laser::TargetReadings::forward);
       add_means(errors, set, group, Approach::reverse, &laser::TargetReadings::reverse);

@@ -46,13 +46,13 @@ protocol::ProgressCallback progress_bar(VerbContext& context, std::string label)
 
 Result<void> confirmed(bool yes, std::string_view what_happens) {
   if (yes) return {};
-  return problem(ProblemKind::usage, fmt::format("{}: give --yes to confirm", what_happens));
+  return problem(ProblemKind::usage, "{}: give --yes to confirm", what_happens);
 }
 
 Result<Axis> axis_named(std::string_view text) {
   for (const Axis axis : kAllAxes)
     if (lower(text) == lower(std::string(1, letter_of(axis)))) return axis;
-  return problem(ProblemKind::usage, fmt::format("expected an axis X, Y or Z, got \"{}\"", text));
+  return problem(ProblemKind::usage, "expected an axis X, Y or Z, got \"{}\"", text);
 }
 
 }  // namespace ecs::app

@@ -152,8 +152,8 @@ std::string x_names_commands(const PlotPanel& panel, const PlotRanges& ranges) {
 std::string frame_commands(const PlotPanel& panel) {
   if (panel.drawing) return "unset border\nunset tics\nunset grid\nunset xzeroaxis\nset size ratio -1\n";
   return fmt::format(
-      "set border 3 lc rgb '#404040'\nset tics\nset tics nomirror out\n"
-      "set grid lt 1 lc rgb '#d8d8d8' lw 0.6\nset xzeroaxis lt 1 lc rgb '#808080' lw 0.8\nset size {}\n",
+      "set border 3 lc rgb '#404040'\nset tics\nset tics nomirror out\nset grid lt 1 lc rgb '#d8d8d8' lw 0.6\nset "
+      "xzeroaxis lt 1 lc rgb '#808080' lw 0.8\nset size {}\n",
       panel.equal_units ? "ratio -1" : "noratio");
 }
 
@@ -186,8 +186,7 @@ std::string plot_script(const PlotFigure& figure, PlotFormat format) {
   script += data_blocks(figure);
   script +=
       "set grid lt 1 lc rgb '#d8d8d8' lw 0.6\nset border 3 lc rgb '#404040'\nset tics nomirror out\nset mxtics\nset "
-      "mytics\n"
-      "set xzeroaxis lt 1 lc rgb '#808080' lw 0.8\nset key tmargin center horizontal samplen 3\n";
+      "mytics\nset xzeroaxis lt 1 lc rgb '#808080' lw 0.8\nset key tmargin center horizontal samplen 3\n";
   script +=
       fmt::format("set multiplot layout {},{} title {}.\"\\n\"\n", std::max(1, rows), columns, literal(figure.title));
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
@@ -213,7 +212,7 @@ Result<PlotFormat> plot_format_of(const std::filesystem::path& path) {
   const std::string extension = lower(path.extension().string());
   if (extension == ".svg") return PlotFormat::svg;
   if (extension == ".png") return PlotFormat::png;
-  return problem(ProblemKind::usage, fmt::format("{}: a plot ends in .svg or .png", path.string()));
+  return problem(ProblemKind::usage, "{}: a plot ends in .svg or .png", path.string());
 }
 
 Result<void> write_plot(const std::filesystem::path& path, const PlotFigure& figure) {

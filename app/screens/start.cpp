@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cstdio>
-#include <filesystem>
 #include <map>
 #include <utility>
 
@@ -19,6 +18,7 @@
 #include "app/ui/menu_screen.hpp"
 #include "app/ui/screen_program.hpp"
 #include "app/verbs/registry.hpp"
+#include "base/file.hpp"
 #include "base/outcome.hpp"
 #include "base/text.hpp"
 #include "commissioning/files/known_files.hpp"
@@ -44,8 +44,7 @@ std::unique_ptr<Screen> screen_for_files(const std::vector<std::string>& paths,
                                          const std::shared_ptr<UnitConnection>& connection) {
   Files files;
   for (const std::string& path : paths) {
-    std::error_code fault;
-    const std::string whole = std::filesystem::absolute(path, fault).lexically_normal().string();
+    const std::string whole = disc::absolute(path).lexically_normal().string();
     files[looked_at(whole).kind].push_back(whole);
     remember_file(whole);
   }
@@ -98,8 +97,7 @@ struct Asked {
 
 /// A word that names no verb and no option, but a file.
 bool is_file_to_open(const std::string& word) {
-  std::error_code fault;
-  return !word.starts_with("-") && all_verbs().menu_help(word).empty() && std::filesystem::is_regular_file(word, fault);
+  return !word.starts_with("-") && all_verbs().menu_help(word).empty() && disc::is_file(word);
 }
 
 std::optional<Asked> asked_for(const std::vector<std::string>& words) {

@@ -337,8 +337,7 @@ Result<void> write_pages(const std::vector<ManualPage>& pages, const std::filesy
   std::vector<std::string> names;
   for (const ManualPage& page : pages) names.push_back((folder / page.file).string());
   if (auto kept = spared(names, force); !kept) return kept;
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
+  disc::make_folders(folder);
   for (const ManualPage& page : pages)
     if (auto written = write_file(folder / page.file, page.text); !written) return written;
   return {};

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
 #include <libxml/parser.h>
 #include <libxml/xmlerror.h>
 
@@ -36,17 +35,15 @@ void FreeXml::operator()(_xmlDoc* document) const noexcept { xmlFreeDoc(document
 
 Result<XmlDocument> parsed_document(std::string_view xml, const std::string& file) {
   if (xml.size() > kMostXmlBytes)
-    return problem_at(file, 0, 0,
-                      fmt::format("an XML document of {} bytes: expected at most {}", xml.size(), kMostXmlBytes));
+    return problem_at(file, 0, 0, "an XML document of {} bytes: expected at most {}", xml.size(), kMostXmlBytes);
   xmlInitParser();
   xmlResetLastError();
   XmlDocument document(xmlReadMemory(xml.data(), static_cast<int>(xml.size()), file.c_str(), nullptr, kNoNetwork));
   if (!document) {
     const xmlError* error = xmlGetLastError();
-    return problem_at(file, error != nullptr ? error->line : 0, 0,
-                      fmt::format("not XML: {}", error != nullptr && error->message != nullptr
-                                                     ? trimmed(error->message)
-                                                     : std::string_view("it cannot be read")));
+    return problem_at(file, error != nullptr ? error->line : 0, 0, "not XML: {}",
+                      error != nullptr && error->message != nullptr ? trimmed(error->message)
+                                                                    : std::string_view("it cannot be read"));
   }
   if (document->intSubset != nullptr || document->extSubset != nullptr)
     return problem_at(file, 0, 0, "a document type declaration (<!DOCTYPE) is refused, because it can define entities");

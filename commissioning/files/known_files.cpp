@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/laser_session/lines.hpp"
 #include "commissioning/memory/dump.hpp"
@@ -66,9 +67,8 @@ std::string without_advice(const std::string& message) { return message.substr(0
 }  // namespace
 
 std::string refusal_as(FileKind wanted, const fs::path& path) {
-  std::error_code error;
   if (path.empty()) return {};
-  if (!fs::is_regular_file(path, error)) return fmt::format("There is no file {}.", path.string());
+  if (!disc::is_file(path)) return fmt::format("There is no file {}.", path.string());
   const FileLook look = looked_at(path);
   if (look.kind == wanted) return {};
   const std::string name = path.filename().string();
@@ -135,12 +135,11 @@ std::vector<std::string> fitted_to(const fs::path& file) {
   std::vector<std::string> files;
   for (const std::string_view word : split(model->history.back().data, ' ')) {
     if (word.empty()) continue;
-    std::error_code error;
     const fs::path name(word);
     const fs::path beside = file.parent_path() / name.filename();
-    if (fs::is_regular_file(beside, error))
+    if (disc::is_file(beside))
       files.push_back(beside.string());
-    else if (fs::is_regular_file(name, error))
+    else if (disc::is_file(name))
       files.push_back(name.string());
     else
       return {};

@@ -30,8 +30,7 @@ std::string written_at(const std::string& file) {
 }
 
 std::string absolute(const std::string& path) {
-  std::error_code error;
-  return path.empty() ? path : std::filesystem::absolute(path, error).lexically_normal().string();
+  return path.empty() ? path : disc::absolute(path).lexically_normal().string();
 }
 
 /// The machine that work belongs to: as the header, the parameters or a measured file name it, else the files' folder.
@@ -74,9 +73,8 @@ void LaserController::open_map(const std::string& file) {
     c.opened_map = file;
     c.map_file = file;
     c.files.clear();
-    std::error_code error;
     const std::string beside = files_of_map(file).parameters;
-    if (std::filesystem::exists(beside, error)) c.params_file = beside;
+    if (disc::exists(beside)) c.params_file = beside;
   });
   message_.say(choices().params_file.empty()
                    ? "map opened; press p to choose the parameters of the unit; step 8 sends both"

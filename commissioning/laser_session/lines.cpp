@@ -388,9 +388,8 @@ const LaserLine* line_stated(const std::vector<LaserLine>& lines, const std::str
 tl::unexpected<Problem> no_such_line(const std::vector<LaserLine>& lines, const std::string& sought) {
   std::vector<std::string> keys;
   for (const LaserLine& line : lines) keys.push_back(fmt::format("\"{}\"", line.key));
-  return problem(ProblemKind::usage,
-                 fmt::format("--line: expected one of the measured lines, {}; found {}", fmt::join(keys, ", "),
-                             sought.empty() ? std::string("none") : fmt::format("\"{}\"", sought)));
+  return problem(ProblemKind::usage, "--line: expected one of the measured lines, {}; found {}", fmt::join(keys, ", "),
+                 sought.empty() ? std::string("none") : fmt::format("\"{}\"", sought));
 }
 
 /// What is left out must be there: else it is probably a typing error.
@@ -399,12 +398,12 @@ Result<void> all_there(const LaserLine& line, const LaserLineChoice& left_out) {
   for (const laser::Reading& reading : line.set->readings) runs.insert(reading.run);
   for (const auto& [run, reason] : left_out.runs)
     if (!runs.contains(run))
-      return problem(ProblemKind::usage,
-                     fmt::format("--leave-out-run {}: there is no such run; there are {}", run, fmt::join(runs, ", ")));
+      return problem(ProblemKind::usage, "--leave-out-run {}: there is no such run; there are {}", run,
+                     fmt::join(runs, ", "));
   for (const auto& [place, reason] : left_out.readings)
     if (place >= line.set->readings.size())
-      return problem(ProblemKind::usage, fmt::format("--leave-out-reading {}: the line has {} readings", place + 1,
-                                                     line.set->readings.size()));
+      return problem(ProblemKind::usage, "--leave-out-reading {}: the line has {} readings", place + 1,
+                     line.set->readings.size());
   return {};
 }
 
@@ -413,8 +412,7 @@ Result<std::pair<int, std::string>> left_out_in(const std::string& word, const c
   const std::size_t equals = word.find('=');
   const auto number = integer_in(word.substr(0, equals));
   if (!number || *number < 1 || *number > 1'000'000'000)
-    return problem(ProblemKind::usage,
-                   fmt::format("{}: expected a number from 1, or number=reason; found \"{}\"", option, word));
+    return problem(ProblemKind::usage, "{}: expected a number from 1, or number=reason; found \"{}\"", option, word);
   return std::pair(static_cast<int>(*number), equals == std::string::npos ? std::string() : word.substr(equals + 1));
 }
 

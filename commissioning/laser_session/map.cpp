@@ -295,16 +295,15 @@ namespace {
 /// path.
 Result<laser::MapRecipe> kept_recipe(laser::MapRecipe recipe, const LaserChoices& choices,
                                      const std::vector<LaserLine>& lines, const fs::path& keep_in) {
-  std::error_code error;
   for (laser::ComponentRecipe& one : recipe.components)
     for (fs::path& file : one.files) {
       if (is_prepared(file)) {
-        fs::create_directories(keep_in, error);
+        disc::make_folders(keep_in);
         const std::size_t line = lines_behind({one.component, {file}, {}, 0.0, {}, {}}, lines).front();
         file = keep_in / file.filename();
         ECS_DO(write_file(file, prepared_csv(choices, lines[line])));
       }
-      file = fs::absolute(file, error);
+      file = disc::absolute(file);
     }
   return recipe;
 }
@@ -348,8 +347,7 @@ Result<SavedMap> save_laser_map(const LaserMapWork& work, const LaserChoices& ch
                                 const std::vector<LaserLine>& lines) {
   const MapFiles files = files_of_map(choices.map_file);
   const std::string opened = choices.opened_map.empty() ? "" : read_file(choices.opened_map).value_or("");
-  std::error_code error;
-  if (const fs::path folder = fs::path(files.map).parent_path(); !folder.empty()) fs::create_directories(folder, error);
+  if (const fs::path folder = fs::path(files.map).parent_path(); !folder.empty()) disc::make_folders(folder);
   ECS_TRY(recipe, kept_recipe(work.recipe, choices, lines, files.folder));
   ECS_DO(
       write_map(files.map, work.made->map.map, files.parameters, work.made->map.parameters, work.parameters->identity));
@@ -371,19 +369,17 @@ void note_parameters(const std::string& from, const std::string& to, const std::
 
 /// The recipe that a script carries: files in the working folder are named from the recipe on.
 std::string recipe_for_script(laser::MapRecipe recipe, const std::string& recipe_file) {
-  std::error_code error;
-  const fs::path folder = fs::absolute(recipe_file, error).lexically_normal().parent_path();
+  const fs::path folder = disc::absolute(recipe_file).lexically_normal().parent_path();
   for (laser::ComponentRecipe& one : recipe.components)
     for (fs::path& file : one.files)
       if (const fs::path word = path_word(file.string()); word.is_relative())
-        file = fs::absolute(word, error).lexically_normal().lexically_relative(folder);
+        file = disc::absolute(word).lexically_normal().lexically_relative(folder);
   return laser::recipe_text(recipe);
 }
 
 /// The files of the recipe that had to be prepared, each by its verb, or as it is where no verb makes it.
 void note_prepared(const SavedMap& saved, const LaserChoices& choices, const std::vector<LaserLine>& lines) {
-  std::error_code error;
-  const fs::path kept = fs::absolute(saved.files.folder, error);
+  const fs::path kept = disc::absolute(saved.files.folder);
   std::vector<fs::path> noted;
   for (const laser::ComponentRecipe& one : saved.recipe.components)
     for (const fs::path& file : one.files) {

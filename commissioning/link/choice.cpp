@@ -33,8 +33,7 @@ fs::path own_folder() {
 
 std::optional<fs::path> first_file(const std::vector<fs::path>& candidates) {
   for (const fs::path& path : candidates) {
-    std::error_code error;
-    if (!path.empty() && fs::is_regular_file(path, error)) return path;
+    if (!path.empty() && disc::is_file(path)) return path;
   }
   return std::nullopt;
 }
@@ -42,9 +41,8 @@ std::optional<fs::path> first_file(const std::vector<fs::path>& candidates) {
 Result<fs::path> machine_or_sample(std::string_view machine) {
   if (!machine.empty()) {
     if (!first_file({fs::path(machine)}))
-      return problem(
-          ProblemKind::bad_input,
-          fmt::format("machine of the emulator: no file {}; give emulator:FILE with a machine file", machine));
+      return problem(ProblemKind::bad_input,
+                     "machine of the emulator: no file {}; give emulator:FILE with a machine file", machine);
     return fs::absolute(fs::path(machine)).lexically_normal();
   }
   const auto sample = sample_machine();
@@ -58,8 +56,7 @@ Result<fs::path> machine_or_sample(std::string_view machine) {
 
 Result<toml::table> configuration() {
   const fs::path path = configuration_file();
-  std::error_code error;
-  if (!fs::exists(path, error)) return toml::table{};
+  if (!disc::exists(path)) return toml::table{};
   ECS_TRY(text, read_file(path));
   return parse_toml(text, path.string());
 }
@@ -112,8 +109,7 @@ Result<void> store_link(const std::string& link) {
   table.insert_or_assign("link", link);
   std::ostringstream text;
   text << table << '\n';
-  std::error_code error;
-  fs::create_directories(configuration_file().parent_path(), error);
+  disc::make_folders(configuration_file().parent_path());
   return write_file(configuration_file(), text.str());
 }
 

@@ -19,6 +19,7 @@
 #include <unistd.h>
 
 #include "base/answer_table.hpp"
+#include "base/file.hpp"
 #include "base/process.hpp"
 #include "base/text.hpp"
 #include "commissioning/link/unit_link.hpp"
@@ -42,9 +43,8 @@ std::vector<std::string> names_in(const fs::path& folder) {
 
 /// A built-in port without a chip has the driver serial8250's "type" 0.
 bool has_hardware(const std::string& name) {
-  std::error_code error;
   const fs::path entry = fs::path("/sys/class/tty") / name;
-  if (!fs::exists(entry / "device", error)) return false;
+  if (!disc::exists(entry / "device")) return false;
   std::array<char, 8> type{};
   const Descriptor file(::open((entry / "type").c_str(), O_RDONLY | O_CLOEXEC));
   if (file.get() < 0) return true;
@@ -150,11 +150,11 @@ namespace {
 
 Result<PortAnswer> raw_answer(const protocol::SerialPort& line, int unit) {
   const Descriptor port(::open(line.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
-  if (port.get() < 0) return problem(ProblemKind::link, fmt::format("{}: {}", line.device, std::strerror(errno)));
+  if (port.get() < 0) return problem(ProblemKind::link, "{}: {}", line.device, std::strerror(errno));
   make_raw(port.get(), line);
   PortAnswer answer{read_request(unit), {}};
   if (::write(port.get(), answer.sent.data(), answer.sent.size()) != static_cast<ssize_t>(answer.sent.size()))
-    return problem(ProblemKind::link, fmt::format("{}: cannot write: {}", line.device, std::strerror(errno)));
+    return problem(ProblemKind::link, "{}: cannot write: {}", line.device, std::strerror(errno));
   const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
   while (std::chrono::steady_clock::now() < end && answer.received.size() < 256) {
     pollfd readable{port.get(), POLLIN, 0};

@@ -40,9 +40,7 @@ constexpr auto kStartLimit = 15s;
 constexpr auto kStopLimit = 2s;
 constexpr auto kLockLimit = 5s;
 
-auto failed(const std::string& what) {
-  return problem(ProblemKind::link, fmt::format("the bundled emulator: {}", what));
-}
+auto failed(const std::string& what) { return problem(ProblemKind::link, "the bundled emulator: {}", what); }
 
 /// An open file without a name, for what the child says on stderr.
 int nameless_file() {
@@ -71,7 +69,7 @@ Result<void> write_private(const std::filesystem::path& path, const std::string&
   const bool written = file >= 0 && ::write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
   if (file >= 0) ::close(file);
   if (!written || ::rename(draft.c_str(), path.c_str()) != 0)
-    return problem(ProblemKind::output, fmt::format("{}: {}", path.string(), std::strerror(errno)));
+    return problem(ProblemKind::output, "{}: {}", path.string(), std::strerror(errno));
   return {};
 }
 
@@ -84,7 +82,7 @@ std::string token_by_chance() {
 Result<int> locked(const std::filesystem::path& memory) {
   const std::string path = memory.string() + ".lock";
   const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-  if (file < 0) return problem(ProblemKind::output, fmt::format("{}: {}", path, std::strerror(errno)));
+  if (file < 0) return problem(ProblemKind::output, "{}: {}", path, std::strerror(errno));
   for (const auto end = Clock::now() + kLockLimit; ::flock(file, LOCK_EX | LOCK_NB) != 0;) {
     if (Clock::now() > end || interrupted() || shared_emulator(memory)) {
       ::close(file);
@@ -115,8 +113,7 @@ Result<std::unique_ptr<EmulatorProcess>> EmulatorProcess::start(const EmulatorOp
   std::unique_ptr<EmulatorProcess> process(new EmulatorProcess());
   ECS_TRY(lock, locked(options.memory));
   process->lock_ = lock;
-  std::error_code nothing_there;
-  std::filesystem::remove(with_ending(options.memory, kShared), nothing_there);  // of one that was killed
+  disc::remove(with_ending(options.memory, kShared));  // of one that was killed
   if (options.shared) {
     process->shared_in_ = with_ending(options.memory, kShared);
     ECS_DO(write_private(with_ending(options.memory, kToken), token_by_chance()));
@@ -137,7 +134,7 @@ Result<void> EmulatorProcess::launch(const EmulatorOptions& options) {
   int ends[2];
   errors_ = nameless_file();
   if (errors_ < 0 || ::pipe2(ends, O_CLOEXEC) != 0)
-    return problem(ProblemKind::output, fmt::format("cannot start a program: {}", std::strerror(errno)));
+    return problem(ProblemKind::output, "cannot start a program: {}", std::strerror(errno));
   output_ = ends[0];
   std::vector<std::string> words{options.program.string(), "serve",  "--machine", options.machine.string(), "--memory",
                                  options.memory.string(),  "--mode", "integrate", "--with-parent"};
@@ -151,7 +148,7 @@ Result<void> EmulatorProcess::launch(const EmulatorOptions& options) {
   child_ = ::fork();
   if (child_ == 0) become(pointers, ends[1], errors_);
   ::close(ends[1]);
-  if (child_ < 0) return problem(ProblemKind::output, fmt::format("cannot start a program: {}", std::strerror(errno)));
+  if (child_ < 0) return problem(ProblemKind::output, "cannot start a program: {}", std::strerror(errno));
   return {};
 }
 
@@ -204,8 +201,7 @@ bool EmulatorProcess::running() {
 }
 
 EmulatorProcess::~EmulatorProcess() {
-  std::error_code nothing_there;
-  if (!shared_in_.empty()) std::filesystem::remove(shared_in_, nothing_there);
+  if (!shared_in_.empty()) disc::remove(shared_in_);
   if (child_ > 0) {
     ::kill(child_, SIGTERM);
     const auto end = Clock::now() + kStopLimit;

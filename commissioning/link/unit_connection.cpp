@@ -240,9 +240,9 @@ Result<void> UnitConnection::same_unit(const std::optional<protocol::Identity>& 
   }
   if (!shown || now->serial_number == shown->serial_number) return {};
   const auto other = problem(ProblemKind::refused,
-                             fmt::format("another unit answers on this link: {} instead of {}; the command was not "
-                                         "carried out. Check this unit and its contents, then repeat the command",
-                                         now->serial_number, shown->serial_number));
+                             "another unit answers on this link: {} instead of {}; the command was not "
+                             "carried out. Check this unit and its contents, then repeat the command",
+                             now->serial_number, shown->serial_number);
   log_event(Tone::bad, other.value().message);
   close();  // whoever shows the unit takes it for a new link, and reads everything again
   next_try_ = {};

@@ -34,8 +34,7 @@ std::filesystem::path private_draft(const std::filesystem::path& path, const std
   const ssize_t written = ::write(file, content.data(), content.size());
   ::close(file);
   if (written == static_cast<ssize_t>(content.size())) return draft;
-  std::error_code ignored;
-  std::filesystem::remove(draft, ignored);
+  disc::remove(draft);
   return {};
 }
 

@@ -35,9 +35,8 @@ Result<PerAxis<std::optional<double>>> parked_in(std::string_view text) {
     const auto axis = name.size() == 1 ? axis_of(static_cast<char>(name[0] - 'a' + 'A')) : std::nullopt;
     const auto value = sides.size() == 2 ? number_in(sides[1]) : std::nullopt;
     if (!axis || !value)
-      return problem(
-          ProblemKind::usage,
-          fmt::format("position of the other axes: expected AXIS=MM, as in y=-1400,z=0, got \"{}\"", trimmed(part)));
+      return problem(ProblemKind::usage, "position of the other axes: expected AXIS=MM, as in y=-1400,z=0, got \"{}\"",
+                     trimmed(part));
     parked[index_of(*axis)] = *value;
   }
   return parked;
@@ -53,8 +52,7 @@ laser::Encoding encoding_named(const std::string& name) {
 Result<std::optional<laser::Unit>> unit_given(const std::string& name, const char* option) {
   if (name.empty()) return std::optional<laser::Unit>();
   if (const auto unit = laser::unit_named(name)) return std::optional(*unit);
-  return problem(ProblemKind::usage,
-                 fmt::format("{}: expected a unit ({}), got \"{}\"", option, laser::unit_names(), name));
+  return problem(ProblemKind::usage, "{}: expected a unit ({}), got \"{}\"", option, laser::unit_names(), name);
 }
 
 Result<char> delimiter_given(const std::string& name) {
@@ -63,8 +61,8 @@ Result<char> delimiter_given(const std::string& name) {
   for (const auto& [word, character] :
        {std::pair{"blank", ' '}, {"tab", '\t'}, {"\\t", '\t'}, {"comma", ','}, {"semicolon", ';'}, {"bar", '|'}})
     if (lower(name) == word) return character;
-  return problem(ProblemKind::usage,
-                 fmt::format("--delimiter: expected one character, or blank, tab, comma, semicolon, got \"{}\"", name));
+  return problem(ProblemKind::usage, "--delimiter: expected one character, or blank, tab, comma, semicolon, got \"{}\"",
+                 name);
 }
 
 laser::TableValues values_given(const ImportArguments& arguments) {
@@ -124,8 +122,8 @@ std::string other_instrument(const MeasurementSet& all, const MeasurementSet& mo
   const auto first = laser::metadata_value(all, kInstrument), second = laser::metadata_value(more, kInstrument);
   if (!first || !second || *first == *second) return {};
   return fmt::format(
-      ", although their instrument is \"{}\" and that of {} is \"{}\"; give the files one by one to judge "
-      "them separately",
+      ", although their instrument is \"{}\" and that of {} is \"{}\"; give the files one by one to judge them "
+      "separately",
       *second, all.source, *first);
 }
 
@@ -162,8 +160,8 @@ Result<void> join_metadata(MeasurementSet& all, const MeasurementSet& more) {
       all.metadata.push_back(entry);
     else if (*known != entry.value && entry.key != kInstrument)
       all.notes.push_back(
-          fmt::format("{}: {} is \"{}\", the first file has \"{}\": all readings are used, the header "
-                      "keeps the value of the first file",
+          fmt::format("{}: {} is \"{}\", the first file has \"{}\": all readings are used, the header keeps the value "
+                      "of the first file",
                       more.source, entry.key, entry.value, *known));
   }
   return {};
@@ -180,7 +178,7 @@ Result<std::vector<int>> integers_in(const std::vector<std::string>& words, cons
     for (const std::string_view part : split(word, ',')) {
       const auto number = integer_in(part);
       if (!number || *number < 0 || *number > 1'000'000'000)
-        return problem(ProblemKind::usage, fmt::format("{}: expected whole numbers, got \"{}\"", option, part));
+        return problem(ProblemKind::usage, "{}: expected whole numbers, got \"{}\"", option, part);
       numbers.push_back(static_cast<int>(*number));
     }
   return numbers;
@@ -223,8 +221,7 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
   return {
       {"--axis", &A::axis,
        "moving axis; overrides the axis stated in an instrument's file. Ignored for a measurement CSV, which states "
-       "the "
-       "axis in every row",
+       "the axis in every row",
        Words{"X", "Y", "Z", "A", "B", "C"}},
       {sense_option, &A::sense, "measured component, if the file does not state it",
        Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
@@ -409,8 +406,8 @@ void add_remembered(Problem& problem, const std::string& file) {
   const auto known = shape ? remembered_mapping(*shape) : std::nullopt;
   if (!known) return;
   const std::string hint = fmt::format(
-      ". A file with these headings, {}, was read with {}; the same options read this one. Delete {} if "
-      "they are not to be suggested again",
+      ". A file with these headings, {}, was read with {}; the same options read this one. Delete {} if they are not "
+      "to be suggested again",
       known->file, shell_command(import_words(known->options)), known->kept_in.string());
   problem.message.insert(std::min(problem.message.find(". Known formats: "), problem.message.size()), hint);
 }
@@ -482,7 +479,7 @@ Result<void> check_output_not_input(const std::string& output, const std::vector
   for (const std::string& input : inputs) {
     std::error_code error;
     if (!output.empty() && std::filesystem::equivalent(input, output, error))
-      return problem(ProblemKind::usage, fmt::format("{} would be overwritten: give another output name", input));
+      return problem(ProblemKind::usage, "{} would be overwritten: give another output name", input);
   }
   return {};
 }

@@ -183,18 +183,15 @@ bool is_for(const fs::path& profile, std::string_view text) {
 
 fs::path profile_file(const std::string& name) {
   fs::path own = own_profile_file(name);
-  std::error_code error;
-  if (is_path(name) || fs::exists(own, error)) return own;
+  if (is_path(name) || disc::exists(own)) return own;
   return sample_file(fs::path("profiles") / (name + ".toml")).value_or(own);
 }
 
 Result<ImportArguments> with_profile(ImportArguments arguments) {
   if (arguments.profile.empty()) return arguments;
   const fs::path path = profile_file(arguments.profile);
-  std::error_code error;
-  if (!fs::exists(path, error))
-    return problem(ProblemKind::usage,
-                   fmt::format("--profile: no import profile {}: {}", path.string(), known_profiles()));
+  if (!disc::exists(path))
+    return problem(ProblemKind::usage, "--profile: no import profile {}: {}", path.string(), known_profiles());
   ECS_TRY(text, read_file(path));
   ECS_TRY(table, parse_toml(text, path.string()));
   const ImportArguments given = arguments;
@@ -237,8 +234,7 @@ Result<fs::path> save_profile(const std::string& name, const ImportArguments& ar
                    "--save-profile: expected --columns or another import option to save, found none");
   const fs::path path = own_profile_file(name);
   ECS_DO(spared({path.string()}, force));
-  std::error_code error;
-  if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
+  if (path.has_parent_path()) disc::make_folders(path.parent_path());
   ECS_DO(write_file(path, text));
   return path;
 }
@@ -247,8 +243,7 @@ std::optional<RememberedMapping> remembered_mapping(const laser::TableShape& sha
   const std::string headings = headings_of(shape);
   if (headings.empty()) return std::nullopt;
   RememberedMapping kept{{}, {}, remembered_file(headings)};
-  std::error_code error;
-  if (!fs::exists(kept.kept_in, error)) return std::nullopt;
+  if (!disc::exists(kept.kept_in)) return std::nullopt;
   kept.options.profile = kept.kept_in.string();
   auto options = with_profile(kept.options);
   if (!options || options->headings != headings) return std::nullopt;
@@ -278,8 +273,7 @@ void remember_mapping(const std::string& file, const ImportArguments& options) {
   if (from_heading || kept.skip == rows.skip) kept.skip = 0;
   if (kept.rows == static_cast<int>(rows.count)) kept.rows = 0;
   const fs::path path = remembered_file(kept.headings);
-  std::error_code error;
-  fs::create_directories(path.parent_path(), error);
+  disc::make_folders(path.parent_path());
   (void)write_file(path, profile_text(kept));
 }
 

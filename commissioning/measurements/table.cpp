@@ -39,13 +39,13 @@ class PlanReader {
     out.name = reader_.word(table, "name").value_or("");
     if (!is_plain_name(out.name)) reader_.complain(table, "name: expected a plain file name without .csv");
     if (std::any_of(before.begin(), before.end(), [&](const auto& other) { return other.name == out.name; }))
-      reader_.complain(table, fmt::format("name: {} is in the plan twice", out.name));
+      reader_.complain(table, "name: {} is in the plan twice", out.name);
     const std::string axis = reader_.word(table, "axis").value_or("");
     const std::string sense = reader_.word(table, "sense").value_or("");
     const auto moved = axis.size() == 1 ? axis_of(axis[0]) : std::nullopt;
     const auto read = sense_named(sense);
-    if (!moved) reader_.complain(table, fmt::format("axis: expected X, Y or Z, found \"{}\"", axis));
-    if (!read) reader_.complain(table, fmt::format("sense: expected EX EY EZ EA EB or EC, found \"{}\"", sense));
+    if (!moved) reader_.complain(table, "axis: expected X, Y or Z, found \"{}\"", axis);
+    if (!read) reader_.complain(table, "sense: expected EX EY EZ EA EB or EC, found \"{}\"", sense);
     out.axis = moved.value_or(Axis::X);
     out.sense = read.value_or(Sense::EX);
     const Component component = curve_of(out.sense, out.axis);
@@ -63,8 +63,7 @@ class PlanReader {
     if (!word) return laser::default_slope(component);
     const auto method = laser::slope_method_named(*word);
     if (!method)
-      reader_.complain(*table.get("slope"),
-                       fmt::format("slope: expected none, end_points or least_squares, found \"{}\"", *word));
+      reader_.complain(*table.get("slope"), "slope: expected none, end_points or least_squares, found \"{}\"", *word);
     return method.value_or(laser::SlopeMethod::none);
   }
 
@@ -73,13 +72,13 @@ class PlanReader {
     if (word == "before") return PlanPhase::before;
     if (word == "after") return PlanPhase::after;
     if (word != "both")
-      reader_.complain(*table.get("phase"), fmt::format("phase: expected both, before or after, found \"{}\"", word));
+      reader_.complain(*table.get("phase"), "phase: expected both, before or after, found \"{}\"", word);
     return PlanPhase::both;
   }
 
   std::optional<double> band_of(const toml::table& table, std::string_view key) {
     const auto value = reader_.number(table, key);
-    if (value && *value <= 0.0) reader_.complain(*table.get(key), fmt::format("{}: expected a band above 0", key));
+    if (value && *value <= 0.0) reader_.complain(*table.get(key), "{}: expected a band above 0", key);
     return value;
   }
 

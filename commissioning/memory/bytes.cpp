@@ -23,10 +23,10 @@ Result<void> take_hex(std::string_view word, std::vector<std::uint8_t>& bytes) {
   const std::string_view whole = word;
   if (word.starts_with("0x") || word.starts_with("0X")) word.remove_prefix(2);
   if (word.size() % 2 != 0)
-    return problem(ProblemKind::usage, fmt::format("expected bytes as pairs of hexadecimal digits, got \"{}\"", whole));
+    return problem(ProblemKind::usage, "expected bytes as pairs of hexadecimal digits, got \"{}\"", whole);
   for (std::size_t i = 0; i < word.size(); i += 2) {
     const auto byte = hexadecimal(word.substr(i, 2));
-    if (!byte) return problem(ProblemKind::usage, fmt::format("expected hexadecimal digits, got \"{}\"", whole));
+    if (!byte) return problem(ProblemKind::usage, "expected hexadecimal digits, got \"{}\"", whole);
     bytes.push_back(static_cast<std::uint8_t>(*byte));
   }
   return {};
@@ -53,8 +53,8 @@ std::uint32_t size_of(const Region& region, std::size_t modules) {
 Result<void> within_space(Address address, std::size_t bytes) {
   if (bytes == 0) return problem(ProblemKind::usage, "expected at least 1 byte, got 0");
   if (address < kAddressSpace && bytes <= kAddressSpace - address) return {};
-  return problem(ProblemKind::usage,
-                 fmt::format("{} bytes from {}: the unit's memory lies below 0x1000000", bytes, hex_address(address)));
+  return problem(ProblemKind::usage, "{} bytes from {}: the unit's memory lies below 0x1000000", bytes,
+                 hex_address(address));
 }
 
 Result<void> memory_there(Address address, std::size_t bytes, std::size_t modules) {
@@ -65,8 +65,8 @@ Result<void> memory_there(Address address, std::size_t bytes, std::size_t module
     map += fmt::format("{}{} {} to {}", map.empty() ? "" : ", ", region.name, hex_address(region.first),
                        hex_address(region.first + size - 1));
   }
-  return problem(ProblemKind::refused, fmt::format("{} bytes from {}: the unit has no memory there; it has {}", bytes,
-                                                   hex_address(address), map));
+  return problem(ProblemKind::refused, "{} bytes from {}: the unit has no memory there; it has {}", bytes,
+                 hex_address(address), map);
 }
 
 Result<std::vector<std::uint8_t>> hex_bytes(const std::vector<std::string>& arguments) {
@@ -200,8 +200,7 @@ Result<Pattern> whole_pattern(std::string_view digits, std::size_t bytes) {
   const auto bits = static_cast<int>(8 * bytes);
   const bool fits = value && (bytes == 8 || (*value >= -(1ll << (bits - 1)) && *value < (1ll << bits)));
   if (!fits)
-    return problem(ProblemKind::usage,
-                   fmt::format("expected a whole number of {} bits after {}:, got \"{}\"", bits, bits, digits));
+    return problem(ProblemKind::usage, "expected a whole number of {} bits after {}:, got \"{}\"", bits, bits, digits);
   Pattern pattern(8);
   store_big(Bytes(pattern), 0, static_cast<std::uint64_t>(*value));
   return Pattern(pattern.end() - static_cast<std::ptrdiff_t>(bytes), pattern.end());
@@ -209,7 +208,7 @@ Result<Pattern> whole_pattern(std::string_view digits, std::size_t bytes) {
 
 Result<Pattern> real_pattern(std::string_view digits) {
   const auto value = number_in(digits);
-  if (!value) return problem(ProblemKind::usage, fmt::format("expected a number after f:, got \"{}\"", digits));
+  if (!value) return problem(ProblemKind::usage, "expected a number after f:, got \"{}\"", digits);
   Pattern pattern(8);
   store_double(Bytes(pattern), 0, *value);
   return pattern;
@@ -228,9 +227,8 @@ Result<std::vector<std::uint8_t>> pattern_in(std::string_view typed) {
   for (const auto& [sign, bytes] : {std::pair{"8:", 1u}, {"16:", 2u}, {"32:", 4u}, {"64:", 8u}})
     if (text.starts_with(sign)) return whole_pattern(text.substr(text.find(':') + 1), bytes);
   auto bytes = hex_bytes({std::string(text)});
-  if (!bytes) return problem(ProblemKind::usage, fmt::format("{}; give {}", bytes.error().message, kPatternHint));
-  if (bytes->empty())
-    return problem(ProblemKind::usage, fmt::format("expected bytes, got none; give {}", kPatternHint));
+  if (!bytes) return problem(ProblemKind::usage, "{}; give {}", bytes.error().message, kPatternHint);
+  if (bytes->empty()) return problem(ProblemKind::usage, "expected bytes, got none; give {}", kPatternHint);
   return bytes;
 }
 
@@ -282,21 +280,20 @@ std::string short_hex(ByteView bytes, std::size_t most) {
 
 Result<void> may_write(const MemoryBytes& memory, Address address, std::size_t bytes) {
   const MemoryRegion* region = memory.region_of(address);
-  if (region == nullptr)
-    return problem(ProblemKind::refused, fmt::format("the unit has no memory at {}", hex_address(address)));
-  if (!region->writable)
-    return problem(ProblemKind::refused, fmt::format("{} is protected: {}", region->name, reason_of(*region)));
+  if (region == nullptr) return problem(ProblemKind::refused, "the unit has no memory at {}", hex_address(address));
+  if (!region->writable) return problem(ProblemKind::refused, "{} is protected: {}", region->name, reason_of(*region));
   if (address - region->first + bytes > region->size)
-    return problem(ProblemKind::refused, fmt::format("{} bytes from {} go beyond {}, which ends at {}", bytes,
-                                                     hex_address(address), region->name, hex_address(region->last())));
+    return problem(ProblemKind::refused, "{} bytes from {} go beyond {}, which ends at {}", bytes, hex_address(address),
+                   region->name, hex_address(region->last()));
   return {};
 }
 
 Result<void> may_write_in(UnitMode mode) {
   if (mode == UnitMode::integration) return {};
-  return problem(ProblemKind::refused, fmt::format("the unit is {}: memory can be written in integration mode only; "
-                                                   "use ECS UTILITY or `ecs utility mode integrate` first",
-                                                   ecs::name_of(mode)));
+  return problem(ProblemKind::refused,
+                 "the unit is {}: memory can be written in integration mode only; "
+                 "use ECS UTILITY or `ecs utility mode integrate` first",
+                 ecs::name_of(mode));
 }
 
 Result<void> write_logged(protocol::UnitClient& client, const std::string& serial_number, Address address,
@@ -310,21 +307,19 @@ Result<void> write_logged(protocol::UnitClient& client, const std::string& seria
 Result<void> write_checked(protocol::UnitClient& client, const std::string& serial_number, const ByteWrite& write) {
   ECS_TRY(identity, client.identity());
   if (identity.serial_number != serial_number)
-    return problem(ProblemKind::refused,
-                   fmt::format("unit {} answers now, but the bytes were read from unit {}; not written",
-                               identity.serial_number, serial_number));
+    return problem(ProblemKind::refused, "unit {} answers now, but the bytes were read from unit {}; not written",
+                   identity.serial_number, serial_number);
   ECS_TRY(status, client.status());
   if (const auto may = may_write_in(status.mode); !may) return may;
   ECS_TRY(present, client.read_memory(write.address, write.after.size()));
   if (present != write.before)
-    return problem(ProblemKind::refused,
-                   fmt::format("{} now contains {}, not the bytes shown; not written. Check again",
-                               hex_address(write.address), short_hex(present)));
+    return problem(ProblemKind::refused, "{} now contains {}, not the bytes shown; not written. Check again",
+                   hex_address(write.address), short_hex(present));
   if (auto written = write_logged(client, serial_number, write.address, write.after); !written) return written;
   ECS_TRY(back, client.read_memory(write.address, write.after.size()));
   if (back == write.after) return {};
-  return problem(ProblemKind::link, fmt::format("{} contains {} after writing {}: run the RAM test",
-                                                hex_address(write.address), short_hex(back), short_hex(write.after)));
+  return problem(ProblemKind::link, "{} contains {} after writing {}: run the RAM test", hex_address(write.address),
+                 short_hex(back), short_hex(write.after));
 }
 
 }  // namespace ecs::commissioning

@@ -26,8 +26,7 @@ using model::Observations;
 namespace {
 
 std::string draft_name_of(const std::string& model_file) {
-  std::error_code error;
-  const std::filesystem::path path = std::filesystem::absolute(model_file, error);
+  const std::filesystem::path path = disc::absolute(model_file);
   return "model-" + sha256_hex(path.string()).substr(0, 16);
 }
 
@@ -96,8 +95,7 @@ Result<std::unique_ptr<ModelController>> ModelController::begin_new(const ModelA
   ECS_DO(begun_model(messages, files));
   auto controller = open(files, std::move(unit));
   if (!controller) {
-    std::error_code error;
-    std::filesystem::remove(files.model, error);
+    disc::remove(files.model);
     return controller;
   }
   (*controller)->commands_.begun();
@@ -356,8 +354,7 @@ bool ModelController::advance() {
 
 std::string ModelController::params_beside(const std::string& machine_file) {
   const auto file = std::filesystem::path(machine_file).parent_path() / "parameters.toml";
-  std::error_code error;
-  return !machine_file.empty() && std::filesystem::exists(file, error) ? file.string() : "";
+  return !machine_file.empty() && disc::exists(file) ? file.string() : "";
 }
 
 bool ModelController::may_build_map() {

@@ -177,8 +177,8 @@ Result<model::Check> check_answer(MessageSink& messages, const std::string& answ
   std::string hash;
   ECS_TRY(set, measured_in(messages, data, import, &hash));
   if (hash != kept.data_sha256)
-    return problem(ProblemKind::bad_input, fmt::format("expected the data of {} in the same order, SHA-256 {}, got {}",
-                                                       answer_file, kept.data_sha256, hash));
+    return problem(ProblemKind::bad_input, "expected the data of {} in the same order, SHA-256 {}, got {}", answer_file,
+                   kept.data_sha256, hash);
   if (!machine.empty()) {
     ECS_TRY(other, machine_in(messages, machine));
     kept.machine = std::move(other);

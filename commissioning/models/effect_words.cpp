@@ -165,8 +165,7 @@ std::string other_periods_text(const model::EffectInstance& effect) {
   return fmt::format(
       "{}: a period of {} {} fits the readings as well as {:.4g} {}. With a wrong period, compensation adds error "
       "between the targets. Decide this first: measure the line at targets displaced from equal steps by a tenth of "
-      "the "
-      "step or more (ISO 230-2:2014, 5.3.2), and fit the model to these readings too",
+      "the step or more (ISO 230-2:2014, 5.3.2), and fit the model to these readings too",
       place_text(effect), fmt::join(periods, " or "), unit,
       given_or_fitted(effect, effect.definition().searched_parameter()).value_or(0.0), unit);
 }
@@ -199,8 +198,7 @@ Result<std::size_t> effect_in(const model::Model& model, const std::string& name
         if (names[i] == one) names[i] += value_text(model.effects[i], i);
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-  return problem(ProblemKind::usage,
-                 fmt::format("expected an effect of the model: {}; found \"{}\"", fmt::join(names, ", "), name));
+  return problem(ProblemKind::usage, "expected an effect of the model: {}; found \"{}\"", fmt::join(names, ", "), name);
 }
 
 Result<WithoutEffect> without_effect(const model::Model& model, const model::Observations& data, std::size_t effect,

@@ -221,10 +221,10 @@ std::vector<std::string> warnings_of_ball(const ModelWork& work) {
   std::vector<std::string> warnings;
   const bool may_be_ball = std::ranges::any_of(work.data.sense, [](Sense sense) { return !is_rotation(sense); });
   if (work.data.rotary && work.data.through_chain.empty() && may_be_ball)
-    warnings.push_back(fmt::format(
-        "these readings are interpreted as errors of the axis itself; readings of a ball on the table need x_mm, y_mm, "
-        "z_mm{}",
-        work.machine ? "" : ", and --machine FILE with the rotary axes"));
+    warnings.push_back(
+        fmt::format("these readings are interpreted as errors of the axis itself; readings of a ball on the table need "
+                    "x_mm, y_mm, z_mm{}",
+                    work.machine ? "" : ", and --machine FILE with the rotary axes"));
   const auto is_kept = [&](const std::string& name) {
     return std::any_of(work.model.effects.begin(), work.model.effects.end(), [&](const model::EffectInstance& effect) {
       return effect.tied_with.find(name) != std::string::npos;
@@ -294,9 +294,9 @@ Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& argume
   if (!model && !model_among(arguments.data).empty())
     return problem(
         ProblemKind::usage,
-        fmt::format(
-            "MODEL and DATA are swapped: {} is a model and {} is not; give the model first, then the measurements",
-            model_among(arguments.data), arguments.model));
+
+        "MODEL and DATA are swapped: {} is a model and {} is not; give the model first, then the measurements",
+        model_among(arguments.data), arguments.model);
   if (!model) return tl::unexpected(model.error());
   ECS_TRY(machine, machine_in(messages, arguments.machine));
   std::string sha256;
@@ -326,9 +326,8 @@ Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& argum
   if (std::filesystem::exists(arguments.model, error)) {
     if (auto other = other_than_model(arguments.model)) return tl::unexpected(std::move(*other));
     return problem(ProblemKind::usage,
-                   fmt::format("{0} already exists. Give another name, or continue with `ecs model diagnose {0} "
-                               "DATA`",
-                               arguments.model));
+                   "{0} already exists. Give another name, or continue with `ecs model diagnose {0} DATA`",
+                   arguments.model);
   }
   ECS_DO(model::write_model(arguments.model, model::Model{}));
   auto work = model_work(messages, arguments);
@@ -370,8 +369,8 @@ Result<void> keep_model(const std::string& output, const model::Model& model, co
   if (is_there(output) && !std::filesystem::equivalent(output, read_from, error)) {
     const auto content = read_file(output);
     if (!content || (!content->empty() && *content != to_toml(model)))
-      return problem(ProblemKind::usage,
-                     fmt::format("{} exists and is not {}: give another name, or remove it first", output, read_from));
+      return problem(ProblemKind::usage, "{} exists and is not {}: give another name, or remove it first", output,
+                     read_from);
   }
   return model::write_model(output, model, read_from);
 }

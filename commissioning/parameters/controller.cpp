@@ -33,17 +33,14 @@ std::string taken_back(const std::string& what) {
 
 /// A draft may be taken up from another folder.
 std::string absolute(const std::string& path) {
-  std::error_code fault;
-  return path.empty() ? path : std::filesystem::absolute(path, fault).lexically_normal().string();
+  return path.empty() ? path : disc::absolute(path).lexically_normal().string();
 }
 
 /// A file that cannot make the screen wait.
 Result<void> plain_file(const std::string& path) {
   if (path.empty()) return problem(ProblemKind::usage, "expected the name of a file, found nothing");
-  std::error_code fault;
-  if (std::filesystem::exists(path, fault) && !std::filesystem::is_regular_file(path, fault))
-    return problem(ProblemKind::usage,
-                   fmt::format("{}: expected a file, found a folder or a device; choose a file", path));
+  if (disc::exists(path) && !disc::is_file(path))
+    return problem(ProblemKind::usage, "{}: expected a file, found a folder or a device; choose a file", path);
   return {};
 }
 
@@ -76,7 +73,7 @@ Result<void> ParametersController::start_from_machine(const std::string& path) {
 Result<void> ParametersController::take_from_unit(const UnitContent& unit) {
   know_unit(unit);
   if (!unit.parameters)
-    return problem(ProblemKind::refused, fmt::format("not received from {}: {}", title_of(unit), unit.none_because));
+    return problem(ProblemKind::refused, "not received from {}: {}", title_of(unit), unit.none_because);
   ParameterSet received{*unit.parameters, {set().identity.machine, unit.identity.serial_number}};
   held_ = {file_between("parameters", ".toml"), {}, {*unit.parameters, {{}, unit.identity.serial_number}}, true};
   if (loaded_) {
@@ -252,8 +249,7 @@ Result<void> ParametersController::check_with(const std::string& machine_path) {
 }
 
 std::string ParametersController::overwrites(const std::string& path) const {
-  std::error_code fault;
-  if (!std::filesystem::exists(path, fault)) return {};
+  if (!disc::exists(path)) return {};
   if (path != file_) return fmt::format("{} already exists. Its contents will be overwritten.", path);
   const auto text = read_file(path);
   if (text && *text == file_text_) return {};

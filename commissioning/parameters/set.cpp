@@ -108,8 +108,7 @@ Result<void> set_value(std::string_view key, ParameterSet& set, std::string_view
   const bool printable =
       std::none_of(bare.begin(), bare.end(), [](char c) { return static_cast<unsigned char>(c) < 32; });
   if (bare.size() > kLongestIdentity || !printable)
-    return problem(ProblemKind::usage,
-                   fmt::format("{}: expected a text of at most {} characters", key, kLongestIdentity));
+    return problem(ProblemKind::usage, "{}: expected a text of at most {} characters", key, kLongestIdentity);
   (key == kMachineKey ? set.identity.machine : set.identity.serial_number) = bare;
   return {};
 }

@@ -12,6 +12,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include "base/file.hpp"
 #include "base/text.hpp"
 
 namespace ecs::commissioning {
@@ -278,8 +279,7 @@ std::string path_word(const std::string& path) {
 }
 
 void name_in_commands(const std::string& path, const std::string& word) {
-  std::error_code error;
-  const std::string whole = fs::absolute(path, error).lexically_normal().string();
+  const std::string whole = disc::absolute(path).lexically_normal().string();
   const std::lock_guard lock(commands_mutex);
   other_names[whole] = word;
 }

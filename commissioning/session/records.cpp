@@ -1,8 +1,9 @@
 #include "commissioning/session/records.hpp"
 
 #include <atomic>
-#include <system_error>
 #include <utility>
+
+#include "base/file.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -10,9 +11,8 @@ namespace {
 std::atomic<const RecordKeeper*> keeper_of_records{nullptr};
 
 void add_seen(std::vector<SeenFile>& files, const char* role, const std::vector<std::string>& names) {
-  std::error_code error;
   for (const std::string& name : names)
-    if (!name.empty()) files.push_back({role, std::filesystem::absolute(name, error).lexically_normal().string()});
+    if (!name.empty()) files.push_back({role, disc::absolute(name).lexically_normal().string()});
 }
 
 }  // namespace

@@ -31,9 +31,8 @@ std::vector<std::string> recent_files() {
   const auto text = read_file(list_file());
   std::vector<std::string> files;
   if (!text) return files;
-  std::error_code fault;
   for (const std::string_view line : lines_of(*text))
-    if (!line.empty() && fs::is_regular_file(fs::path(line), fault)) files.emplace_back(line);
+    if (!line.empty() && disc::is_file(fs::path(line))) files.emplace_back(line);
   return files;
 }
 
@@ -109,10 +108,7 @@ std::optional<Draft> draft_of(const std::string& name) {
   return Draft{fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(facts.st_mtime)), std::move(*text)};
 }
 
-void drop_draft(const std::string& name) {
-  std::error_code error;
-  std::filesystem::remove(file_of(name), error);
-}
+void drop_draft(const std::string& name) { disc::remove(file_of(name)); }
 
 void set_draft_aside(const std::string& name) {
   const auto aside = aside_of(name);

@@ -90,7 +90,7 @@ Result<DatumRecording> read_recording(protocol::UnitClient& client, Address addr
                                       const protocol::ProgressCallback& progress) {
   ECS_TRY(head, client.read_memory(address, kDatumRecordHeaderBytes));
   const auto header = decode_datum_header(head);
-  if (!header) return problem(ProblemKind::link, fmt::format("no datum record at 0x{:06X}", address));
+  if (!header) return problem(ProblemKind::link, "no datum record at 0x{:06X}", address);
   DatumRecording recording{header->axis, header->sample_period_us, header->um_per_count, {}, {}, {}};
   ECS_TRY(bytes, client.read_memory(address + kDatumRecordHeaderBytes, header->samples * kDatumSampleBytes, progress));
   for (std::size_t i = 0; i < header->samples; ++i)
@@ -140,7 +140,7 @@ Result<DatumRecording> parse_recording(std::string_view text, const std::string&
       if (auto wrong = take_header(trimmed(row.substr(1, colon - 1)), trimmed(row.substr(colon + 1)), recording))
         problems.push_back(bad_row(name, line, *wrong));
     } else if (!in_rows) {
-      if (row != kColumns) return problem_at(name, line, 1, fmt::format("expected the columns {}", kColumns));
+      if (row != kColumns) return problem_at(name, line, 1, "expected the columns {}", kColumns);
       in_rows = true;
     } else if (const auto sample = sample_in(row)) {
       recording.samples.push_back(*sample);

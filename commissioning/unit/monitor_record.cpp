@@ -87,8 +87,7 @@ MonitorRecording::~MonitorRecording() { static_cast<void>(end()); }
 Result<void> MonitorRecording::broken(int error) {
   if (handle_ >= 0) ::close(std::exchange(handle_, -1));
   const bool kept = !part_.empty() && samples_ > 0;
-  std::error_code ignored;
-  if (!part_.empty() && !kept) fs::remove(part_, ignored);
+  if (!part_.empty() && !kept) disc::remove(part_);
   return output_problem(
       name_, fmt::format("cannot write: {}{}", std::strerror(error),
                          kept ? fmt::format("; {} contains {} samples", part_.string(), samples_) : std::string()));

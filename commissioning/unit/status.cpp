@@ -104,7 +104,7 @@ Result<Registers> registers_at(const Json& raw, const char* key, const Block& bl
   if (is_older) registers = registers_in(*found, {block.first, kIdentityOfProtocol1});
   if (is_older && !registers.empty()) registers.resize(block.count, 0);
   if (registers.size() == block.count) return registers;
-  return problem_at(name, 0, 0, fmt::format("raw.{}: expected {} registers of 0 to 65535", key, block.count));
+  return problem_at(name, 0, 0, "raw.{}: expected {} registers of 0 to 65535", key, block.count);
 }
 
 /// Files of before have no events.
@@ -115,8 +115,8 @@ Result<std::vector<Registers>> event_blocks_in(const Json& raw, const std::strin
   for (const Json& one : *list) {
     blocks.push_back(registers_in(one, protocol::kEvents));
     if (blocks.back().size() != protocol::kEvents.count)
-      return problem_at(
-          name, 0, 0, fmt::format("raw.events: expected lists of {} registers of 0 to 65535", protocol::kEvents.count));
+      return problem_at(name, 0, 0, "raw.events: expected lists of {} registers of 0 to 65535",
+                        protocol::kEvents.count);
   }
   return blocks;
 }
@@ -183,9 +183,8 @@ Result<StatusSnapshot> parse_snapshot(std::string_view text, const std::string& 
   if (object.is_discarded() || !object.is_object() || !object.contains("ecs_status"))
     return problem_at(name, 0, 0, "expected a status file (JSON) written by `ecs utility status --save`");
   if (object["ecs_status"] != kFormat)
-    return problem_at(name, 0, 0,
-                      fmt::format("expected a status file of format {}, found format {}: use a newer ecs", kFormat,
-                                  one_line(object["ecs_status"])));
+    return problem_at(name, 0, 0, "expected a status file of format {}, found format {}: use a newer ecs", kFormat,
+                      one_line(object["ecs_status"]));
   const auto raw = object.find("raw");
   if (raw == object.end() || !raw->is_object()) return problem_at(name, 0, 0, "expected the registers under \"raw\"");
   StatusSnapshot snapshot;

@@ -41,15 +41,15 @@ Result<void> check_tools(const std::string& file, const std::vector<Tool>& tools
   const Vector3& range_mm = parameters.tool_range_mm;
   for (const Tool& tool : tools)
     if (!in_range(tool.offset_mm, parameters))
-      return problem(
-          ProblemKind::refused,
-          fmt::format("{}: tool {} is beyond the tool range of the unit's parameters, X {:.10g}, Y {:.10g}, Z "
-                      "{:.10g} mm (compensation.tool_range_mm). The table in the unit is unchanged",
-                      file, tool.number, range_mm[0], range_mm[1], range_mm[2]));
+      return problem(ProblemKind::refused,
+                     "{}: tool {} is beyond the tool range of the unit's parameters, X {:.10g}, Y {:.10g}, Z "
+                     "{:.10g} mm (compensation.tool_range_mm). The table in the unit is unchanged",
+                     file, tool.number, range_mm[0], range_mm[1], range_mm[2]);
   if (before.selected != 0 && std::ranges::find(tools, before.selected, &Tool::number) == tools.end())
-    return problem(ProblemKind::refused, fmt::format("{}: tool {} is selected, and is not in the file; select another "
-                                                     "one first. The table in the unit is unchanged",
-                                                     file, before.selected));
+    return problem(ProblemKind::refused,
+                   "{}: tool {} is selected, and is not in the file; select another "
+                   "one first. The table in the unit is unchanged",
+                   file, before.selected);
   return {};
 }
 

@@ -135,8 +135,8 @@ using Image = std::vector<std::uint8_t>;
 Result<void> has_image(const protocol::ActiveMap& active) {
   if (active.active_bank == Bank::none) return {};
   if (active.image_length_bytes >= kPrefixBytes + kParameterBytes && active.image_length_bytes <= kBankBytes) return {};
-  return problem(ProblemKind::link, fmt::format("unit: expected an active image of {} to {} bytes, it reports {}",
-                                                kPrefixBytes + kParameterBytes, kBankBytes, active.image_length_bytes));
+  return problem(ProblemKind::link, "unit: expected an active image of {} to {} bytes, it reports {}",
+                 kPrefixBytes + kParameterBytes, kBankBytes, active.image_length_bytes);
 }
 
 /// What of a unit's image is worth keeping beside new parameters.
@@ -200,9 +200,9 @@ Result<UnitParameters> receive_parameters(protocol::UnitClient& client) {
   const auto parameters = decode_parameters(ByteView(bytes).subspan(kPrefixBytes, kParameterBytes));
   if (load_big<std::uint32_t>(bytes, prefix_at::magic) != kImageMagic || !parameters)
     return problem(ProblemKind::refused,
-                   fmt::format("the parameters in the unit at 0x{:06X} cannot be read: the axis memory is corrupt; "
-                               "inspect it with `ecs memory show --unit`, and send parameters and map again",
-                               first));
+                   "the parameters in the unit at 0x{:06X} cannot be read: the axis memory is corrupt; "
+                   "inspect it with `ecs memory show --unit`, and send parameters and map again",
+                   first);
   return *parameters;
 }
 
@@ -247,7 +247,7 @@ std::vector<std::string> other_identity(std::span<const std::uint8_t> image, con
 
 Result<Image> addressed(std::span<const std::uint8_t> image, const protocol::Identity& unit, Addressee addressee) {
   if (const ImageVerdict verdict = check_image(image); verdict.fault != ImageFault::none)
-    return problem(ProblemKind::refused, fmt::format("the memory image {}", text_of(verdict.fault)));
+    return problem(ProblemKind::refused, "the memory image {}", text_of(verdict.fault));
   const bool as_stated = addressee == Addressee::as_stated;
   if (as_stated)
     if (auto refused = refused_map(other_identity(image, unit), {})) return tl::unexpected(std::move(*refused));
@@ -285,9 +285,9 @@ Result<std::string> difference_in_unit(protocol::UnitClient& client, const Image
     return std::string("its SHA-256 differs: its values have changed since the unit accepted them");
   if (now->commit_sequence != commit)
     return problem(ProblemKind::refused,
-                   fmt::format("the unit accepted the map (commit {}), but another map is now active (commit {}): "
-                               "another host uses the unit; compare before compensating",
-                               commit, now->commit_sequence));
+                   "the unit accepted the map (commit {}), but another map is now active (commit {}): "
+                   "another host uses the unit; compare before compensating",
+                   commit, now->commit_sequence);
   if (!active) return not_read(active.error());
   if (!*active) return std::string("the unit contains none");
   const Image& held = **active;
@@ -331,10 +331,10 @@ Upload upload(protocol::UnitClient& client, const Image& image, const protocol::
   }
   return {problem(
       ProblemKind::link,
-      fmt::format(
-          "the active map in the unit differs, although the whole map was sent and the checks agree: {}. Another host "
-          "uses the unit, or its memory is damaged. Do not compensate with it; run the RAM test and send again",
-          differs))};
+
+      "the active map in the unit differs, although the whole map was sent and the checks agree: {}. Another host "
+      "uses the unit, or its memory is damaged. Do not compensate with it; run the RAM test and send again",
+      differs)};
 }
 
 }  // namespace

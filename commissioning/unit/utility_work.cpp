@@ -48,9 +48,10 @@ Result<ScaleProposal> scale_from(const AxisParameters& axis, Axis name, double u
     return problem(ProblemKind::usage,
                    "first output a value with the relay closed: 0 um gives no information about the scale");
   if (std::abs(measured_um) < kLeastMeasured * std::abs(um))
-    return problem(ProblemKind::usage, fmt::format("output {}, measured {}: the axis does not follow. Check the relay, "
-                                                   "the connection to the servo, and the D/A converter",
-                                                   um_text(um), um_text(measured_um)));
+    return problem(ProblemKind::usage,
+                   "output {}, measured {}: the axis does not follow. Check the relay, "
+                   "the connection to the servo, and the D/A converter",
+                   um_text(um), um_text(measured_um));
   ScaleProposal proposal;
   proposal.counts_per_um = axis.output_scale_counts_per_um * std::abs(um / measured_um);
   const bool turned = (um > 0.0) != (measured_um > 0.0);

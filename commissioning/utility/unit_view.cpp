@@ -161,7 +161,7 @@ void reference_machine(TaskRunner& task, const std::string& workshop, const std:
   const auto work = [workshop, request](JobControl& control) -> Result<void> {
     const auto done = WorkshopClient(workshop, control.cancelled).ask(request);
     if (done || control.cancelled) return {};
-    return problem(ProblemKind::link, fmt::format("the emulated machine was not referenced: {}", done.error().message));
+    return problem(ProblemKind::link, "the emulated machine was not referenced: {}", done.error().message);
   };
   task.start("referencing", work, [&failed, &task, beside, workshop, request](const Result<void>& done) {
     if (!done) return failed.say(done.error());
@@ -170,10 +170,8 @@ void reference_machine(TaskRunner& task, const std::string& workshop, const std:
 }
 
 Result<std::string> drive_request(const std::string& typed) {
-  std::error_code fault;
   const std::string text(trimmed(typed));
-  if (std::filesystem::is_regular_file(text, fault))
-    return one_line(Json{{"action", "run"}, {"program", std::filesystem::absolute(text, fault).string()}});
+  if (disc::is_file(text)) return one_line(Json{{"action", "run"}, {"program", disc::absolute(text).string()}});
   Json jog{{"action", "jog"}};
   bool all = true;
   for (const std::string& word : words_of(text)) all = add_coordinate(jog, word) && all;
@@ -181,7 +179,7 @@ Result<std::string> drive_request(const std::string& typed) {
   const bool is_block = !text.empty() && std::string_view("GMNSTgmnst").find(text.front()) != std::string_view::npos &&
                         text.size() > 1 && std::isdigit(static_cast<unsigned char>(text[1])) != 0;
   if (is_block) return one_line(Json{{"action", "mdi"}, {"block", text}});
-  return problem(ProblemKind::usage, fmt::format("{}, found \"{}\"", kHowToDrive, text));
+  return problem(ProblemKind::usage, "{}, found \"{}\"", kHowToDrive, text);
 }
 
 void drive_machine(TaskRunner& task, const std::string& workshop, const std::string& request, Message& message,
@@ -249,8 +247,7 @@ Result<MeasuredFiles> measured(const WorkshopClient& workshop, const EmulatedMea
   }
   for (const Json& request : requests) done.files.push_back(request["output"].front());
   ECS_DO(none_there(done.files, "give another folder"));
-  std::error_code fault;
-  std::filesystem::create_directories(wanted.folder, fault);
+  disc::make_folders(wanted.folder);
   for (std::size_t k = 0; k < requests.size(); ++k) {
     control.part = static_cast<double>(k) / static_cast<double>(requests.size());
     ECS_DO(workshop.ask(requests[k]));
@@ -264,9 +261,8 @@ void measure_by_plan(TaskRunner& task, const std::string& workshop, const Emulat
                      std::function<void(const Measured&)> taken) {
   if (task.running()) return;
   EmulatedMeasurement whole = wanted;
-  std::error_code fault;
-  whole.folder = std::filesystem::absolute(wanted.folder, fault).lexically_normal().string();
-  if (!wanted.plan.empty()) whole.plan = std::filesystem::absolute(wanted.plan, fault).string();
+  whole.folder = disc::absolute(wanted.folder).lexically_normal().string();
+  if (!wanted.plan.empty()) whole.plan = disc::absolute(wanted.plan).string();
   const auto work = [workshop, whole](JobControl& control) -> Result<MeasuredFiles> {
     auto done = measured(WorkshopClient(workshop, control.cancelled), whole, control);
     if (!done && control.cancelled) return problem(ProblemKind::refused, "the measurement was stopped");

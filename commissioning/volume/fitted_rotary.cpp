@@ -138,11 +138,9 @@ Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& 
   if (any) return out;
   return problem(
       ProblemKind::refused,
-      fmt::format("--rotary: no effect of the model is a determined error of a rotary axis (location, cyclic, "
-                  "backlash, …){}",
-                  data.through_chain.empty() ? "; location errors need readings of a ball, and --machine with "
-                                               "the rotary axes"
-                                             : ""));
+      "--rotary: no effect of the model is a determined error of a rotary axis (location, cyclic, backlash, …){}",
+      data.through_chain.empty() ? "; location errors need readings of a ball, and --machine with the rotary axes"
+                                 : "");
 }
 
 }  // namespace ecs::commissioning

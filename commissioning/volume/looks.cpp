@@ -34,8 +34,8 @@ Result<std::pair<Vector3, kinematics::Angles>> place_in(const std::string& text,
   for (std::size_t r = 0; r < kAxes; ++r)
     if (rotary->travel_deg[r]) names.emplace_back(1, rotary_letter(r));
   if (numbers.size() != names.size() || split(text, ',').size() != names.size())
-    return problem(ProblemKind::usage, fmt::format("--at: expected {} numbers {} in mm and deg, got \"{}\"",
-                                                   names.size(), fmt::join(names, ","), text));
+    return problem(ProblemKind::usage, "--at: expected {} numbers {} in mm and deg, got \"{}\"", names.size(),
+                   fmt::join(names, ","), text);
   std::pair<Vector3, kinematics::Angles> place{{numbers[0], numbers[1], numbers[2]}, {}};
   std::size_t next = kAxes;
   for (std::size_t r = 0; r < kAxes; ++r) {
@@ -43,8 +43,8 @@ Result<std::pair<Vector3, kinematics::Angles>> place_in(const std::string& text,
     if (!travel) continue;
     place.second[r] = numbers[next++];
     if (place.second[r] < (*travel)[0] || place.second[r] > (*travel)[1])
-      return problem(ProblemKind::usage, fmt::format("--at: expected {} within {} … {} deg, got {}", rotary_letter(r),
-                                                     (*travel)[0], (*travel)[1], place.second[r]));
+      return problem(ProblemKind::usage, "--at: expected {} within {} … {} deg, got {}", rotary_letter(r), (*travel)[0],
+                     (*travel)[1], place.second[r]);
   }
   return place;
 }
@@ -60,8 +60,8 @@ Result<Vector3> coordinates_in(const std::string& text, std::string_view option)
     place[a] = *number;
     if (a + 1 == kAxes) return place;
   }
-  return problem(ProblemKind::usage,
-                 fmt::format("{}: expected three numbers X,Y,Z in mm, such as -100,0,-250, got \"{}\"", option, text));
+  return problem(ProblemKind::usage, "{}: expected three numbers X,Y,Z in mm, such as -100,0,-250, got \"{}\"", option,
+                 text);
 }
 
 Result<void> look_at(const std::string& text, const volume::CompensatedMachine& expected, VolumeWork& work) {
@@ -71,8 +71,8 @@ Result<void> look_at(const std::string& text, const volume::CompensatedMachine& 
   for (const Axis axis : kAllAxes)
     if (const auto& travel = machine.travel_mm[index_of(axis)];
         travel && (place[index_of(axis)] < (*travel)[0] || place[index_of(axis)] > (*travel)[1]))
-      return problem(ProblemKind::usage, fmt::format("--at: expected {} within {} … {} mm, got {}", letter_of(axis),
-                                                     (*travel)[0], (*travel)[1], place[index_of(axis)]));
+      return problem(ProblemKind::usage, "--at: expected {} within {} … {} mm, got {}", letter_of(axis), (*travel)[0],
+                     (*travel)[1], place[index_of(axis)]);
   if (machine.rotary) machine.rotary->angles_deg = angles_deg;
   const volume::Grid grid = volume::grid_at(machine.travel_mm, place, volume::reference_of(machine.parameters));
   ECS_TRY(errors, errors_over(machine, grid));
@@ -114,8 +114,8 @@ Result<void> cut(const std::string& plane, VolumeWork& work) {
     std::string axes;
     for (const Axis axis : kAllAxes)
       if (exists(axis)) axes += letter_of(axis);
-    return problem(ProblemKind::usage,
-                   fmt::format("--slice: expected two axes of the machine, which has {}; got \"{}\"", axes, plane));
+    return problem(ProblemKind::usage, "--slice: expected two axes of the machine, which has {}; got \"{}\"", axes,
+                   plane);
   }
   ECS_TRY(slice, slice_of(machine, work.answer.before.all.at_mm, index_of(*across), index_of(*up), kColumns, kRows));
   work.slice = std::move(slice);

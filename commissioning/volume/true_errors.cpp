@@ -29,7 +29,7 @@ class TemporaryFile {
   static Result<std::shared_ptr<TemporaryFile>> with(const std::string& text) {
     std::string name = (fs::temp_directory_path() / "ecs-machine-XXXXXX").string();
     const int file = ::mkstemp(name.data());
-    if (file < 0) return problem(ProblemKind::output, fmt::format("cannot write {}", name));
+    if (file < 0) return problem(ProblemKind::output, "cannot write {}", name);
     ::close(file);
     auto made = std::make_shared<TemporaryFile>(name);
     ECS_DO(write_file(name, text));

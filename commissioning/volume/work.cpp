@@ -4,12 +4,12 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/machine_map.hpp"
 #include "commissioning/models/work.hpp"
@@ -55,8 +55,8 @@ Result<void> take_model(const model::Model& model, const params::Machine& machin
   for (const auto& [letter, effects] : compiled.rotary)
     if (rotary_file.empty() && !effects.empty())
       work.notes.push_back(
-          fmt::format("not included in the volume: {}: write the errors of {} to a file with `ecs "
-                      "model fit --rotary`, and give it with --rotary",
+          fmt::format("not included in the volume: {}: write the errors of {} to a file with `ecs model fit --rotary`, "
+                      "and give it with --rotary",
                       fmt::join(effects, ", "), letter));
   return {};
 }
@@ -118,12 +118,11 @@ void note_rotary(VolumeWork& work) {
         "the map also compensates the errors of rotary axes, which are at 0 here: give the machine file that has them "
         "(--machine)");
   if (!rotary) return;
-  work.notes.emplace_back(!in_map ? "the unit compensates X, Y and Z as if the rotary axes were at 0. The errors of "
-                                    "the rotary axes remain, and "
-                                    "so do the effects of angular errors of X, Y and Z at other angles"
-                                  : "the unit compensates along X, Y and Z, at all angles, the errors of the rotary "
-                                    "axes that the map contains; "
-                                    "the orientation of the tool is not compensated");
+  work.notes.emplace_back(
+      !in_map ? "the unit compensates X, Y and Z as if the rotary axes were at 0. The errors of the rotary axes "
+                "remain, and so do the effects of angular errors of X, Y and Z at other angles"
+              : "the unit compensates along X, Y and Z, at all angles, the errors of the rotary axes that the map "
+                "contains; the orientation of the tool is not compensated");
   std::vector<std::string> missing;
   for (const kinematics::ChainJoint& one : rotary->machine.chain) {
     if (!is_rotary(one.joint)) continue;
@@ -162,8 +161,8 @@ std::string rotary_in_words(const VolumeWork& work) {
       angles.push_back(fmt::format("{} {:.4g}", rotary_letter(r), rotary->angles_deg[r]));
     }
   return fmt::format(
-      "rotary axes {} deg, {} settings; chain {}; slice and picture at {} deg, the place of the largest "
-      "error before compensation",
+      "rotary axes {} deg, {} settings; chain {}; slice and picture at {} deg, the place of the largest error before "
+      "compensation",
       fmt::join(travels, ", "), work.answer.settings.size(), kinematics::iso_notation(rotary->machine.chain),
       fmt::join(angles, ", "));
 }
@@ -211,8 +210,7 @@ volume::ErrorSource source_of_model(const model::Model& model, const params::Mac
 std::string machine_file_for(const VolumeArguments& arguments) {
   if (!arguments.machine.empty()) return arguments.machine;
   const auto beside = std::filesystem::path(arguments.params).parent_path() / "machine.toml";
-  std::error_code error;
-  return std::filesystem::exists(beside, error) ? beside.string() : std::string();
+  return disc::exists(beside) ? beside.string() : std::string();
 }
 
 /// One that lies there by chance is not taken.
@@ -315,9 +313,9 @@ Result<void> check_travels(const VolumeWork& work) {
   const volume::CompensatedMachine& machine = work.prepared.machine;
   for (const Axis axis : kAllAxes)
     if (machine.parameters.axis_present[index_of(axis)] && !machine.travel_mm[index_of(axis)])
-      return problem(ProblemKind::refused, fmt::format("the travel of {} is not known: the map has no table of {}; "
-                                                       "give the machine file with --machine",
-                                                       letter_of(axis), letter_of(axis)));
+      return problem(ProblemKind::refused,
+                     "the travel of {} is not known: the map has no table of {}; give the machine file with --machine",
+                     letter_of(axis), letter_of(axis));
   return {};
 }
 
@@ -412,8 +410,8 @@ Result<VolumeWork> volume_work(MessageSink& messages, const VolumeArguments& arg
     return problem(ProblemKind::usage, "--model does not support a tool: omit --tool-length and --tool-offset");
   if (!arguments.model.empty() && arguments.places > kMostPlacesOfModel)
     return problem(ProblemKind::usage,
-                   fmt::format("--points: expected at most {} with --model, which predicts position by position",
-                               kMostPlacesOfModel));
+                   "--points: expected at most {} with --model, which predicts position by position",
+                   kMostPlacesOfModel);
   std::string machine_file = machine_file_for(arguments);
   ECS_TRY(machine, machine_in(messages, machine_file));
   ExportArguments exported;

@@ -83,7 +83,7 @@ void read_spindle(ErrorsReading& reading) {
   if (const auto axis = letter.size() == 1 ? axis_of(letter[0]) : std::nullopt)
     spindle.axis = *axis;
   else
-    reader.complain(*table->get("axis"), fmt::format("axis: expected X, Y or Z, got \"{}\"", letter));
+    reader.complain(*table->get("axis"), "axis: expected X, Y or Z, got \"{}\"", letter);
   numbers_into(reader, *table, "spindle",
                {{"lag_s", &spindle.lag_s, Sign::positive},
                 required("degC_per_1000_rpm", spindle.degC_per_1000_rpm, Sign::not_negative),
@@ -93,7 +93,7 @@ void read_spindle(ErrorsReading& reading) {
   if (const auto word = reader.word(*table, "tilt")) {
     spindle.tilt = sense_named(*word);
     if (!spindle.tilt || !is_rotation(*spindle.tilt))
-      reader.complain(*table->get("tilt"), fmt::format("tilt: expected EA, EB or EC, got \"{}\"", *word));
+      reader.complain(*table->get("tilt"), "tilt: expected EA, EB or EC, got \"{}\"", *word);
   }
   if (table->contains("tilt_um_per_m_degC") != table->contains("tilt"))
     reader.complain(*table, "spindle: expected both of tilt and tilt_um_per_m_degC, or none");
@@ -118,12 +118,12 @@ void read_screw(ErrorsReading& reading, Axis axis, const toml::table& table) {
                 {"cell_mm", &screw.cell_mm, positive}},
                {"feedback"});
   if (screw.diffusivity_mm2_s > kMostDiffusion_per_s * screw.cell_mm * screw.cell_mm)
-    reader.complain(table, fmt::format("cell_mm: expected at least {:.1f} with this diffusivity_mm2_s, got {}",
-                                       std::sqrt(screw.diffusivity_mm2_s / kMostDiffusion_per_s), screw.cell_mm));
+    reader.complain(table, "cell_mm: expected at least {:.1f} with this diffusivity_mm2_s, got {}",
+                    std::sqrt(screw.diffusivity_mm2_s / kMostDiffusion_per_s), screw.cell_mm);
   if (const auto word = reader.word(table, "feedback")) {
     screw.positions = *word == "screw";
     if (*word != "screw" && *word != "scale")
-      reader.complain(*table.get("feedback"), fmt::format("feedback: expected screw or scale, got \"{}\"", *word));
+      reader.complain(*table.get("feedback"), "feedback: expected screw or scale, got \"{}\"", *word);
   }
   demand(reading, table, fmt::format("screw.{}", letter_of(axis)), axis);
   reading.parts.heat.screws.push_back(screw);
@@ -161,10 +161,9 @@ void read_sensor(ErrorsReading& reading, std::string_view name, const toml::tabl
   TomlReader& reader = reading.reader;
   SensorSettings sensor;
   sensor.name = std::string(name);
-  if (!is_name(name))
-    reader.complain(table, fmt::format("sensor: expected a name of letters, digits and _, got \"{}\"", name));
+  if (!is_name(name)) reader.complain(table, "sensor: expected a name of letters, digits and _, got \"{}\"", name);
   if (!reading.parts.variables.temperatures.emplace(sensor.name, 20.0).second)
-    reader.complain(table, fmt::format("sensor: \"{}\" is already a sensor of [temperature]", name));
+    reader.complain(table, "sensor: \"{}\" is already a sensor of [temperature]", name);
   body_into(reading, table, sensor);
   if (sensor.of == SensorSettings::Of::screw)
     required_into(reader, table, "at_mm", Sign::any, sensor.at_mm);
@@ -181,8 +180,7 @@ void read_sensor(ErrorsReading& reading, std::string_view name, const toml::tabl
 
 bool across(ErrorsReading& reading, const char* name, Axis axis, const toml::table& table) {
   if (axis != reading.parts.gravity.axis) return true;
-  reading.reader.complain(
-      table, fmt::format("{}.{}: expected an axis across gravity, which acts along it", name, letter_of(axis)));
+  reading.reader.complain(table, "{}.{}: expected an axis across gravity, which acts along it", name, letter_of(axis));
   return false;
 }
 
@@ -262,7 +260,7 @@ void read_gravity(ErrorsReading& reading) {
       reading.parts.gravity.sign = word[0] == '-' ? -1 : 1;
     } else {
       reader.complain(place_of(*table, "direction"),
-                      fmt::format("direction: expected the direction of gravity, such as \"-Y\", got \"{}\"", word));
+                      "direction: expected the direction of gravity, such as \"-Y\", got \"{}\"", word);
       return;
     }
   } else {
@@ -270,7 +268,7 @@ void read_gravity(ErrorsReading& reading) {
       if (const toml::node* node = reading.file.get(name)) {
         const toml::table* tables = node->as_table();
         const toml::node& place = tables != nullptr && !tables->empty() ? tables->begin()->second : *node;
-        reader.complain(place, fmt::format("{}: expected a table [gravity] with direction = \"-Y\" or the like", name));
+        reader.complain(place, "{}: expected a table [gravity] with direction = \"-Y\" or the like", name);
       }
     return;
   }

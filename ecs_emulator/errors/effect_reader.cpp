@@ -20,8 +20,7 @@ bool read_approach(TomlReader& reader, const toml::table& table, PlacedEffect& e
   if (word == "forward") effect.approach = Approach::forward;
   if (word == "reverse") effect.approach = Approach::reverse;
   if (word == "both" || word == "forward" || word == "reverse") return true;
-  reader.complain(place_of(table, "approach"),
-                  fmt::format("approach: expected both, forward or reverse, got \"{}\"", word));
+  reader.complain(place_of(table, "approach"), "approach: expected both, forward or reverse, got \"{}\"", word);
   return false;
 }
 
@@ -40,8 +39,7 @@ bool read_parameters(TomlReader& reader, const toml::table& table, bool rotary, 
   for (const ParameterDefinition& one : effect.kind->parameters) names.push_back(name_in_file(one.name));
   const bool none_required = effect.kind->parameters.front().optional;
   if (given == nullptr || (none_required && given->empty())) {
-    reader.complain(place_of(table, "parameters"),
-                    fmt::format("parameters: expected {{ {} }}", fmt::join(names, ", ")));
+    reader.complain(place_of(table, "parameters"), "parameters: expected {{ {} }}", fmt::join(names, ", "));
     return false;
   }
   reader.only(*given, names, "parameters");
@@ -196,8 +194,8 @@ std::optional<LocationName> location_in(std::string_view name) {
 void add_location(ErrorsReading& reading, const toml::node& node, std::string_view name, double value) {
   const auto found = location_in(name);
   if (!found) {
-    reading.reader.complain(
-        node, fmt::format("location: expected XOA … COC, an error of an axis line such as XOC, got \"{}\"", name));
+    reading.reader.complain(node, "location: expected XOA … COC, an error of an axis line such as XOC, got \"{}\"",
+                            name);
     return;
   }
   reading.parts.rotary.location[found->axis][found->letter] += value;
@@ -212,7 +210,7 @@ void read_location_effect(ErrorsReading& reading, const toml::table& table) {
   const std::string unit = found && found->letter >= kAxes ? "um_per_m" : "um";
   const auto value = parameters != nullptr ? reading.reader.number(*parameters, unit) : std::nullopt;
   if (parameters != nullptr) reading.reader.only(*parameters, {unit}, "parameters");
-  if (!value) return reading.reader.complain(table, fmt::format("location: expected parameters = {{ {} = … }}", unit));
+  if (!value) return reading.reader.complain(table, "location: expected parameters = {{ {} = … }}", unit);
   add_location(reading, table, code, *value);
 }
 
@@ -224,13 +222,12 @@ void read_turn_effect(ErrorsReading& reading, const toml::table& table, std::siz
   PlacedEffect effect;
   effect.kind = effect_named(id);
   if (effect.kind == nullptr || std::find(kOfTurns.begin(), kOfTurns.end(), id) == kOfTurns.end())
-    return reading.reader.complain(
-        table, fmt::format("id: of a rotary axis expected {} or location, got \"{}\"", fmt::join(kOfTurns, ", "), id));
+    return reading.reader.complain(table, "id: of a rotary axis expected {} or location, got \"{}\"",
+                                   fmt::join(kOfTurns, ", "), id);
   reading.reader.only(table, {"id", "axis", "sense", "approach", "parameters", "cause"}, "effect of a rotary axis");
   const auto word = reading.reader.word(table, "sense");
   const auto sense = word ? sense_named(*word) : std::optional(static_cast<Sense>(kAxes + axis));
-  if (!sense)
-    return reading.reader.complain(table, fmt::format("sense: expected EX, EY, EZ, EA, EB or EC, got \"{}\"", *word));
+  if (!sense) return reading.reader.complain(table, "sense: expected EX, EY, EZ, EA, EB or EC, got \"{}\"", *word);
   motion.sense = *sense;
   if (!read_approach(reading.reader, table, effect) || !read_parameters(reading.reader, table, true, effect)) return;
   motion.effect = std::move(effect);

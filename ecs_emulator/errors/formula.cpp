@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
 #include <muParser.h>
 
 #include "base/text.hpp"
@@ -21,8 +20,8 @@ Formula::~Formula() = default;
 
 Result<Formula> Formula::compile(const std::string& expression, Variables& variables) {
   if (assigns(expression))  // would change the variables of every other formula
-    return problem(ProblemKind::bad_input,
-                   fmt::format("formula \"{}\": expected a value, got an assignment; == compares", expression));
+    return problem(ProblemKind::bad_input, "formula \"{}\": expected a value, got an assignment; == compares",
+                   expression);
   auto parser = std::make_unique<Parser>();
   try {
     const std::map<std::string, double*> named{{"p", &variables.p}, {"d", &variables.d}, {"x", &variables.x},
@@ -34,8 +33,8 @@ Result<Formula> Formula::compile(const std::string& expression, Variables& varia
     parser->parser.SetExpr(expression);
     static_cast<void>(parser->parser.Eval());
   } catch (const mu::ParserError& error) {
-    return problem(ProblemKind::bad_input,
-                   fmt::format("formula \"{}\", character {}: {}", expression, error.GetPos() + 1, error.GetMsg()));
+    return problem(ProblemKind::bad_input, "formula \"{}\", character {}: {}", expression, error.GetPos() + 1,
+                   error.GetMsg());
   }
   return Formula(std::move(parser));
 }

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "base/file.hpp"
 #include "base/text.hpp"
 
@@ -81,7 +79,7 @@ std::optional<Contribution> contribution_in(ErrorsReading& reading, const toml::
   const auto name = reading.reader.word(table, "component");
   const auto component = component_of(name.value_or(""));
   if (!component || is_squareness(*component)) {
-    reading.reader.complain(table, fmt::format("component: expected EXX … ECZ, got \"{}\"", name.value_or("")));
+    reading.reader.complain(table, "component: expected EXX … ECZ, got \"{}\"", name.value_or(""));
     return std::nullopt;
   }
   auto curve = curve_in(reading, table, "contribution");
@@ -106,8 +104,7 @@ void read_scatter(ErrorsReading& reading) {
     const auto component = component_of(key.str());
     const auto* entry = node.as_table();
     if (!component || is_squareness(*component) || entry == nullptr) {
-      reading.reader.complain(
-          node, fmt::format("scatter: expected EXX … ECZ = {{ pass = …, reading = … }}, got \"{}\"", key.str()));
+      reading.reader.complain(node, "scatter: expected EXX … ECZ = {{ pass = …, reading = … }}, got \"{}\"", key.str());
       continue;
     }
     numbers_into(reading.reader, *entry, "scatter",
@@ -127,10 +124,10 @@ void read_artefact(ErrorsReading& reading, const toml::table& table) {
                     sense_word = reader.word(table, "sense").value_or("");
   const auto axis = axis_word.size() == 1 ? axis_of(axis_word.front()) : std::nullopt;
   const auto sense = sense_named(sense_word);
-  if (!axis) return reader.complain(table, fmt::format("artefact: axis: expected X, Y or Z, got \"{}\"", axis_word));
+  if (!axis) return reader.complain(table, "artefact: axis: expected X, Y or Z, got \"{}\"", axis_word);
   if (!sense || is_rotation(*sense) || direction_of(*sense) == *axis)
-    return reader.complain(table, fmt::format("artefact: sense: expected EX, EY or EZ other than along {}, got \"{}\"",
-                                              letter_of(*axis), sense_word));
+    return reader.complain(table, "artefact: sense: expected EX, EY or EZ other than along {}, got \"{}\"",
+                           letter_of(*axis), sense_word);
   if (!gives_form(table) && !table.contains("angle_um_per_m"))
     return reader.complain(table, "artefact: expected angle_um_per_m, or a form by formula, points or csv");
   Artefact artefact{*axis, *sense, reader.number(table, "angle_um_per_m").value_or(0.0), std::nullopt,
@@ -156,7 +153,7 @@ std::optional<Formula> formula_in(ErrorsReading& reading, const toml::table& tab
 
 std::optional<ErrorCurve> curve_in(ErrorsReading& reading, const toml::table& table, const char* what) {
   if (table.contains("formula") + table.contains("points") + table.contains("csv") != 1) {
-    reading.reader.complain(table, fmt::format("{}: expected exactly one of formula, points, csv", what));
+    reading.reader.complain(table, "{}: expected exactly one of formula, points, csv", what);
     return std::nullopt;
   }
   ErrorCurve curve;

@@ -23,7 +23,7 @@ std::optional<double> Arguments::number(const char* key) {
   const auto* value = find(key);
   if (value == nullptr) return std::nullopt;
   if (value->is_number()) return value->get<double>();
-  complain(fmt::format("{}: expected a number, got {}", key, value->dump()));
+  complain("{}: expected a number, got {}", key, value->dump());
   return std::nullopt;
 }
 
@@ -36,7 +36,7 @@ std::optional<long long> Arguments::integer(const char* key, long long low, long
   if (value == nullptr) return std::nullopt;
   if (value->is_number_integer() && value->get<long long>() >= low && value->get<long long>() <= high)
     return value->get<long long>();
-  complain(fmt::format("{}: expected a whole number from {} to {}, got {}", key, low, high, value->dump()));
+  complain("{}: expected a whole number from {} to {}, got {}", key, low, high, value->dump());
   return std::nullopt;
 }
 
@@ -44,7 +44,7 @@ std::string Arguments::word(const char* key) {
   const auto* value = find(key);
   if (value == nullptr) return {};
   if (value->is_string()) return value->get<std::string>();
-  complain(fmt::format("{}: expected a text, got {}", key, value->dump()));
+  complain("{}: expected a text, got {}", key, value->dump());
   return {};
 }
 
@@ -52,7 +52,7 @@ bool Arguments::flag(const char* key) {
   const auto* value = find(key);
   if (value == nullptr) return false;
   if (value->is_boolean()) return value->get<bool>();
-  complain(fmt::format("{}: expected true or false, got {}", key, value->dump()));
+  complain("{}: expected true or false, got {}", key, value->dump());
   return false;
 }
 
@@ -66,7 +66,7 @@ std::vector<double> Arguments::numbers(const char* key) {
   if (value == nullptr) return {};
   if (value->is_array() && std::all_of(value->begin(), value->end(), [](const auto& e) { return e.is_number(); }))
     return value->get<std::vector<double>>();
-  complain(fmt::format("{}: expected a list of numbers, got {}", key, value->dump()));
+  complain("{}: expected a list of numbers, got {}", key, value->dump());
   return {};
 }
 
@@ -76,7 +76,7 @@ std::vector<std::string> Arguments::words(const char* key) {
   if (value->is_string()) return {value->get<std::string>()};
   if (value->is_array() && std::all_of(value->begin(), value->end(), [](const auto& e) { return e.is_string(); }))
     return value->get<std::vector<std::string>>();
-  complain(fmt::format("{}: expected texts, got {}", key, value->dump()));
+  complain("{}: expected texts, got {}", key, value->dump());
   return {};
 }
 
@@ -85,15 +85,14 @@ std::optional<Axis> Arguments::axis(const char* key) {
   if (name.empty()) return std::nullopt;
   if (name.size() == 1)
     if (const auto axis = axis_of(name.front())) return axis;
-  complain(fmt::format("{}: expected X, Y or Z, got \"{}\"", key, name));
+  complain("{}: expected X, Y or Z, got \"{}\"", key, name);
   return std::nullopt;
 }
 
 std::optional<Sense> Arguments::sense(bool required) {
   const std::string name = word("sense");
   const auto sense = sense_named(name);
-  if (!sense && (required || !name.empty()))
-    complain(fmt::format("sense: expected EX, EY, EZ, EA, EB or EC, got \"{}\"", name));
+  if (!sense && (required || !name.empty())) complain("sense: expected EX, EY, EZ, EA, EB or EC, got \"{}\"", name);
   return sense;
 }
 
@@ -101,7 +100,7 @@ std::optional<InstrumentKind> Arguments::instrument() {
   const std::string name = word("instrument");
   const auto kind = instrument_named(name);
   if (!kind && !name.empty())
-    complain(fmt::format("instrument: expected linear, straightness, angular, level or square, got \"{}\"", name));
+    complain("instrument: expected linear, straightness, angular, level or square, got \"{}\"", name);
   return kind;
 }
 
@@ -116,7 +115,7 @@ PerAxis<std::optional<double>> Arguments::coordinates(const char* object) {
   const auto* value = find(object);
   if (value == nullptr) return place;
   if (!value->is_object()) {
-    complain(fmt::format("{}: expected {{\"Y\": mm, …}}, got {}", object, value->dump()));
+    complain("{}: expected {{\"Y\": mm, …}}, got {}", object, value->dump());
     return place;
   }
   for (const auto& [name, coordinate] : value->items()) {
@@ -124,7 +123,7 @@ PerAxis<std::optional<double>> Arguments::coordinates(const char* object) {
     if (axis && coordinate.is_number())
       place[index_of(*axis)] = coordinate.get<double>();
     else
-      complain(fmt::format("{}: expected X, Y or Z with a number, got \"{}\": {}", object, name, coordinate.dump()));
+      complain("{}: expected X, Y or Z with a number, got \"{}\": {}", object, name, coordinate.dump());
   }
   return place;
 }
@@ -133,8 +132,7 @@ Result<void> Arguments::checked() {
   for (const auto& [key, value] : request_.items()) {
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
     const std::string like = nearest_word(key, known_);
-    complain(
-        fmt::format("no such argument \"{}\"{}", key, like.empty() ? "" : fmt::format("; did you mean \"{}\"?", like)));
+    complain("no such argument \"{}\"{}", key, like.empty() ? "" : fmt::format("; did you mean \"{}\"?", like));
   }
   if (problems_.empty()) return {};
   return tl::unexpected(folded(std::move(problems_)));
@@ -145,14 +143,13 @@ namespace {
 std::optional<Compensation> compensation_in(Arguments& arguments, const char* key) {
   const std::string name = arguments.word(key);
   const auto named = compensation_named(name);
-  if (!name.empty() && !named)
-    arguments.complain(fmt::format("{}: expected off, manual or automatic, got \"{}\"", key, name));
+  if (!name.empty() && !named) arguments.complain("{}: expected off, manual or automatic, got \"{}\"", key, name);
   return named;
 }
 
 std::optional<double> not_negative_in(Arguments& arguments, const char* key) {
   const auto value = arguments.number(key);
-  if (value && *value < 0.0) arguments.complain(fmt::format("{}: expected 0 or more, got {}", key, *value));
+  if (value && *value < 0.0) arguments.complain("{}: expected 0 or more, got {}", key, *value);
   return value;
 }
 

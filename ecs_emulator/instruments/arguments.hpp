@@ -41,6 +41,11 @@ class Arguments {
   [[nodiscard]] PerAxis<std::optional<double>> coordinates(const char* object);
 
   void complain(std::string message);
+  /// The same with a form and what stands in it.
+  template <class First, class... Rest>
+  void complain(fmt::format_string<First, Rest...> form, First&& first, Rest&&... rest) {
+    complain(fmt::format(form, std::forward<First>(first), std::forward<Rest>(rest)...));
+  }
   /// Call after every argument has been asked for: whatever was not is unknown. `usage` problem with all that is wrong.
   [[nodiscard]] Result<void> checked();
 

@@ -65,7 +65,7 @@ class PlanReader {
     if (name.empty() || name.find('/') != std::string::npos)
       reader_.complain(place_of(row, "name"), "name: expected a name for the file, without a slash");
     if (phase != "both" && phase != "before" && phase != "after")
-      reader_.complain(place_of(row, "phase"), fmt::format("phase: expected before, after or both, got \"{}\"", phase));
+      reader_.complain(place_of(row, "phase"), "phase: expected before, after or both, got \"{}\"", phase);
     Json request = common;
     request["action"] = "measure";
     put_word(request, "axis", row, "axis");
@@ -135,9 +135,8 @@ Result<void> write_measurement(const std::filesystem::path& path, const laser::M
   const std::string renishaw = laser::renishaw_extension(set);
   if (extension == renishaw) return write_text(path, laser::to_renishaw_run(in_renishaw_words(set)));
   return problem(ProblemKind::usage,
-                 fmt::format("{}: expected a name that ends in .csv, {}, .ren, .pos, .dat, .rtx or .env.pos for this "
-                             "measurement",
-                             path.string(), renishaw));
+                 "{}: expected a name that ends in .csv, {}, .ren, .pos, .dat, .rtx or .env.pos for this measurement",
+                 path.string(), renishaw);
 }
 
 }  // namespace ecs::emulator

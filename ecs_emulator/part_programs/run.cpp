@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "base/file.hpp"
 #include "base/result.hpp"
 #include "ecs_emulator/machine/simulation.hpp"
 
@@ -66,15 +67,14 @@ ProgramTrace::ProgramTrace(ProgramTrace&& other) noexcept
 ProgramTrace::~ProgramTrace() {
   if (path_.empty()) return;
   file_.close();
-  std::error_code ignored;
-  std::filesystem::remove(part_, ignored);
+  disc::remove(part_);
 }
 
 Result<ProgramTrace> ProgramTrace::open(const std::filesystem::path& path, double period_s,
                                         const Simulation& simulation) {
   ProgramTrace trace(path, period_s);
   if (!(trace.file_ << header_of(simulation.machine())))
-    return problem(ProblemKind::output, fmt::format("{}: cannot write", trace.part_.string()));
+    return problem(ProblemKind::output, "{}: cannot write", trace.part_.string());
   trace.next_s_ = simulation.machine().time_s();
   return trace;
 }
@@ -98,7 +98,7 @@ Result<void> ProgramTrace::finish() {
   file_.close();
   std::error_code error;
   if (file_) std::filesystem::rename(part_, path_, error);
-  if (!file_ || error) return problem(ProblemKind::output, fmt::format("{}: cannot write", path_.string()));
+  if (!file_ || error) return problem(ProblemKind::output, "{}: cannot write", path_.string());
   path_.clear();
   return {};
 }
@@ -185,9 +185,8 @@ class ProgramRunner {
     result_.summary = std::move(summary);
     for (const auto& [number, line] : result_.summary.tools)
       if (!simulation_.has_tool(static_cast<std::uint16_t>(number)))
-        return problem_at(
-            program_.file, line, 0,
-            fmt::format("M06: the magazine has no tool {}; see [[emulator.tool]] of the machine file", number));
+        return problem_at(program_.file, line, 0,
+                          "M06: the magazine has no tool {}; see [[emulator.tool]] of the machine file", number);
     if (!order_.axis) return {};
     if (result_.summary.readings == 0) return wrong("expected a program with readings (M08)");
     if (result_.summary.readings > kMostReadings)

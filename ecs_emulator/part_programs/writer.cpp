@@ -139,7 +139,7 @@ Result<void> fits(const MeasurementPlan& plan) {
     if ((targets[i] - targets[i - 1]) * (targets[1] - targets[0]) <= 0.0)
       return problem(ProblemKind::usage, "targets: expected one direction");
   if (!(plan.feed_mm_min >= kSlowestFeed_mm_min))
-    return problem(ProblemKind::usage, fmt::format("feed: expected {} mm/min or more", kSlowestFeed_mm_min));
+    return problem(ProblemKind::usage, "feed: expected {} mm/min or more", kSlowestFeed_mm_min);
   if (!(plan.dwell_s >= 0.0 && plan.dwell_s <= 86'400.0))
     return problem(ProblemKind::usage, "dwell: expected 0 to 86400 s");
   if (!(plan.overrun_mm >= 0.0)) return problem(ProblemKind::usage, "overrun: expected 0 mm or more");

@@ -27,7 +27,7 @@ void word_into(TomlReader& reader, const toml::table& table, std::string_view ke
     }
     expected += fmt::format("{}{}", expected.empty() ? "" : " or ", name);
   }
-  reader.complain(*table.get(key), fmt::format("{}: expected {}, got \"{}\"", key, expected, *word));
+  reader.complain(*table.get(key), "{}: expected {}, got \"{}\"", key, expected, *word);
 }
 
 TransducerSettings transducer_of(TomlReader& reader, const toml::table& table) {
@@ -143,24 +143,23 @@ void compensation_into(TomlReader& reader, const toml::table& table, const char*
   if (const auto named = compensation_named(*word))
     value = *named;
   else
-    reader.complain(*table.get(key), fmt::format("{}: expected off, manual or automatic, got \"{}\"", key, *word));
+    reader.complain(*table.get(key), "{}: expected off, manual or automatic, got \"{}\"", key, *word);
 }
 
 void flag_into(TomlReader& reader, const toml::table& table, const char* key, bool& value) {
   const toml::node* node = table.get(key);
   if (node == nullptr) return;
-  if (!node->is_boolean()) return reader.complain(*node, fmt::format("{}: expected true or false", key));
+  if (!node->is_boolean()) return reader.complain(*node, "{}: expected true or false", key);
   value = node->value_or(false);
 }
 
 /// What no single value shows.
 void judge(TomlReader& reader, const toml::table& table, const LaserSettings& laser) {
   if (laser.wavelength_nm < 300.0 || laser.wavelength_nm > 1700.0)
-    reader.complain(*table.get("wavelength_nm"),
-                    fmt::format("wavelength_nm: expected 300 to 1700, got {}", laser.wavelength_nm));
+    reader.complain(*table.get("wavelength_nm"), "wavelength_nm: expected 300 to 1700, got {}", laser.wavelength_nm);
   if (laser.nonlinearity_cycles != 1.0 && laser.nonlinearity_cycles != 2.0)
-    reader.complain(*table.get("nonlinearity_cycles"),
-                    fmt::format("nonlinearity_cycles: expected 1 or 2, got {}", laser.nonlinearity_cycles));
+    reader.complain(*table.get("nonlinearity_cycles"), "nonlinearity_cycles: expected 1 or 2, got {}",
+                    laser.nonlinearity_cycles);
 }
 
 LaserSettings read_laser_settings(TomlReader& reader, const toml::table& table) {
@@ -178,8 +177,7 @@ void serial_number_into(TomlReader& reader, const toml::table& table, std::strin
   const auto word = reader.word(table, "serial_number");
   if (!word) return;
   if (word->empty() || word->size() > 16)
-    reader.complain(*table.get("serial_number"),
-                    fmt::format("serial_number: expected 1 to 16 characters, got {}", word->size()));
+    reader.complain(*table.get("serial_number"), "serial_number: expected 1 to 16 characters, got {}", word->size());
   else
     serial_number = *word;
 }
@@ -191,7 +189,7 @@ void seed_into(TomlReader& reader, const toml::table& table, std::uint64_t& seed
   if (number <= kGreatest)
     seed = static_cast<std::uint64_t>(number);
   else
-    reader.complain(*table.get("seed"), fmt::format("seed: expected at most {:.0f}, got {}", kGreatest, number));
+    reader.complain(*table.get("seed"), "seed: expected at most {:.0f}, got {}", kGreatest, number);
 }
 
 std::vector<MagazineTool> magazine_of(TomlReader& reader, const toml::table& table) {
@@ -207,7 +205,7 @@ std::vector<MagazineTool> magazine_of(TomlReader& reader, const toml::table& tab
                   {"z_mm", &to[2]}});
     tool.number = static_cast<std::uint16_t>(number);
     if (std::any_of(tools.begin(), tools.end(), [&](const MagazineTool& one) { return one.number == tool.number; }))
-      reader.complain(*its, fmt::format("tool: a second one with the number {}", tool.number));
+      reader.complain(*its, "tool: a second one with the number {}", tool.number);
     tools.push_back(tool);
   }
   return tools;
@@ -286,9 +284,8 @@ Result<WorkshopMachine> parse_workshop_machine(std::string_view text, const std:
   for (const Axis a : kAllAxes) {
     const auto& axis = workshop.machine.axes[index_of(a)];
     if (axis && (axis->datum_mm < axis->travel_mm[0] || axis->datum_mm > axis->travel_mm[1]))
-      reader.complain(1,
-                      fmt::format("axis.{}: expected datum_mm within travel_mm, or the control cannot go there, got {}",
-                                  letter_of(a), axis->datum_mm));
+      reader.complain(1, "axis.{}: expected datum_mm within travel_mm, or the control cannot go there, got {}",
+                      letter_of(a), axis->datum_mm);
   }
   if (const auto* own = reader.child(table, "emulator")) workshop.settings = settings_of(reader, *own, folder);
   reference_towards_datum(table, workshop);

@@ -22,14 +22,14 @@ void number_into(TomlReader& reader, const toml::table& table, std::string_view 
   constexpr std::array<std::string_view, 4> kWanted{"a number", "0 or more", "a number above 0", "anything but 0"};
   const std::string wanted = range != nullptr ? fmt::format("{} to {}", range->low, range->high)
                                               : std::string(kWanted[static_cast<std::size_t>(sign)]);
-  reader.complain(*table.get(key), fmt::format("{}: expected {}, got {}", key, wanted, *found));
+  reader.complain(*table.get(key), "{}: expected {}, got {}", key, wanted, *found);
 }
 
 void required_into(TomlReader& reader, const toml::table& table, std::string_view key, Bounds may, double& value) {
   if (table.contains(key))
     number_into(reader, table, key, may, value);
   else
-    reader.complain(table, fmt::format("{}: expected a number, it is missing", key));
+    reader.complain(table, "{}: expected a number, it is missing", key);
 }
 
 void numbers_into(TomlReader& reader, const toml::table& table, std::string_view what,
@@ -39,8 +39,7 @@ void numbers_into(TomlReader& reader, const toml::table& table, std::string_view
   for (const NumberField& field : fields) {
     (field.required ? required_into : number_into)(reader, table, field.key, field.may, *field.value);
     if (*field.value > field.most)
-      reader.complain(*table.get(field.key),
-                      fmt::format("{}: expected at most {}, got {}", field.key, field.most, *field.value));
+      reader.complain(*table.get(field.key), "{}: expected at most {}, got {}", field.key, field.most, *field.value);
   }
 }
 
@@ -50,7 +49,7 @@ void sign_into(TomlReader& reader, const toml::table& table, std::string_view ke
   if (*found == 1.0 || *found == -1.0)
     value = *found > 0.0 ? 1 : -1;
   else
-    reader.complain(*table.get(key), fmt::format("{}: expected 1 or -1, got {}", key, *found));
+    reader.complain(*table.get(key), "{}: expected 1 or -1, got {}", key, *found);
 }
 
 }  // namespace ecs::emulator

@@ -25,8 +25,7 @@ namespace {
 constexpr std::uint8_t kErasedEprom = 0xFF;
 constexpr std::uint32_t kIdentificationAt = 0x400;
 constexpr std::string_view kIdentification =
-    "ECS UNIT FIRMWARE 1.2 VIRTUAL WORKSHOP\n"
-    "EPROM 000000-00FFFF RAM 040000-04FFFF AXIS MEMORY 100000 AND 200000\n";
+    "ECS UNIT FIRMWARE 1.2 VIRTUAL WORKSHOP\nEPROM 000000-00FFFF RAM 040000-04FFFF AXIS MEMORY 100000 AND 200000\n";
 
 /// Reset vectors of the 68000 and the identification.
 void burn(std::vector<std::uint8_t>& eprom) {
@@ -240,10 +239,9 @@ Result<void> restore(UnitMemory& memory, const std::filesystem::path& path) {
     std::size_t expected = kMagic.size();
     for (std::size_t i = 0; i < kPartsOfMaps; ++i) expected += parts[i].size;
     return problem_at(path.string(), 0, 0,
-                      fmt::format("expected the battery memory of a unit with {} memory module(s), {} bytes or those "
-                                  "and its records, got {} bytes; give another file, or delete it to begin with an "
-                                  "empty memory",
-                                  memory.modules(), expected, content.size()));
+                      "expected the battery memory of a unit with {} memory module(s), {} bytes or those and its "
+                      "records, got {} bytes; give another file, or delete it to begin with an empty memory",
+                      memory.modules(), expected, content.size());
   }
   std::size_t at = kMagic.size();
   for (std::size_t i = 0; i < part_count; ++i) {
@@ -310,13 +308,12 @@ Result<BatteryLock> BatteryLock::take(const std::filesystem::path& battery) {
   for (const auto end = Clock::now() + kPatience;;) {
     Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0644));
     if (file.get() < 0)
-      return problem(ProblemKind::output,
-                     fmt::format("{}: cannot make this file: {}", path.string(), std::strerror(errno)));
+      return problem(ProblemKind::output, "{}: cannot make this file: {}", path.string(), std::strerror(errno));
     if (!is_ours(file.get()))
       return problem(ProblemKind::output,
-                     fmt::format("{}: expected the lock file of an ecs-emulator that uses the memory, found another "
-                                 "file; remove it, or give another file for the memory",
-                                 path.string()));
+                     "{}: expected the lock file of an ecs-emulator that uses the memory, found another file; remove "
+                     "it, or give another file for the memory",
+                     path.string());
     const bool locked = ::flock(file.get(), LOCK_EX | LOCK_NB) == 0;
     if (locked && still_named(file.get(), path)) {
       sign(file.get());
@@ -325,8 +322,8 @@ Result<BatteryLock> BatteryLock::take(const std::filesystem::path& battery) {
     if (!locked && Clock::now() > end) {
       const std::string holder = content_of(file.get());
       return problem(ProblemKind::output,
-                     fmt::format("{}: another ecs-emulator ({}) uses this memory; end it, or give another file",
-                                 battery.string(), holder.empty() ? "unknown" : holder));
+                     "{}: another ecs-emulator ({}) uses this memory; end it, or give another file", battery.string(),
+                     holder.empty() ? "unknown" : holder);
     }
     std::this_thread::sleep_for(kBetweenTries);
   }

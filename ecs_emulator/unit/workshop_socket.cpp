@@ -6,7 +6,6 @@
 #include <cstring>
 #include <utility>
 
-#include <fmt/format.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -24,8 +23,8 @@ Result<sockaddr_un> address_of(const std::filesystem::path& path) {
   address.sun_family = AF_UNIX;
   const std::string name = path.string();
   if (name.empty() || name.size() >= sizeof(address.sun_path))
-    return problem(ProblemKind::usage,
-                   fmt::format("{}: expected a socket name of 1 to {} characters", name, sizeof(address.sun_path) - 1));
+    return problem(ProblemKind::usage, "{}: expected a socket name of 1 to {} characters", name,
+                   sizeof(address.sun_path) - 1);
   std::copy(name.begin(), name.end(), std::begin(address.sun_path));
   return address;
 }
@@ -63,13 +62,13 @@ Result<WorkshopSocket> WorkshopSocket::listen_at(const std::filesystem::path& pa
   ECS_TRY(address, address_of(path));
   Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   if (connected(probe.get(), address))
-    return problem(ProblemKind::output, fmt::format("{}: another workshop listens here", path.string()));
+    return problem(ProblemKind::output, "{}: another workshop listens here", path.string());
   std::error_code ignored;
   if (std::filesystem::is_socket(path, ignored)) ::unlink(path.c_str());
   Descriptor listener(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (listener.get() < 0 || ::bind(listener.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0 ||
       ::listen(listener.get(), 8) != 0)
-    return problem(ProblemKind::output, fmt::format("{}: cannot listen here: {}", path.string(), reason()));
+    return problem(ProblemKind::output, "{}: cannot listen here: {}", path.string(), reason());
   return WorkshopSocket(std::move(listener), path);
 }
 
@@ -136,8 +135,8 @@ Result<std::string> ask_workshop(const std::filesystem::path& socket, const std:
   const Descriptor line(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   if (!connected(line.get(), address))
     return problem(ProblemKind::link,
-                   fmt::format("{}: no workshop listens here ({}); start one with `ecs-emulator serve --workshop {}`",
-                               socket.string(), reason(), socket.string()));
+                   "{}: no workshop listens here ({}); start one with `ecs-emulator serve --workshop {}`",
+                   socket.string(), reason(), socket.string());
   if (!send_all(line.get(), request + "\n")) return problem(ProblemKind::link, "the workshop closed the connection");
   std::string received;
   std::array<char, 4096> piece{};

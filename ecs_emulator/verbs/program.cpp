@@ -49,8 +49,7 @@ Result<Outcome> write_all(const fs::path& folder, const std::vector<ProgramFile>
   std::vector<std::string> names;
   for (const ProgramFile& file : files) names.push_back((folder / file.name).string());
   ECS_DO(spared(names, force));
-  std::error_code error;
-  fs::create_directories(folder, error);
+  disc::make_folders(folder);
   for (const ProgramFile& file : files) ECS_DO(write_file(folder / file.name, file.text));
   return Outcome{fmt::format("{} programs in {}", files.size(), folder.string()), {}};
 }

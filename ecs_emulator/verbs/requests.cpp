@@ -245,7 +245,7 @@ Result<Outcome> printed(const std::string& answer) {
     return Outcome{};
   }
   if (!parsed.is_object() || !parsed.contains("error"))
-    return problem(ProblemKind::link, fmt::format("expected one JSON object from the workshop, got {}", answer));
+    return problem(ProblemKind::link, "expected one JSON object from the workshop, got {}", answer);
   return problem(kind_of(parsed.value("exit", 5)), parsed["error"].value("message", answer));
 }
 
@@ -362,8 +362,7 @@ struct PlanRequest {
 Result<Outcome> follow_plan(VerbContext& context, const PlanRequest& arguments) {
   PlanChoice choice = arguments.choice;
   choice.folder = std::filesystem::absolute(arguments.folder);
-  std::error_code error;
-  std::filesystem::create_directories(choice.folder, error);
+  disc::make_folders(choice.folder);
   ECS_TRY(requests, requests_of(arguments.plan, choice));
   for (const std::string& request : requests)  // all of them before the first is measured
     ECS_DO(spared_by(Json::parse(request), arguments.force));

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -60,8 +59,7 @@ Answer follow_plan(const Workshop& workshop, Arguments& arguments,
   std::vector<std::string> files;
   for (const std::string& request : requests) files.push_back(Json::parse(request)["output"][0]);
   ECS_DO(none_there(files, "give another folder"));
-  std::error_code error;
-  std::filesystem::create_directories(choice.folder, error);
+  disc::make_folders(choice.folder);
   for (std::size_t k = 0; k < requests.size(); ++k) {
     if (report) report(Json{{"progress", static_cast<double>(k) / static_cast<double>(requests.size())}}.dump());
     const Json request = Json::parse(requests[k]);
@@ -270,7 +268,7 @@ Result<void> fail_sensor(const Workshop& workshop, Arguments& arguments) {
   else if (how == "shifted")
     failure = SensorFailure::shifted;
   else if (!back)
-    arguments.complain(fmt::format("how: expected open, stuck or shifted, got \"{}\"", how));
+    arguments.complain("how: expected open, stuck or shifted, got \"{}\"", how);
   ECS_DO(arguments.checked());
   workshop.unit->fail_sensor(static_cast<std::size_t>(input - 1), failure,
                              failure == SensorFailure::shifted ? by_degC : 0.0);
@@ -343,8 +341,8 @@ Result<void> provoke(const Workshop& workshop, Arguments& arguments) {
     return fault.provoke(workshop, arguments);
   }
   if (const auto line = protocol::link_fault_named(name)) return line_fault(workshop, arguments, *line);
-  return problem(ProblemKind::usage, fmt::format("name: expected {}{}, got \"{}\"", names,
-                                                 fmt::join(protocol::kLinkFaultNames, ", "), name));
+  return problem(ProblemKind::usage, "name: expected {}{}, got \"{}\"", names,
+                 fmt::join(protocol::kLinkFaultNames, ", "), name);
 }
 
 }  // namespace ecs::emulator

@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "base/text.hpp"
 #include "ecs_emulator/workshop/procedures.hpp"
 
@@ -17,11 +15,10 @@ Result<void> check(const params::Machine& machine, const Sweep& sweep) {
     const bool moves = r == sweep.axis;
     const auto& axis = machine.rotary[r];
     if (!axis && (moves || sweep.parked_deg[r] != 0.0))
-      return problem(ProblemKind::usage, fmt::format("this machine has no rotary axis {}", "ABC"[r]));
+      return problem(ProblemKind::usage, "this machine has no rotary axis {}", "ABC"[r]);
     const auto refused = [&](double angle_deg) -> Result<void> {
-      return problem(ProblemKind::usage,
-                     fmt::format("{} {} deg: expected an angle within its travel {} … {} deg", "ABC"[r], angle_deg,
-                                 axis -> travel_deg[0], axis -> travel_deg[1]));
+      return problem(ProblemKind::usage, "{} {} deg: expected an angle within its travel {} … {} deg", "ABC"[r],
+                     angle_deg, axis -> travel_deg[0], axis -> travel_deg[1]);
     };
     const auto within = [&](double angle_deg) {
       return angle_deg >= axis->travel_deg[0] && angle_deg <= axis->travel_deg[1];
@@ -32,7 +29,7 @@ Result<void> check(const params::Machine& machine, const Sweep& sweep) {
     if (!moves && axis && !within(sweep.parked_deg[r])) return refused(sweep.parked_deg[r]);
   }
   if (sweep.targets_deg.size() < 2)
-    return problem(ProblemKind::usage, fmt::format("{}: expected two targets or more", "ABC"[sweep.axis]));
+    return problem(ProblemKind::usage, "{}: expected two targets or more", "ABC"[sweep.axis]);
   return {};
 }
 
@@ -49,10 +46,10 @@ Result<Vector3> linear_axes_at(const TurningGeometry& geometry, const params::Ma
     const auto& travel = machine.axes[index_of(axis)]->travel_mm;
     if (place[index_of(axis)] < travel[0] || place[index_of(axis)] > travel[1])
       return problem(ProblemKind::usage,
-                     fmt::format("at A {:g} B {:g} C {:g} deg the ball is at {} {:.1f} mm, beyond its travel {} … {} "
-                                 "mm: set it up elsewhere, or turn less",
-                                 angle_deg[0], angle_deg[1], angle_deg[2], letter_of(axis), place[index_of(axis)],
-                                 travel[0], travel[1]));
+                     "at A {:g} B {:g} C {:g} deg the ball is at {} {:.1f} mm, beyond its travel {} … {} "
+                     "mm: set it up elsewhere, or turn less",
+                     angle_deg[0], angle_deg[1], angle_deg[2], letter_of(axis), place[index_of(axis)], travel[0],
+                     travel[1]);
   }
   return place;
 }
@@ -154,8 +151,8 @@ Result<laser::MeasurementSet> ball_readings(Simulation& simulation, const BallPl
                    "expected a machine file with rotary axes: configuration = \"XYACTZ\", [axis.A], [axis.C]");
   for (const Axis axis : kAllAxes)
     if (!machine.axes[index_of(axis)])
-      return problem(ProblemKind::usage,
-                     fmt::format("expected X, Y and Z to follow the ball, the machine has no {}", letter_of(axis)));
+      return problem(ProblemKind::usage, "expected X, Y and Z to follow the ball, the machine has no {}",
+                     letter_of(axis));
   const TurningGeometry geometry = turning_geometry_of(machine, plan.tool_offset_mm);
   const Vector3 workpiece_mm = turning_pose(geometry, {}, {}, plan.ball_mm, {}).nominal_mm;
   laser::MeasurementSet set = begun(machine, "ball on the table");
@@ -249,8 +246,8 @@ Result<laser::MeasurementSet> turn_readings(Simulation& simulation, const TurnPl
 
 Result<Sweep> sweep_in(std::string_view text) {
   const auto wrong = [&](std::string_view part) {
-    return problem(ProblemKind::usage,
-                   fmt::format("sweep: expected such as \"C=0:330:30\" or \"C=0,45,180/A=-60\", found \"{}\"", part));
+    return problem(ProblemKind::usage, "sweep: expected such as \"C=0:330:30\" or \"C=0,45,180/A=-60\", found \"{}\"",
+                   part);
   };
   Sweep sweep;
   bool first = true;

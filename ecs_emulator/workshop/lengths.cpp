@@ -76,9 +76,7 @@ class LengthPlanReader {
     words >> name;
     if (entry.key == "set_up") words >> kind;
     if (!(words >> v[0] >> v[1] >> v[2])) {
-      findings_.add(
-          0, 0,
-          fmt::format("{}: expected a name and three numbers, found {}", entry.key, laser::in_quotes(entry.value)));
+      findings_.add(0, 0, "{}: expected a name and three numbers, found {}", entry.key, laser::in_quotes(entry.value));
       return;
     }
     if (entry.key == "tool") {
@@ -88,9 +86,8 @@ class LengthPlanReader {
       return;
     }
     if (kind != "interferometer" && kind != "tracker" && kind != "ball_bar") {
-      findings_.add(0, 0,
-                    fmt::format("set_up {}: expected interferometer, tracker or ball_bar, found {}", name,
-                                laser::in_quotes(kind)));
+      findings_.add(0, 0, "set_up {}: expected interferometer, tracker or ball_bar, found {}", name,
+                    laser::in_quotes(kind));
       return;
     }
     TrueSetUp set_up{kind == "interferometer", kind == "ball_bar", v, v, drawn(settings_.scale_um_per_m)};
@@ -106,8 +103,7 @@ class LengthPlanReader {
     const auto set_up = set_ups_.find(cells[0]);
     const auto tool = tools_.find(cells[2]);
     if (set_up == set_ups_.end() || tool == tools_.end()) {
-      findings_.add(line, 0,
-                    fmt::format("set_up {}, tool {}: expected names of the head of the plan", cells[0], cells[2]));
+      findings_.add(line, 0, "set_up {}, tool {}: expected names of the head of the plan", cells[0], cells[2]);
       return std::nullopt;
     }
     MachineState state = simulation_.machine().state();
@@ -120,9 +116,8 @@ class LengthPlanReader {
       }
       const auto [low_mm, high_mm] = simulation_.machine().travel_mm()[a];
       if (simulation_.machine().has(static_cast<Axis>(a)) && (*mm < low_mm || *mm > high_mm)) {
-        findings_.add(line, 0,
-                      fmt::format("expected {} within {:g} to {:g} mm, found {:g}", letter_of(kAllAxes[a]), low_mm,
-                                  high_mm, *mm));
+        findings_.add(line, 0, "expected {} within {:g} to {:g} mm, found {:g}", letter_of(kAllAxes[a]), low_mm,
+                      high_mm, *mm);
         return std::nullopt;
       }
       state.position_mm[a] = *mm;

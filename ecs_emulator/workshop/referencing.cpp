@@ -1,7 +1,5 @@
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "ecs_emulator/workshop/procedures.hpp"
 
 namespace ecs::emulator {
@@ -60,7 +58,7 @@ class ReferenceCycle {
     machine_.stop();
     if (!whole) return stopped_early();
     if (met) return {};
-    return problem(ProblemKind::refused, fmt::format("{}: alarm of the control: {}", letter_of(name_), alarm));
+    return problem(ProblemKind::refused, "{}: alarm of the control: {}", letter_of(name_), alarm);
   }
 
   [[nodiscard]] Result<void> seek_marker(double direction) {
@@ -90,8 +88,8 @@ class ReferenceCycle {
         },
         "no marker within 120 mm of the switch");
     if (marked && left)
-      return problem(ProblemKind::refused,
-                     fmt::format("{}: alarm of the control: the switch opened before a marker came", letter_of(name_)));
+      return problem(ProblemKind::refused, "{}: alarm of the control: the switch opened before a marker came",
+                     letter_of(name_));
     return marked;
   }
 

@@ -242,7 +242,7 @@ Result<void> serve(const ServeOptions& given, const std::atomic<int>& stop,
   if (!options.fixed_code) options.arm_code = protocol::code_by_chance();
   ECS_TRY(simulation, simulation_for(options.machine, options.errors, options.seed, options.serial_number));
   if (options.memory_modules < 1 || options.memory_modules > kMostModules)
-    return problem(ProblemKind::usage, fmt::format("memory modules: expected 1 to {}", kMostModules));
+    return problem(ProblemKind::usage, "memory modules: expected 1 to {}", kMostModules);
   const std::string serial_number = simulation.description().settings.serial_number;
   // What another process may hold is claimed before anything of it can be spoilt: battery, door, then the line's link.
   std::optional<BatteryLock> battery;

@@ -4,8 +4,6 @@
 #include <set>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "ecs_emulator/instruments/measurement.hpp"
 #include "ecs_emulator/workshop/procedures.hpp"
 
@@ -138,9 +136,9 @@ Result<AxisComponents> components_along(const Simulation& simulation, const PerA
     for (const double position_mm : places_mm[index_of(axis)]) {
       if (const auto mixed = survey.mixed(axis, position_mm))
         return problem(ProblemKind::refused,
-                       fmt::format("{} also depends on the position of another axis: its error is not a function of {} "
-                                   "alone; use `ecs-emulator survey`, which moves to every position",
-                                   name_of(*mixed), letter_of(axis)));
+                       "{} also depends on the position of another axis: its error is not a function of {} "
+                       "alone; use `ecs-emulator survey`, which moves to every position",
+                       name_of(*mixed), letter_of(axis));
       for (const Approach approach : {Approach::forward, Approach::reverse}) {
         const ComponentValues values = survey.at(axis, position_mm, approach, datum_mm);
         auto& into = approach == Approach::forward ? out.forward : out.reverse;

@@ -99,10 +99,10 @@ Vector3 asked_angles(const Simulation& simulation, Arguments& arguments) {
     const auto& axis = simulation.description().machine.rotary[r];
     if (!asked) continue;
     if (!axis)
-      arguments.complain(fmt::format("this machine has no {}", letter));
+      arguments.complain("this machine has no {}", letter);
     else if (!(*asked >= axis->travel_deg[0] && *asked <= axis->travel_deg[1]))
-      arguments.complain(fmt::format("{}: expected within its travel {} … {} deg, got {}", letter, axis->travel_deg[0],
-                                     axis->travel_deg[1], *asked));
+      arguments.complain("{}: expected within its travel {} … {} deg, got {}", letter, axis->travel_deg[0],
+                         axis->travel_deg[1], *asked);
     angle_deg[r] = *asked;
   }
   return angle_deg;
@@ -115,16 +115,15 @@ Answer jog(const Workshop& workshop, Arguments& arguments) {
   Vector3 target_mm = simulation.machine().command_mm();
   for (const Axis a : kAllAxes) {
     if (!place[index_of(a)]) continue;
-    if (!simulation.machine().has(a)) arguments.complain(fmt::format("this machine has no {}", letter_of(a)));
+    if (!simulation.machine().has(a)) arguments.complain("this machine has no {}", letter_of(a));
     target_mm[index_of(a)] = *place[index_of(a)];
     const auto [low_mm, high_mm] = simulation.machine().travel_mm()[index_of(a)];
     if (!(*place[index_of(a)] >= low_mm - kOvertravel_mm && *place[index_of(a)] <= high_mm + kOvertravel_mm))
-      arguments.complain(fmt::format("{}: expected within its travel {} … {} mm (tolerance {} mm), got {}",
-                                     letter_of(a), low_mm, high_mm, kOvertravel_mm, *place[index_of(a)]));
+      arguments.complain("{}: expected within its travel {} … {} mm (tolerance {} mm), got {}", letter_of(a), low_mm,
+                         high_mm, kOvertravel_mm, *place[index_of(a)]);
   }
   if (feed != 0.0 && !(feed >= kSlowestFeed_mm_min))
-    arguments.complain(
-        fmt::format("feed: expected {} mm/min or more, or 0 for rapid, got {}", kSlowestFeed_mm_min, feed));
+    arguments.complain("feed: expected {} mm/min or more, or 0 for rapid, got {}", kSlowestFeed_mm_min, feed);
   const Vector3 angle_deg = asked_angles(simulation, arguments);
   ECS_DO(arguments.checked());
   simulation.machine().turn_to(angle_deg);
@@ -148,7 +147,7 @@ Answer reference_machine(const Workshop& workshop, Arguments& arguments) {
     if (axis && workshop.simulation->machine().has(*axis))
       axes.push_back(*axis);
     else
-      arguments.complain(fmt::format("axes: expected an axis of this machine, got \"{}\"", name));
+      arguments.complain("axes: expected an axis of this machine, got \"{}\"", name);
   }
   ECS_DO(arguments.checked());
   if (axes.empty())
@@ -172,7 +171,7 @@ std::array<Axis, 2> circle_plane(const Workshop& workshop, Arguments& arguments)
   const auto second = name.size() == 2 ? axis_of(name[1]) : std::nullopt;
   const MachineTool& machine = workshop.simulation->machine();
   if (first && second && first != second && machine.has(*first) && machine.has(*second)) return {*first, *second};
-  arguments.complain(fmt::format("plane: expected two axes of this machine, such as XY, got \"{}\"", name));
+  arguments.complain("plane: expected two axes of this machine, such as XY, got \"{}\"", name);
   return {Axis::X, Axis::Y};
 }
 
@@ -267,7 +266,7 @@ Vector3 asked_vector(Arguments& arguments, const char* key) {
   const std::vector<double> numbers = arguments.numbers(key);
   if (numbers.empty()) return {};
   if (numbers.size() == kAxes) return {numbers[0], numbers[1], numbers[2]};
-  arguments.complain(fmt::format("{}: expected three numbers X,Y,Z", key));
+  arguments.complain("{}: expected three numbers X,Y,Z", key);
   return {};
 }
 
@@ -348,7 +347,7 @@ Answer power(const Workshop& workshop, Arguments& arguments) {
   const std::string state = arguments.word("state");
   if (workshop.unit == nullptr) arguments.complain("this machine has no unit");
   if (state != "on" && state != "off" && state != "cycle")
-    arguments.complain(fmt::format("state: expected on, off or cycle, got \"{}\"", state));
+    arguments.complain("state: expected on, off or cycle, got \"{}\"", state);
   ECS_DO(arguments.checked());
   if (state != "on") workshop.unit->power(false);
   if (state == "cycle") workshop.simulation->come_to_rest();
@@ -398,7 +397,7 @@ Answer change_tool(const Workshop& workshop, Arguments& arguments) {
 /// "Power on" of the control.
 Answer switch_control(const Workshop& workshop, Arguments& arguments) {
   const std::string state = arguments.word("state");
-  if (state != "on" && state != "off") arguments.complain(fmt::format("state: expected on or off, got \"{}\"", state));
+  if (state != "on" && state != "off") arguments.complain("state: expected on or off, got \"{}\"", state);
   ECS_DO(arguments.checked());
   workshop.simulation->switch_control(state == "on");
   workshop.simulation->come_to_rest();

@@ -147,14 +147,14 @@ Result<double> temperature_of(const Reading& reading, const Normalisation& how) 
     const auto sensor = reading.sensors_degC.find(how.sensor);
     if (sensor == reading.sensors_degC.end())
       return problem(ProblemKind::refused,
-                     fmt::format("{}: expected the temperature of the material in {}, found "
-                                 "none: name another column with --material-sensor, or give --material",
-                                 place_of(reading), how.sensor));
+                     "{}: expected the temperature of the material in {}, found "
+                     "none: name another column with --material-sensor, or give --material",
+                     place_of(reading), how.sensor);
     found = sensor->second;
   }
   if (*found >= -50.0 && *found <= 150.0) return *found;
-  return problem(ProblemKind::refused, fmt::format("{}: expected a material temperature of -50 to 150 degC, found {}",
-                                                   place_of(reading), shortest(*found)));
+  return problem(ProblemKind::refused, "{}: expected a material temperature of -50 to 150 degC, found {}",
+                 place_of(reading), shortest(*found));
 }
 
 /// Largest difference between material sensors of one reading.
@@ -215,8 +215,8 @@ Result<Normalised> normalised(const MeasurementSet& set, const Normalisation& ho
       how.instrument_um_per_m_degC ? *how.instrument_um_per_m_degC : instrument_coefficient(set).value_or(0.0);
   for (const double coefficient : {how.coefficient_um_per_m_degC, done.instrument_um_per_m_degC})
     if (!(std::abs(coefficient) <= 1000.0))
-      return problem(ProblemKind::refused,
-                     fmt::format("coefficient: expected at most 1000 um/(m degC), found {}", shortest(coefficient)));
+      return problem(ProblemKind::refused, "coefficient: expected at most 1000 um/(m degC), found {}",
+                     shortest(coefficient));
   const double difference = how.coefficient_um_per_m_degC - done.instrument_um_per_m_degC;
   for (Reading& reading : done.set.readings) {
     if (!is_positioning(reading)) continue;
@@ -245,8 +245,8 @@ Result<Normalised> normalised(const MeasurementSet& set, const Normalisation& ho
 
 Result<MeasurementSet> denormalised(const MeasurementSet& set) {
   if (!is_normalised(set))
-    return problem(ProblemKind::refused, fmt::format("expected readings normalised to 20 degC (column {}), found none",
-                                                     kBeforeNormalisation));
+    return problem(ProblemKind::refused, "expected readings normalised to 20 degC (column {}), found none",
+                   kBeforeNormalisation);
   MeasurementSet back = set;
   for (Reading& reading : back.readings) {
     const auto before = reading.extras.find(kBeforeNormalisation);

@@ -89,7 +89,7 @@ const SquarenessRule* rule_of(Axis along, Axis observed) {
 }
 
 tl::unexpected<Problem> too_few(std::size_t found) {
-  return problem(ProblemKind::refused, fmt::format("a slope needs two targets or more, found {}", found));
+  return problem(ProblemKind::refused, "a slope needs two targets or more, found {}", found);
 }
 
 }  // namespace
@@ -114,10 +114,10 @@ Result<Zeroed> zeroed_at(const Curve& curve, double datum_mm) {
   const auto at_datum = point_at(means, datum_mm, curve.merge_tolerance_mm, false);
   if (!at_datum) {
     if (means.empty()) return problem(ProblemKind::refused, "a curve without points has no value at the datum");
-    return problem(ProblemKind::refused,
-                   fmt::format("the datum {} mm lies outside the measured travel {} to {} mm: measure there, or give "
-                               "a position inside",
-                               datum_mm, means.front().position_mm, means.back().position_mm));
+    return problem(
+        ProblemKind::refused,
+        "the datum {} mm lies outside the measured travel {} to {} mm: measure there, or give a position inside",
+        datum_mm, means.front().position_mm, means.back().position_mm);
   }
   Zeroed result{curve, at_datum->value};
   subtract(result.curve, {at_datum->value, 0.0});
@@ -129,8 +129,8 @@ Result<Squareness> squareness_of(const Curve& indicator) {
       is_rotation(indicator.sense) ? nullptr : rule_of(indicator.axis, direction_of(indicator.sense));
   if (rule == nullptr)
     return problem(ProblemKind::refused,
-                   fmt::format("squareness needs readings across the axis run along (EX, EY, EZ), found {} along {}",
-                               ecs::name_of(indicator.sense), letter_of(indicator.axis)));
+                   "squareness needs readings across the axis run along (EX, EY, EZ), found {} along {}",
+                   ecs::name_of(indicator.sense), letter_of(indicator.axis));
   const auto means = mean_points(indicator);
   if (means.size() < 2) return too_few(means.size());
   const Fit fit = through_all(means);
@@ -200,14 +200,12 @@ Result<Smooth> smooth(const std::vector<SidePoint>& side, const Window& window) 
   for (std::size_t i = 0; i < side.size(); ++i) {
     const Reach reach = reach_of(side, i, window);
     if (side.size() < static_cast<std::size_t>(kFewestPoints))
-      return problem(ProblemKind::refused,
-                     fmt::format("the line has {} targets, smoothing needs {} or more: do not smooth it", side.size(),
-                                 kFewestPoints));
+      return problem(ProblemKind::refused, "the line has {} targets, smoothing needs {} or more: do not smooth it",
+                     side.size(), kFewestPoints);
     if (reach.end - reach.begin < kFewestPoints)
-      return problem(
-          ProblemKind::refused,
-          fmt::format("the window contains {} points at {} mm, smoothing needs {} or more: increase it (--smooth)",
-                      reach.end - reach.begin, side[i].position_mm, kFewestPoints));
+      return problem(ProblemKind::refused,
+                     "the window contains {} points at {} mm, smoothing needs {} or more: increase it (--smooth)",
+                     reach.end - reach.begin, side[i].position_mm, kFewestPoints);
     const Eigen::VectorXd weights = weights_of(side, i, reach);
     double value = 0.0;
     for (std::size_t k = reach.begin; k < reach.end; ++k) {
@@ -226,10 +224,10 @@ Result<Curve> as_mean_and_reversal(const Curve& curve) {
   Curve turned = curve;
   for (CurvePoint& point : turned.points) {
     if (!point.forward || !point.reverse)
-      return problem(ProblemKind::refused,
-                     fmt::format("smoothing mean and reversal together needs both approaches at every target, "
-                                 "one is missing at {} mm",
-                                 point.position_mm));
+      return problem(
+          ProblemKind::refused,
+          "smoothing mean and reversal together needs both approaches at every target, one is missing at {} mm",
+          point.position_mm);
     const double forward = *point.forward;
     point.forward = (forward + *point.reverse) / 2.0;
     point.reverse = forward - *point.reverse;
@@ -378,8 +376,8 @@ Result<Curve> resampled(const Curve& curve, const Grid& grid, Beyond beyond) {
     set_side(point, Side::reverse, point_at(reverse, point.position_mm, curve.merge_tolerance_mm, hold));
     if (point.forward.has_value() == forward.empty() || point.reverse.has_value() == reverse.empty())
       return problem(ProblemKind::refused,
-                     fmt::format("the grid point {} mm lies outside the measured travel {} to {} mm of an approach",
-                                 point.position_mm, curve.points.front().position_mm, curve.points.back().position_mm));
+                     "the grid point {} mm lies outside the measured travel {} to {} mm of an approach",
+                     point.position_mm, curve.points.front().position_mm, curve.points.back().position_mm);
     result.points.push_back(point);
   }
   return result;
@@ -446,14 +444,13 @@ Result<Curve> rotation_from(const Curve& first, const Curve& second) {
   if (first.axis != second.axis || first.sense != second.sense)
     return problem(ProblemKind::refused, "the two lines have different errors: expected the same axis and sense");
   if (is_rotation(first.sense))
-    return problem(ProblemKind::refused,
-                   fmt::format("expected translations EX, EY or EZ, found {}", ecs::name_of(first.sense)));
+    return problem(ProblemKind::refused, "expected translations EX, EY or EZ, found {}", ecs::name_of(first.sense));
   ECS_TRY(lever, lever_of(first, second));
   const Axis observed = direction_of(first.sense);
   if (lever == observed)
     return problem(ProblemKind::refused,
-                   fmt::format("the lines differ along {}, the direction of the readings: no rotation acts there",
-                               letter_of(lever)));
+                   "the lines differ along {}, the direction of the readings: no rotation acts there",
+                   letter_of(lever));
   const Rotation rotation = rotation_of(observed, lever);
   const double distance_mm = first.parked_mm[index_of(lever)] - second.parked_mm[index_of(lever)];
   Curve result;
@@ -474,10 +471,9 @@ Result<Curve> rotation_from(const Curve& first, const Curve& second) {
   }
   if (result.points.size() < 2)
     return problem(ProblemKind::refused,
-                   fmt::format("these are two parallel lines of {}, whose difference would give an angle; they have {} "
-                               "target{} in common, "
-                               "expected two or more",
-                               letter_of(first.axis), result.points.size(), result.points.size() == 1 ? "" : "s"));
+                   "these are two parallel lines of {}, whose difference would give an angle; they have {} target{} in "
+                   "common, expected two or more",
+                   letter_of(first.axis), result.points.size(), result.points.size() == 1 ? "" : "s");
   if (result.points.size() < first.points.size())
     result.notes.push_back(fmt::format("{} targets outside the other line's travel are ignored",
                                        first.points.size() - result.points.size()));

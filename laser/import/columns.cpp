@@ -144,7 +144,7 @@ Result<std::vector<ColumnRule>> column_rules(std::string_view text) {
       problems.push_back(usage({}, fmt::format("columns: {}: {}", rule.field.empty() ? "rule" : rule.field, fault)));
     rules.push_back(std::move(rule));
   }
-  if (rules.empty()) return problem(ProblemKind::usage, fmt::format("columns: expected {}, found nothing", kForm));
+  if (rules.empty()) return problem(ProblemKind::usage, "columns: expected {}, found nothing", kForm);
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
   return rules;
 }

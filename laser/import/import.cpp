@@ -88,9 +88,9 @@ Result<Imported> turned(Result<Imported> imported, const ImportOptions& options)
     if (reading.rotary || reading.axis != *options.axis) continue;
     if (!holds_positions && !is_rotation(reading.sense))
       return tl::unexpected(
-          usage(imported->set.source, fmt::format("a rotary axis is measured as an angle: expected the "
-                                                  "sense EA, EB or EC, found {}",
-                                                  ecs::name_of(reading.sense))));
+          usage(imported->set.source,
+                fmt::format("a rotary axis is measured as an angle: expected the sense EA, EB or EC, found {}",
+                            ecs::name_of(reading.sense))));
     const std::size_t i = index_of(reading.axis);
     reading.rotary = true;
     reading.angle_deg[i] = reading.position_mm[i] * to_deg;
@@ -138,10 +138,10 @@ bool look_exchanged(const MeasurementSet& set, const Group& group) {
 void note_exchanged(MeasurementSet& set) {
   for (const Group& group : groups_of(set))
     if (look_exchanged(set, group))
-      set.notes.push_back(fmt::format(
-          "{}: the readings rise or fall in even steps and the positions do not: the columns of position and reading "
-          "look exchanged",
-          curve_name(group.sense, group.axis, group.rotary)));
+      set.notes.push_back(
+          fmt::format("{}: the readings rise or fall in even steps and the positions do not: the columns of position "
+                      "and reading look exchanged",
+                      curve_name(group.sense, group.axis, group.rotary)));
 }
 
 /// With the nominal ones beside them.
@@ -384,10 +384,9 @@ extern const FileFormat kMeasurementCsv{
           options.approach_unknown ? set_with_approach_open(whole, file_name) : parse_measurement_set(whole, file_name);
       if (set && cut && !options.accept_truncated)
         return problem_at(file_name, cut->line, 1,
-                          fmt::format("the last line is incomplete ({} of {} fields): the file seems to be "
-                                      "truncated. Copy it again, or use --accept-truncated to read the {} complete "
-                                      "readings",
-                                      cut->found, cut->expected, set->readings.size()));
+                          "the last line is incomplete ({} of {} fields): the file seems to be truncated. Copy it "
+                          "again, or use --accept-truncated to read the {} complete readings",
+                          cut->found, cut->expected, set->readings.size());
       if (set && cut) set->notes.push_back(fmt::format("truncated: line {} is incomplete and was left out", cut->line));
       const auto is_other = [&](const Reading& one) { return one.axis != *options.axis; };
       if (set && options.axis && std::ranges::any_of(set->readings, is_other))

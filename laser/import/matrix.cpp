@@ -205,10 +205,10 @@ Result<MeasurementSet> read_matrix(std::string_view text, const std::string& fil
 Result<std::array<MatrixAxis, 2>> matrix_axes(std::string_view text) {
   std::array<MatrixAxis, 2> axes{};
   const auto rules = split(text, ',');
-  const auto wrong = problem(
-      ProblemKind::usage, fmt::format("matrix: expected AXIS=FIRST..LAST*COUNT or AXIS=FIRST+STEP*COUNT, twice, as in "
-                                      "x=xmin..xmax,y=ymin+20, found \"{}\"",
-                                      text));
+  const auto wrong = problem(ProblemKind::usage,
+                             "matrix: expected AXIS=FIRST..LAST*COUNT or AXIS=FIRST+STEP*COUNT, twice, as in "
+                             "x=xmin..xmax,y=ymin+20, found \"{}\"",
+                             text);
   if (rules.size() != axes.size()) return wrong;
   for (std::size_t k = 0; k < axes.size(); ++k) {
     const std::string_view rule = trimmed(rules[k]);

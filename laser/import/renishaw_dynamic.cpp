@@ -85,9 +85,9 @@ Result<Capture> capture_of(const DynamicHead& head, std::string_view bytes, cons
   if (held < capture.count) {
     if (!options.accept_truncated || held == 0)
       return problem_at(file_name, 0, 0,
-                        fmt::format("Data: expected {} samples (Sample no), found {}: the file is truncated; "
-                                    "--accept-truncated reads the complete part",
-                                    capture.count, held));
+                        "Data: expected {} samples (Sample no), found {}: the file is truncated; "
+                        "--accept-truncated reads the complete part",
+                        capture.count, held);
     notes.push_back(fmt::format("truncated: {} of {} samples", held, capture.count));
     capture.count = held;
   }
@@ -130,7 +130,7 @@ Result<MeasurementSet> read_dynamic(std::string_view bytes, const std::string& f
   for (std::size_t i = 0; i < capture.count; i += step) {
     const double value = sample_at(bytes, head->data_at + i * kSampleBytes) * kUmPerMm;
     if (!std::isfinite(value))
-      return problem_at(file_name, 0, 0, fmt::format("Data: expected a finite number as sample {}, found none", i + 1));
+      return problem_at(file_name, 0, 0, "Data: expected a finite number as sample {}, found none", i + 1);
     Reading reading;
     reading.axis = axis;
     reading.sense = sense;

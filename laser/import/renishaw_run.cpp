@@ -405,8 +405,8 @@ Recognition recognises_run(const FileStart& file) {
 Result<std::string> write_run(const MeasurementSet& set, const std::string& file_name) {
   const std::string extension = lower(std::filesystem::path(file_name).extension().string());
   if (!set.readings.empty() && renishaw_extension(set) != extension)
-    return problem(ProblemKind::usage, fmt::format("{}: these readings need a {} file, not {}", file_name,
-                                                   renishaw_extension(set), extension));
+    return problem(ProblemKind::usage, "{}: these readings need a {} file, not {}", file_name, renishaw_extension(set),
+                   extension);
   return to_renishaw_run(set);
 }
 

@@ -63,13 +63,13 @@ Result<Passes> passes_of(const MeasurementSet& set) {
     const auto target = static_cast<std::size_t>(place - passes.targets_mm.begin());
     const int pass = 2 * reading.run - (reading.approach == odd ? 1 : 0);
     if (!passes.errors.emplace(std::pair{pass, target}, reading.error).second)
-      return problem(ProblemKind::refused, fmt::format("expected each target once in run {}, found {} mm again",
-                                                       reading.run, target_mm(reading)));
+      return problem(ProblemKind::refused, "expected each target once in run {}, found {} mm again", reading.run,
+                     target_mm(reading));
   }
   const std::size_t expected = passes.targets_mm.size() * static_cast<std::size_t>(passes.one_way ? runs : 2 * runs);
   if (passes.errors.size() != expected)
-    return problem(ProblemKind::refused,
-                   fmt::format("expected complete runs ({} readings), found {}", expected, passes.errors.size()));
+    return problem(ProblemKind::refused, "expected complete runs ({} readings), found {}", expected,
+                   passes.errors.size());
   return passes;
 }
 

@@ -82,8 +82,8 @@ Result<std::string> to_renishaw_table(const MeasurementSet& set) {
   for (std::size_t i = 0; i < targets.size(); ++i) {
     const double position_mm = targets[i].position_mm;
     if (std::abs(position_mm - first_mm - static_cast<double>(i) * step_mm) > 1e-3)
-      return problem(ProblemKind::refused,
-                     fmt::format("expected targets a constant step apart, {} mm is not", shortest(position_mm)));
+      return problem(ProblemKind::refused, "expected targets a constant step apart, {} mm is not",
+                     shortest(position_mm));
     rows += fmt::format("{:<4}{:15.6f}{:15.9f}\r\n", i + 1, position_mm, -mean_um(targets[i]) / kUmPerMm);
   }
   return fmt::format(

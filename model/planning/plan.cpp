@@ -235,8 +235,7 @@ class PlanJudge {
 }  // namespace
 
 Result<PlanCheck> check_plan(const Model& model, const Observations& plan, double noise_um) {
-  if (!(noise_um > 0.0))
-    return problem(ProblemKind::usage, fmt::format("expected a noise above 0 um, got {}", noise_um));
+  if (!(noise_um > 0.0)) return problem(ProblemKind::usage, "expected a noise above 0 um, got {}", noise_um);
   if (plan.size() == 0) return problem(ProblemKind::bad_input, "the plan has no rows to measure");
   Observations expected = plan;
   std::ranges::fill(expected.reading, 0.0);

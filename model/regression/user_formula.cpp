@@ -49,8 +49,7 @@ std::vector<std::string> names_of(const std::map<std::string, const Column*>& co
 Problem bad_formula(const std::string& effect, const UserFormula& formula, const std::string& what,
                     std::size_t character = 0) {
   const std::string place = character == 0 ? std::string() : fmt::format(", character {}", character);
-  return problem(ProblemKind::bad_input,
-                 fmt::format("effect \"{}\", formula \"{}\"{}: {}", effect, formula.text, place, what))
+  return problem(ProblemKind::bad_input, "effect \"{}\", formula \"{}\"{}: {}", effect, formula.text, place, what)
       .value();
 }
 

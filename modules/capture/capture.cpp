@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/clock.hpp"
+#include "base/file.hpp"
 #include "base/process.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
@@ -219,8 +220,7 @@ void CaptureRun::keep() {
   if (setup_.part.empty()) return;
   settle();
   if (record_.taken().empty()) {
-    std::error_code ignored;
-    std::filesystem::remove(setup_.part, ignored);
+    disc::remove(setup_.part);
     return;
   }
   writing_ = std::async(std::launch::async,
@@ -278,11 +278,6 @@ std::optional<double> age_s(const std::string& utc) {
 
 std::string part_of(const std::string& output) { return output + ".part"; }
 
-bool exists(const std::string& path) {
-  std::error_code error;
-  return std::filesystem::exists(path, error);
-}
-
 /// The command that goes on, with the same devices.
 std::string resuming(const CaptureChoice& choice, const std::string& part) {
   std::vector<std::string> words{"ecs", "laser", "capture", "--resume", part};
@@ -297,17 +292,15 @@ std::string resuming(const CaptureChoice& choice, const std::string& part) {
 }
 
 Result<void> output_is_free(const CaptureChoice& choice, const std::string& output, const std::string& part) {
-  if (exists(part) && choice.resume.empty())
-    return problem(ProblemKind::usage,
-                   fmt::format("{} contains an unfinished capture: continue with `{}`, or remove it", part,
-                               resuming(choice, part)));
-  if (exists(output) && !choice.force)
-    return problem(ProblemKind::usage,
-                   fmt::format("{} already exists: give another name, or --force to overwrite it", output));
+  if (disc::exists(part) && choice.resume.empty())
+    return problem(ProblemKind::usage, "{} contains an unfinished capture: continue with `{}`, or remove it", part,
+                   resuming(choice, part));
+  if (disc::exists(output) && !choice.force)
+    return problem(ProblemKind::usage, "{} already exists: give another name, or --force to overwrite it", output);
   const auto folder = std::filesystem::absolute(part).parent_path();
   if (::access(folder.c_str(), W_OK) != 0)
-    return problem(ProblemKind::output, fmt::format("{} cannot be written: {} is not a folder with write permission",
-                                                    output, folder.string()));
+    return problem(ProblemKind::output, "{} cannot be written: {} is not a folder with write permission", output,
+                   folder.string());
   return {};
 }
 
@@ -417,9 +410,9 @@ Result<void> continue_in(MessageSink& messages, ReadingSource& source, const dev
   const std::size_t lines = record.lines_read(source.name());
   if (!source.leave_out(lines))
     return problem(ProblemKind::bad_input,
-                   fmt::format("{}: expected at least the {} lines read before the interruption; give the whole file, "
-                               "or the rest under another name",
-                               source.name(), lines));
+                   "{}: expected at least the {} lines read before the interruption; give the whole file, "
+                   "or the rest under another name",
+                   source.name(), lines);
   if (lines > 0) messages.note(fmt::format("{}: continued after line {}", source.name(), lines));
   return {};
 }
@@ -480,7 +473,7 @@ Result<CaptureEnd> ended(const CaptureChoice& choice, CaptureRun& run, const std
   if (!run.done()) {
     end.kept = kept_text(choice, run);
     if (interrupted()) return problem(ProblemKind::refused, end.kept);
-    if (!run.stuck().empty()) return problem(ProblemKind::bad_input, fmt::format("{}: {}", run.stuck(), end.kept));
+    if (!run.stuck().empty()) return problem(ProblemKind::bad_input, "{}: {}", run.stuck(), end.kept);
     return end;
   }
   if (end.result.readings.empty()) return problem(ProblemKind::refused, "no target has a reading: no file is written");
@@ -491,8 +484,7 @@ Result<CaptureEnd> ended(const CaptureChoice& choice, CaptureRun& run, const std
   }
   end.file = output;
   static_cast<void>(run.part_is_safe());  // it is being written no more
-  std::error_code ignored;
-  std::filesystem::remove(run.part(), ignored);
+  disc::remove(run.part());
   return end;
 }
 

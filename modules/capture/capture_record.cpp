@@ -35,7 +35,7 @@ Result<std::vector<laser::Reading>> stops_of(const CaptureLine& line) {
   if (line.from_mm == line.to_mm || step == 0.0)
     return problem(ProblemKind::usage, "expected two different ends (--from, --to) and a --step other than 0");
   if (std::abs(line.to_mm - line.from_mm) / step * line.runs * 2.0 > kMostStops)
-    return problem(ProblemKind::usage, fmt::format("a step of {} mm makes more than a million readings", step));
+    return problem(ProblemKind::usage, "a step of {} mm makes more than a million readings", step);
   std::vector<double> targets = targets_of(line);
   const bool rising = line.to_mm > line.from_mm;
   std::vector<laser::Reading> stops;
@@ -295,9 +295,8 @@ void put_stops(const std::vector<laser::Reading>& stops, std::vector<laser::Meta
 Problem broken(const laser::MeasurementSet& part, const std::string& what) {
   return problem_at(
              part.source, 0, 0,
-             fmt::format(
-                 "{}: this is not an unfinished capture, or it was changed; its readings are still a measurement set",
-                 what))
+
+             "{}: this is not an unfinished capture, or it was changed; its readings are still a measurement set", what)
       .value();
 }
 

@@ -54,8 +54,8 @@ class PlanRow {
     const std::string sense = reader_.word(row, "sense").value_or("");
     const auto moved = axis.size() == 1 ? axis_of(axis[0]) : std::nullopt;
     const auto read = sense_named(sense);
-    if (!moved) reader_.complain(row, fmt::format("axis: expected X, Y or Z, found \"{}\"", axis));
-    if (!read) reader_.complain(row, fmt::format("sense: expected EX EY EZ EA EB or EC, found \"{}\"", sense));
+    if (!moved) reader_.complain(row, "axis: expected X, Y or Z, found \"{}\"", axis);
+    if (!read) reader_.complain(row, "sense: expected EX EY EZ EA EB or EC, found \"{}\"", sense);
     line.axis = moved.value_or(Axis::X);
     line.sense = read.value_or(Sense::EX);
     line.from_mm = needed(row, "from_mm");
@@ -72,7 +72,7 @@ class PlanRow {
   }
   double needed(const toml::table& row, std::string_view key) {
     const auto value = reader_.number(row, key);
-    if (!value && !row.contains(key)) reader_.complain(row, fmt::format("{} is missing", key));
+    if (!value && !row.contains(key)) reader_.complain(row, "{} is missing", key);
     return value.value_or(0.0);
   }
 
@@ -332,7 +332,7 @@ Result<std::unique_ptr<ReadingSource>> source_of_file(const std::string& path, b
   if (descriptor < 0 || kind == std::filesystem::file_type::directory) {
     const int why = descriptor < 0 ? errno : EISDIR;
     if (descriptor >= 0) ::close(descriptor);
-    return problem_at(path, 0, 0, fmt::format("the readings cannot be opened: {}", std::strerror(why)));
+    return problem_at(path, 0, 0, "the readings cannot be opened: {}", std::strerror(why));
   }
   return std::make_unique<FileSource>(path, descriptor, fifo, following);
 }

@@ -139,14 +139,13 @@ Result<Outcome> try_trigger(VerbContext& context, const DevicesRequest& request,
     if (trigger.pressed(kWatchStep, steady_s()))
       context.console.note(fmt::format("press {} after {:.2f} s", ++seen, steady_s() - begin_s));
     if (trigger.look(steady_s()) == devices::PortChange::lost)
-      return problem(ProblemKind::link, fmt::format("{} was unplugged", name_of(trigger.port())));
+      return problem(ProblemKind::link, "{} was unplugged", name_of(trigger.port()));
   }
   if (seen < request.count)
-    return problem(
-        ProblemKind::refused,
-        fmt::format(
-            "{} of {} presses were seen within {} s: check [trigger]; `ecs laser devices --learn` finds the bit", seen,
-            request.count, request.timeout_s));
+    return problem(ProblemKind::refused,
+
+                   "{} of {} presses were seen within {} s: check [trigger]; `ecs laser devices --learn` finds the bit",
+                   seen, request.count, request.timeout_s);
   return outcome_of(record_cell("{presses} presses\n", "presses"_is(seen)));
 }
 
@@ -166,7 +165,7 @@ Result<Outcome> try_sensor(VerbContext& context, const DevicesRequest& request, 
   while (seen < request.count && !interrupted() && steady_s() - begin_s < request.timeout_s) {
     sensor.attend(steady_s());
     if (sensor.look(steady_s()) == devices::PortChange::lost)
-      return problem(ProblemKind::link, fmt::format("{} was unplugged", name_of(sensor.port())));
+      return problem(ProblemKind::link, "{} was unplugged", name_of(sensor.port()));
     if (sensor.answers() > seen) {
       seen = sensor.answers();
       const devices::Values values = sensor.values(steady_s(), kPause_s);
@@ -177,11 +176,10 @@ Result<Outcome> try_sensor(VerbContext& context, const DevicesRequest& request, 
     std::this_thread::sleep_for(kWatchStep);
   }
   if (seen < request.count)
-    return problem(
-        ProblemKind::refused,
-        fmt::format(
-            "{} gave a value {} times of {} within {} s: check its description and that its probe is plugged in",
-            name_of(sensor.port()), seen, request.count, request.timeout_s));
+    return problem(ProblemKind::refused,
+
+                   "{} gave a value {} times of {} within {} s: check its description and that its probe is plugged in",
+                   name_of(sensor.port()), seen, request.count, request.timeout_s);
   return Outcome{text, one_line(object_of("answers"_is(answers))), kDone};
 }
 
@@ -200,8 +198,7 @@ Result<Outcome> describe(const DevicesRequest& request) {
     std::string names;
     for (const devices::DeviceDescription& one : devices::builtin_devices())
       names += (names.empty() ? "" : ", ") + one.name;
-    return problem(ProblemKind::usage,
-                   fmt::format("--describe: expected one of {}, got \"{}\"", names, request.describe));
+    return problem(ProblemKind::usage, "--describe: expected one of {}, got \"{}\"", names, request.describe);
   }
   std::string text;
   for (const devices::DeviceDescription& device : devices) {
@@ -225,15 +222,13 @@ Result<Outcome> devices(VerbContext& context, const DevicesRequest& request) {
 
 extern const std::vector<Action> kLaserCapturing{
     action("laser capture", "guide through the targets of a measurement, forward and back, and record its readings",
-           "ecs laser capture --axis X --sense EX --from 0 --to 500 --step 50 --runs 3 -o exx.csv\n"
-           "  ecs laser capture --plan plan.toml --row EYX --trigger foot_switch.toml --gauge gauge.toml --environment "
-           "temper "
-           "-o EYX.csv\n"
-           "  ecs laser capture --resume EXX.csv.part --trigger foot_switch.toml --gauge gauge.toml",
+           "ecs laser capture --axis X --sense EX --from 0 --to 500 --step 50 --runs 3 -o exx.csv\n  ecs laser capture "
+           "--plan plan.toml --row EYX --trigger foot_switch.toml --gauge gauge.toml --environment temper -o EYX.csv\n "
+           " ecs laser capture --resume EXX.csv.part --trigger foot_switch.toml --gauge gauge.toml",
            capture_verb, {.logged = Logged::when_written, .kind = "measurement", .live = true}),
     action("laser devices", "list USB devices (HID) for capture, learn a trigger, try a description, write udev rules",
-           "ecs laser devices\n  ecs laser devices --learn -o foot_switch.toml\n"
-           "  ecs laser devices --try temper\n  ecs laser devices --udev foot_switch.toml",
+           "ecs laser devices\n  ecs laser devices --learn -o foot_switch.toml\n  ecs laser devices --try temper\n  "
+           "ecs laser devices --udev foot_switch.toml",
            devices, {.live = true})};
 
 }  // namespace ecs::app

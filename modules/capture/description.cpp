@@ -151,7 +151,7 @@ class DeviceReader {
   DeviceKind kind_of(const toml::table& table) {
     const std::string word = reader_.word(table, "kind").value_or("");
     if (const auto kind = kKinds.value_of(word)) return *kind;
-    reader_.complain(table, fmt::format("kind: expected one of {}, got \"{}\"", kKinds.listed(), word));
+    reader_.complain(table, "kind: expected one of {}, got \"{}\"", kKinds.listed(), word);
     return DeviceKind::trigger;
   }
 
@@ -160,7 +160,7 @@ class DeviceReader {
     if (!value) return std::nullopt;
     if (*value == std::floor(*value) && *value >= static_cast<double>(least) && *value <= static_cast<double>(most))
       return static_cast<long long>(*value);
-    reader_.complain(*table.get(key), fmt::format("{}: expected a whole number from {} to {}", key, least, most));
+    reader_.complain(*table.get(key), "{}: expected a whole number from {} to {}", key, least, most);
     return std::nullopt;
   }
 
@@ -168,7 +168,7 @@ class DeviceReader {
   bool is_other(const toml::table& table, std::string_view key, std::string_view usual, std::string_view other) {
     const std::string word = reader_.word(table, key).value_or(std::string(usual));
     if (word != usual && word != other)
-      reader_.complain(*table.get(key), fmt::format("{}: expected {} or {}, got \"{}\"", key, usual, other, word));
+      reader_.complain(*table.get(key), "{}: expected {} or {}, got \"{}\"", key, usual, other, word);
     return word == other;
   }
 
@@ -176,7 +176,7 @@ class DeviceReader {
     const toml::node* node = table.get(key);
     if (node == nullptr) return std::nullopt;
     if (const auto* value = node->as_boolean()) return value->get();
-    reader_.complain(*node, fmt::format("{}: expected true or false", key));
+    reader_.complain(*node, "{}: expected true or false", key);
     return std::nullopt;
   }
 
@@ -186,13 +186,13 @@ class DeviceReader {
     if (node == nullptr) return out;
     const toml::array* array = node->as_array();
     if (array == nullptr || array->size() > 1024) {
-      reader_.complain(*node, fmt::format("{}: expected a list of bytes, as in [0x01, 0x80]", key));
+      reader_.complain(*node, "{}: expected a list of bytes, as in [0x01, 0x80]", key);
       return out;
     }
     for (const toml::node& each : *array) {
       const auto value = each.is_integer() ? each.value<std::int64_t>() : std::nullopt;
       if (!value || *value < 0 || *value > 255) {
-        reader_.complain(each, fmt::format("{}: expected bytes from 0x00 to 0xff", key));
+        reader_.complain(each, "{}: expected bytes from 0x00 to 0xff", key);
         return out;
       }
       out.push_back(static_cast<std::uint8_t>(*value));
@@ -275,12 +275,12 @@ class DeviceReader {
     out.offset = reader_.number(at, "offset").value_or(0.0);
     for (const auto& [key, value] : {std::pair{"scale", out.scale}, std::pair{"offset", out.offset}})
       if (std::abs(value) > kMostFactor)
-        reader_.complain(*at.get(key), fmt::format("{}: expected a number within {}, got {}", key, kMostFactor, value));
+        reader_.complain(*at.get(key), "{}: expected a number within {}, got {}", key, kMostFactor, value);
     out.absent = whole(at, "absent", -2147483648LL, 4294967295LL);
     out.starts = bytes_of(at, "starts");
     if (device.report.bytes != 0 && out.byte + static_cast<std::size_t>(out.bytes) > device.report.bytes)
-      reader_.complain(at, fmt::format("[[field]]: bytes {} to {} are beyond the report of {} bytes", out.byte,
-                                       out.byte + static_cast<std::size_t>(out.bytes) - 1, device.report.bytes));
+      reader_.complain(at, "[[field]]: bytes {} to {} are beyond the report of {} bytes", out.byte,
+                       out.byte + static_cast<std::size_t>(out.bytes) - 1, device.report.bytes);
     return out;
   }
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/clock.hpp"
+#include "base/file.hpp"
 #include "base/process.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
@@ -27,8 +28,7 @@ struct Named {
 
 Named parts_of(const std::string& text) {
   const std::size_t at = text.rfind('@');
-  std::error_code error;
-  if (at == std::string::npos || at == 0 || std::filesystem::exists(text, error)) return {text, {}};
+  if (at == std::string::npos || at == 0 || disc::exists(text)) return {text, {}};
   return {text.substr(0, at), text.substr(at + 1)};
 }
 
@@ -69,8 +69,8 @@ Result<devices::DevicePort> opened_device(const std::string& text, devices::Devi
   const devices::DeviceDescription* chosen = &devices->front();
   for (const devices::DeviceDescription& device : *devices) {
     if (device.kind != kind)
-      return problem(ProblemKind::usage, fmt::format("{}: expected a device of kind {}, this is one of kind {}", text,
-                                                     devices::name_of(kind), devices::name_of(device.kind)));
+      return problem(ProblemKind::usage, "{}: expected a device of kind {}, this is one of kind {}", text,
+                     devices::name_of(kind), devices::name_of(device.kind));
     if (devices::matching(device, present)) chosen = &device;
   }
   return devices::DevicePort::open(*chosen);
@@ -239,8 +239,8 @@ Result<void> watch(MessageSink& messages, Keyboard* keyboard, const LearnChoice&
   while (!interrupted() && steady_s() - begin_s < choice.timeout_s) {
     for (Watched& one : watched)
       if (!take_reports(one))
-        return problem(ProblemKind::link, fmt::format("{} was unplugged during learning: plug it in, then learn again",
-                                                      devices::to_text(one.identity)));
+        return problem(ProblemKind::link, "{} was unplugged during learning: plug it in, then learn again",
+                       devices::to_text(one.identity));
     if (user_left(keyboard)) return problem(ProblemKind::refused, "quit: no trigger was learned");
     const int seen = std::min(most_presses(watched), choice.presses);
     if (seen > told) messages.note(fmt::format("{} of {}", told = seen, choice.presses));
@@ -263,9 +263,8 @@ Result<const Watched*> pressed_one(const std::vector<Watched>& watched) {
                                          "devices` lists the devices");
   std::string names;
   for (const Watched* one : changed) names += (names.empty() ? "" : "; ") + devices::to_text(one->identity);
-  return problem(
-      ProblemKind::refused,
-      fmt::format("several devices sent something: {}. Touch only the trigger, or choose one with --device", names));
+  return problem(ProblemKind::refused,
+                 "several devices sent something: {}. Touch only the trigger, or choose one with --device", names);
 }
 
 bool has_twin(const std::vector<Watched>& watched, const Watched& mine) {

@@ -235,7 +235,7 @@ HidDevice& HidDevice::operator=(HidDevice&&) noexcept = default;
 HidDevice::~HidDevice() = default;
 
 Problem HidDevice::gone(const char* doing) const {
-  return problem(ProblemKind::link, fmt::format("{} cannot be {}: it was unplugged", handle_->name, doing)).value();
+  return problem(ProblemKind::link, "{} cannot be {}: it was unplugged", handle_->name, doing).value();
 }
 
 Result<std::optional<Bytes>> HidDevice::read(std::size_t most_bytes, std::chrono::milliseconds timeout) {

@@ -54,15 +54,13 @@ Result<HidIdentity> matching(const DeviceDescription& device, const std::vector<
                [&](const HidIdentity& one) { return fits(device.match, one); });
   if (found.size() == 1) return found.front();
   if (found.empty())
-    return problem(
-        ProblemKind::link,
-        fmt::format("{} is not plugged in; {}", wanted(device),
-                    present.empty() ? "there is no HID device: plug it in, then check with `ecs laser devices`"
-                                    : "available: " + list_of(present)));
+    return problem(ProblemKind::link, "{} is not plugged in; {}", wanted(device),
+                   present.empty() ? "there is no HID device: plug it in, then check with `ecs laser devices`"
+                                   : "available: " + list_of(present));
   return problem(ProblemKind::link,
-                 fmt::format("{} devices match {}: {}. Choose one: write its serial (or path, or interface) under "
-                             "[match], or add it to the name, as in FILE.toml@SERIAL or FILE.toml@/dev/hidraw3",
-                             found.size(), wanted(device), list_of(found)));
+                 "{} devices match {}: {}. Choose one: write its serial (or path, or interface) under "
+                 "[match], or add it to the name, as in FILE.toml@SERIAL or FILE.toml@/dev/hidraw3",
+                 found.size(), wanted(device), list_of(found));
 }
 
 Result<DevicePort> DevicePort::open(DeviceDescription device) {
@@ -377,14 +375,14 @@ Result<Learned> learned(const std::vector<TimedReport>& reports, int presses, bo
   for (const auto& [place, behaviour] : found) {
     if (!move_together(behaviour, found.front().second))
       return problem(ProblemKind::refused,
-                     fmt::format("{} and {} both changed {} times, but not together: the bit of the button is "
-                                 "ambiguous. Use only the trigger on the device, and learn again",
-                                 text_of(first), text_of(place), wanted));
+                     "{} and {} both changed {} times, but not together: the bit of the button is "
+                     "ambiguous. Use only the trigger on the device, and learn again",
+                     text_of(first), text_of(place), wanted);
     if (place.number != first.number || place.byte != first.byte)
       return problem(ProblemKind::refused,
-                     fmt::format("{} and {} changed together with every press: the bit of the button is ambiguous. "
-                                 "Write the right one into a description manually",
-                                 text_of(first), text_of(place)));
+                     "{} and {} changed together with every press: the bit of the button is ambiguous. "
+                     "Write the right one into a description manually",
+                     text_of(first), text_of(place));
   }
   return layout_of(found, reports, numbered);
 }

@@ -306,8 +306,8 @@ Result<std::map<int, Axis>> axes_of(const OptionValues& options) {
   for (const auto& [axis, word] : pairs) {
     const auto number = integer_in(word);
     if (!axis || !number || *number < 0 || *number > kLargestAxisNumber)
-      return problem(ProblemKind::usage,
-                     fmt::format("--axes: expected axis numbers, as in X=1,Y=2,Z=4, got \"{}\"", options.text("axes")));
+      return problem(ProblemKind::usage, "--axes: expected axis numbers, as in X=1,Y=2,Z=4, got \"{}\"",
+                     options.text("axes"));
     axes[static_cast<int>(*number)] = *axis;
   }
   return axes;

@@ -41,17 +41,15 @@ Result<ScrewTravel> travel_of(const ControlCurve& curve, Axis axis, double home_
   const double first_mm = curve.position_mm.front(), last_mm = curve.position_mm.back();
   const double count_mm = 1.0 / counts_per_mm;
   if (home_mm > first_mm + count_mm && home_mm < last_mm - count_mm)
-    return problem(
-        ProblemKind::refused,
-        fmt::format("{}: home ({} mm) is inside the table ({} to {} mm), but a Centroid table runs from home "
-                    "in one direction only: give --home {}=POSITION, or a map of one side",
-                    letter_of(axis), home_mm, first_mm, last_mm, letter_of(axis)));
+    return problem(ProblemKind::refused,
+                   "{}: home ({} mm) is inside the table ({} to {} mm), but a Centroid table runs from home in one "
+                   "direction only: give --home {}=POSITION, or a map of one side",
+                   letter_of(axis), home_mm, first_mm, last_mm, letter_of(axis));
   const double far_mm = home_mm <= first_mm + count_mm ? last_mm : first_mm;
   const ScrewTravel travel{home_mm, std::llround((far_mm - home_mm) * counts_per_mm)};
   if (travel.counts == 0)
-    return problem(ProblemKind::refused,
-                   fmt::format("{}: the table is shorter than one encoder count ({} counts per mm)", letter_of(axis),
-                               counts_per_mm));
+    return problem(ProblemKind::refused, "{}: the table is shorter than one encoder count ({} counts per mm)",
+                   letter_of(axis), counts_per_mm);
   return travel;
 }
 
@@ -137,14 +135,13 @@ Result<CentroidOptions> centroid_options(const OptionValues& values) {
                    "is in counts and does not state them");
   options.counts_per_mm = number_in(counts).value_or(0.0);
   if (!(options.counts_per_mm >= 1.0 / kMostCountsPerMm && options.counts_per_mm <= kMostCountsPerMm))
-    return problem(
-        ProblemKind::usage,
-        fmt::format("--counts-per-mm: expected a number above 0, at most {}, found \"{}\"", kMostCountsPerMm, counts));
+    return problem(ProblemKind::usage, "--counts-per-mm: expected a number above 0, at most {}, found \"{}\"",
+                   kMostCountsPerMm, counts);
   for (const auto& [axis, position] : axis_pairs(values.text("home"))) {
     const auto home_mm = number_in(position);
     if (!axis || !home_mm || std::abs(*home_mm) > kLargestPosition_mm)
-      return problem(ProblemKind::usage,
-                     fmt::format("--home: expected X=MM,Y=MM,Z=MM, as in X=0, found \"{}\"", values.text("home")));
+      return problem(ProblemKind::usage, "--home: expected X=MM,Y=MM,Z=MM, as in X=0, found \"{}\"",
+                     values.text("home"));
     options.home_mm[index_of(*axis)] = *home_mm;
   }
   options.adds = values.text("tab-sign") != "subtracts";
@@ -162,8 +159,7 @@ Result<ControllerTables> read_centroid(const ReadRequest& request) {
   ECS_TRY(given, axis_option(request));
   const auto axis = given ? given : axis_in_name(request.file_name);
   if (!axis)
-    return problem(ProblemKind::usage,
-                   fmt::format("{}: the name does not end in X, Y or Z: give --axis", request.file_name));
+    return problem(ProblemKind::usage, "{}: the name does not end in X, Y or Z: give --axis", request.file_name);
   return parse_centroid(request.text, request.file_name, *axis, options);
 }
 
@@ -207,12 +203,12 @@ Result<ControllerExport> centroid_export(const ExportSource& source, const Centr
   leave_behind(made, source, carried, "a ball screw table has no lever arm",
                "a ball screw table acts along its own axis only");
   made.notes = centroid_assumptions(options);
-  made.notes.insert(made.notes.end(),
-                    {"the reversal stays with the backlash compensation of the control: the table holds the mean of "
-                     "both approaches",
-                     "version 1 of the format (CNC7 6.00 to 7.17): the layout of versions 2 and 3 is not known, nor "
-                     "whether later software accepts version 1",
-                     "values are whole encoder counts, zero at home"});
+  made.notes.insert(
+      made.notes.end(),
+      {"the reversal stays with the backlash compensation of the control: the table holds the mean of both approaches",
+       "version 1 of the format (CNC7 6.00 to 7.17): the layout of versions 2 and 3 is not known, nor whether later "
+       "software accepts version 1",
+       "values are whole encoder counts, zero at home"});
   return made;
 }
 
@@ -230,8 +226,7 @@ extern const ControllerFormat centroid_format{
     .write_options =
         {kCounts,
          {.name = "home",
-          .help = "positions of home in mm, as X=0,Y=0,Z=0; default: the reference positions of the "
-                  "parameters"},
+          .help = "positions of home in mm, as X=0,Y=0,Z=0; default: the reference positions of the parameters"},
          kTabSign,
          {.name = "points",
           .help =
@@ -311,10 +306,10 @@ Result<ControllerTables> parse_centroid(std::string_view text, const std::string
     if (std::abs(place_mm) > kLargestPosition_mm)
       findings.add(values[i].second, 1, "{:.6g} mm is no position of a machine. Is --counts-per-mm right?", place_mm);
     else if (std::abs(um) > kLargestValue_um)
-      findings.add(values[i].second, 1,
-                   "a compensation of {:.6g} mm is implausibly large. Is --counts-per-mm right, and is it a Centroid "
-                   "table?",
-                   um / kUmPerMm);
+      findings.add(
+          values[i].second, 1,
+          "a compensation of {:.6g} mm is implausibly large. Is --counts-per-mm right, and is it a Centroid table?",
+          um / kUmPerMm);
     table.position_mm.push_back(place_mm);
     table.compensation.push_back(um);
   }

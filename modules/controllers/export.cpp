@@ -50,8 +50,7 @@ class StagedFiles {
   StagedFiles(const StagedFiles&) = delete;
   StagedFiles& operator=(const StagedFiles&) = delete;
   ~StagedFiles() {
-    std::error_code ignored;
-    for (const Staged& one : all) fs::remove(one.beside, ignored);
+    for (const Staged& one : all) disc::remove(one.beside);
   }
   std::vector<Staged> all;
 };
@@ -99,8 +98,7 @@ std::string taken_back(const std::vector<Staged>& all, std::size_t renamed) {
   std::vector<std::string> stuck;
   for (std::size_t i = 0; i < renamed; ++i) {
     const Staged& one = all[i];
-    std::error_code failed;
-    const bool back = one.old ? write_file(one.target, *one.old).has_value() : fs::remove(one.target, failed);
+    const bool back = one.old ? write_file(one.target, *one.old).has_value() : disc::remove(one.target);
     if (!back) stuck.push_back(one.name);
   }
   if (stuck.empty() && renamed == 0) return "no file was changed";

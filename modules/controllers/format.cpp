@@ -47,7 +47,7 @@ Result<std::optional<Axis>> axis_option(const ReadRequest& request) {
         "--axis sets the axis of a single file; the axes of several files are read from their names or contents");
   for (const Axis axis : kAllAxes)
     if (lower(given) == lower(std::string(1, letter_of(axis)))) return axis;
-  return problem(ProblemKind::usage, fmt::format("expected an axis X, Y or Z, got \"{}\"", given));
+  return problem(ProblemKind::usage, "expected an axis X, Y or Z, got \"{}\"", given);
 }
 
 std::optional<Axis> axis_in_name(const std::string& file) {

@@ -83,8 +83,7 @@ Result<ControllerTables> read_linuxcnc(const ReadRequest& request) {
   ECS_TRY(given, axis_option(request));
   const auto axis = given ? given : axis_in_name(request.file_name);
   if (!axis)
-    return problem(ProblemKind::usage,
-                   fmt::format("{}: the name does not end in x, y or z: give --axis", request.file_name));
+    return problem(ProblemKind::usage, "{}: the name does not end in x, y or z: give --axis", request.file_name);
   LinuxCncReadOptions options{*axis, std::nullopt, units_option(request.options), request.options.flag("as-loaded")};
   if (!request.options.text("type").empty()) options.type = request.options.integer("type");
   return parse_linuxcnc(request.bytes, request.file_name, options);

@@ -43,9 +43,9 @@ Result<PartDeviations> deviations_in(const laser::CsvTable& table, const std::st
   for (const std::string_view column : needed)
     if (!place_of(table, column))
       return problem_at(file, table.header_line, 0,
-                        fmt::format("expected the columns dx_um, dy_um, dz_um, or measured_x_mm, measured_y_mm, "
-                                    "measured_z_mm; {} is missing",
-                                    column));
+                        "expected the columns dx_um, dy_um, dz_um, or measured_x_mm, measured_y_mm, "
+                        "measured_z_mm; {} is missing",
+                        column);
   PartDeviations found;
   laser::TableReader reader(table, findings);
   std::map<Vector3, int> seen;

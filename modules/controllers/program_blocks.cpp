@@ -65,7 +65,7 @@ std::optional<BlockOfWords> BlockReader::read(const ProgramLine& line) {
 }
 
 void BlockReader::complain(const ProgramLine& line, const ProgramWord& word, std::string_view message) {
-  findings_.add(line.number, static_cast<int>(word.at) + 1, fmt::format("{}: {}", line.text_of(word), message));
+  findings_.add(line.number, static_cast<int>(word.at) + 1, "{}: {}", line.text_of(word), message);
 }
 
 BlockOfWords BlockReader::words_of(const ProgramLine& line) {

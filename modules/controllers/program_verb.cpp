@@ -72,8 +72,7 @@ Result<PerAxis<std::optional<double>>> place_in(std::string_view text, std::stri
   for (const auto& [axis, value] : controllers::axis_pairs(text)) {
     const auto number = axis ? number_in(value) : std::nullopt;
     if (!number || std::abs(*number) > 1e6 || place_mm[index_of(*axis)])
-      return problem(ProblemKind::usage,
-                     fmt::format("{}: expected x=..,y=..,z=.. in mm, each axis once, got \"{}\"", option, text));
+      return problem(ProblemKind::usage, "{}: expected x=..,y=..,z=.. in mm, each axis once, got \"{}\"", option, text);
     place_mm[index_of(*axis)] = *number;
   }
   return place_mm;
@@ -91,12 +90,11 @@ Result<std::map<int, Vector3>> work_offsets(const std::vector<std::string>& give
                       : (one[0] == 'G' || one[0] == 'g') ? integer_in(one.substr(1, colon - 1))
                                                          : std::nullopt;
     if (!code || *code < 54 || *code > 59)
-      return problem(
-          ProblemKind::usage,
-          fmt::format("--work-offset: expected x=..,y=..,z=.. with G54: to G59: before it, got \"{}\"", one));
+      return problem(ProblemKind::usage,
+                     "--work-offset: expected x=..,y=..,z=.. with G54: to G59: before it, got \"{}\"", one);
     ECS_TRY(place, place_in(one.substr(colon == std::string::npos ? 0 : colon + 1), "--work-offset"));
     if (!offsets.try_emplace(static_cast<int>(*code), or_zero(place)).second)
-      return problem(ProblemKind::usage, fmt::format("--work-offset: G{} is given twice", *code));
+      return problem(ProblemKind::usage, "--work-offset: G{} is given twice", *code);
   }
   return offsets;
 }
@@ -110,8 +108,8 @@ Result<std::map<int, double>> tool_lengths(const std::string& given) {
     const auto number = integer_in(words.front());
     const double length_mm = words.size() == 2 ? number_in(words.back()).value_or(kNoLength) : kNoLength;
     if (!number || *number < 1 || *number > 9999 || std::abs(length_mm) >= kNoLength)
-      return problem(ProblemKind::usage,
-                     fmt::format("--tool-length: expected NUMBER=LENGTH pairs such as 1=120.5, got \"{}\"", pair));
+      return problem(ProblemKind::usage, "--tool-length: expected NUMBER=LENGTH pairs such as 1=120.5, got \"{}\"",
+                     pair);
     lengths[static_cast<int>(*number)] = length_mm;
   }
   return lengths;
@@ -340,13 +338,10 @@ Cell program_cell(const ProgramAnswer& answer) {
       "while this program runs, switch off the compensation by the unit and by tables in the control that correct the "
       "same errors: both together would correct them twice");
   return record_cell(
-      "{program} corrected by {map}\n\n"
-      "moves       {moves}, of these changed {corrected}; blocks added {blocks_added}\n"
-      "arcs        {arcs_kept} kept as arcs, {arcs_divided} divided into lines\n"
-      "correction  at most {largest_correction_um}\n"
-      "rounding    at most {rounding_um}\n\n"
-      "error along feed moves, predicted from {from}: largest / rms, um\n{predicted}\n"
-      "{not_corrected}{notes}{written}",
+      "{program} corrected by {map}\n\nmoves       {moves}, of these changed {corrected}; blocks added "
+      "{blocks_added}\narcs        {arcs_kept} kept as arcs, {arcs_divided} divided into lines\ncorrection  at most "
+      "{largest_correction_um}\nrounding    at most {rounding_um}\n\nerror along feed moves, predicted from {from}: "
+      "largest / rms, um\n{predicted}\n{not_corrected}{notes}{written}",
       "program"_is(answer.request.program), "map"_is(answer.source.name), "sha256"_is(answer.source.sha256),
       "moves"_is(made.moves), "corrected"_is(made.corrected), "blocks_added"_is(made.blocks_added),
       "arcs_kept"_is(made.arcs_kept), "arcs_divided"_is(made.arcs_divided),
@@ -403,8 +398,8 @@ Result<Outcome> export_program(VerbContext& context, const ProgramRequest& reque
 const std::vector<Action>& export_of_programs() {
   static const std::vector<Action> all{action(
       "export program", "a part program corrected in advance, for a machine without a compensation unit",
-      "ecs export program part.nc map.csv --params mill.toml --work-offset x=-300,y=-200,z=-150 -o part_ecs.nc\n"
-      "  ecs export program part.nc --deviations measured.csv -o part_ecs.nc",
+      "ecs export program part.nc map.csv --params mill.toml --work-offset x=-300,y=-200,z=-150 -o part_ecs.nc\n  ecs "
+      "export program part.nc --deviations measured.csv -o part_ecs.nc",
       export_program, {.link = Link::reads, .logged = Logged::when_written, .kind = "export", .logged_as = "export"})};
   return all;
 }

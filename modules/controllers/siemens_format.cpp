@@ -436,15 +436,14 @@ Result<SiemensOptions> siemens_options(const OptionValues& values) {
   options.cec_adds = values.text("cec-sign") == "adds";
   for (const auto& [axis, name] : axis_pairs(axes)) {
     if (!axis || !is_axis_name(name))
-      return problem(ProblemKind::usage,
-                     fmt::format("--axes: expected X=NAME,Y=NAME,Z=NAME, as in X=AX1, found \"{}\"", axes));
+      return problem(ProblemKind::usage, "--axes: expected X=NAME,Y=NAME,Z=NAME, as in X=AX1, found \"{}\"", axes);
     options.axis_name[index_of(*axis)] = std::string(name);
   }
   for (const Axis a : kAllAxes)
     for (const Axis b : kAllAxes)
       if (a < b && lower(options.axis_name[index_of(a)]) == lower(options.axis_name[index_of(b)]))
-        return problem(ProblemKind::usage, fmt::format("--axes: {} and {} have the same name {}", letter_of(a),
-                                                       letter_of(b), options.axis_name[index_of(a)]));
+        return problem(ProblemKind::usage, "--axes: {} and {} have the same name {}", letter_of(a), letter_of(b),
+                       options.axis_name[index_of(a)]);
   return options;
 }
 

@@ -59,9 +59,9 @@ std::optional<Square> square_of(Component straightness) {
 Result<TermTable> iso_terms(const UnitParameters& parameters, std::string_view format) {
   if (parameters.convention != Convention::iso)
     return problem(ProblemKind::refused,
-                   fmt::format("the parameters use the printed signs of the thesis (compensation.convention = "
-                               "\"as_printed\"); {} ISO 230-1: convert map and squareness first",
-                               format));
+                   "the parameters use the printed signs of the thesis (compensation.convention = "
+                   "\"as_printed\"); {} ISO 230-1: convert map and squareness first",
+                   format);
   const auto chain = chain_of(parameters);
   if (!chain) return problem(ProblemKind::refused, "the configuration of the parameters is no chain");
   return *terms_of(*chain, Convention::iso, CurveKind::measured);
@@ -72,8 +72,7 @@ Result<void> append(ControllerTables& all, ControllerTables more, bool alone) {
     for (const laser::MapTable& table : more.tables)
       for (const laser::MapTable& other : all.tables)
         if (table.component == other.component)
-          return problem(ProblemKind::bad_input,
-                         fmt::format("{} occurs in two of the files", name_of(table.component)));
+          return problem(ProblemKind::bad_input, "{} occurs in two of the files", name_of(table.component));
   if (!all.sources.empty() && all.levers_from_lines != more.levers_from_lines)
     return problem(ProblemKind::bad_input, "the files state different origins of the lever arms: read them one by one");
   all.levers_from_lines = more.levers_from_lines;

@@ -33,11 +33,10 @@ double sign_of(const TwinCatOptions& options) { return options.adds.value_or(fal
 
 /// The list travels alone: what is not certain stands in it.
 std::string_view sign_warning(bool adds) {
-  return adds
-             ? "sign against the manual's example, tried on no control: check one axis with the laser before use "
-               "(--ssfk-sign subtracts turns it)"
-             : "sign as in the example of the manual, not tried on a control: check one axis with the laser before use "
-               "(--ssfk-sign adds turns it)";
+  return adds ? "sign against the manual's example, tried on no control: check one axis with the laser before use "
+                "(--ssfk-sign subtracts turns it)"
+              : "sign as in the example of the manual, not tried on a control: check one axis with the laser before "
+                "use (--ssfk-sign adds turns it)";
 }
 
 /// The curve in whole tenths of a micrometre, positions and values.
@@ -54,9 +53,8 @@ std::string list_text(const ControlCurve& curve, Axis axis, const TwinCatOptions
   const bool adds = options.adds.value_or(false);
   const auto tenths = [](double value, double per_unit) { return std::llround(value * per_unit); };
   std::string text = fmt::format(
-      "# {} error of {}, {}\n# {}\n"
-      "kopf.achs_nr {}\nkopf.log_achs_name {}\nkw.ssfk.unit 1\nkw.ssfk.interval 0\nkw.ssfk.kw_startpos {}\n"
-      "kw.ssfk.kw_nr_max {}\nkw.ssfk.bilateral 1\nkw.ssfk.modulo 0\n",
+      "# {} error of {}, {}\n# {}\nkopf.achs_nr {}\nkopf.log_achs_name {}\nkw.ssfk.unit 1\nkw.ssfk.interval "
+      "0\nkw.ssfk.kw_startpos {}\nkw.ssfk.kw_nr_max {}\nkw.ssfk.bilateral 1\nkw.ssfk.modulo 0\n",
       name_of(positioning_curve(axis)), letter_of(axis), list_sign(adds), sign_warning(adds), number, letter_of(axis),
       tenths(curve.position_mm.front(), kTenthsPerMm), curve.position_mm.size());
   for (std::size_t i = 0; i < curve.position_mm.size(); ++i)
@@ -125,15 +123,14 @@ Result<TwinCatOptions> options_in(const OptionValues& values) {
   for (const auto& [axis, name] : axis_pairs(axes)) {
     const auto number = integer_in(name);
     if (!axis || !number || *number < 1 || *number > kMostAxes)
-      return problem(ProblemKind::usage,
-                     fmt::format("--axes: expected X=NUMBER,Y=NUMBER,Z=NUMBER, as in X=1, found \"{}\"", axes));
+      return problem(ProblemKind::usage, "--axes: expected X=NUMBER,Y=NUMBER,Z=NUMBER, as in X=1, found \"{}\"", axes);
     options.axis_number[index_of(*axis)] = static_cast<int>(*number);
   }
   for (const Axis a : kAllAxes)
     for (const Axis b : kAllAxes)
       if (a < b && options.axis_number[index_of(a)] == options.axis_number[index_of(b)])
-        return problem(ProblemKind::usage, fmt::format("--axes: {} and {} have the same number {}", letter_of(a),
-                                                       letter_of(b), options.axis_number[index_of(a)]));
+        return problem(ProblemKind::usage, "--axes: {} and {} have the same number {}", letter_of(a), letter_of(b),
+                       options.axis_number[index_of(a)]);
   return options;
 }
 
@@ -149,12 +146,11 @@ Result<ControllerTables> read_twincat(const ReadRequest& request) {
   return parse_twincat(request.text, request.file_name, options, axis);
 }
 
-const FormatOption kSign{
-    .name = "ssfk-sign",
-    .help =
-        "whether TwinCAT subtracts or adds a value; default: as a list written by ecs states, else subtracts, as "
-        "in its manual",
-    .words = {"subtracts", "adds"}};
+const FormatOption kSign{.name = "ssfk-sign",
+                         .help =
+                             "whether TwinCAT subtracts or adds a value; default: as a list written by ecs states, "
+                             "else subtracts, as in its manual",
+                         .words = {"subtracts", "adds"}};
 
 }  // namespace
 

@@ -64,8 +64,8 @@ Result<void> make_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (!error && std::filesystem::is_directory(folder, error)) return {};
-  return problem(ProblemKind::output, fmt::format("cannot make the folder {}: {}", folder,
-                                                  error ? error.message() : "another file of that name exists"));
+  return problem(ProblemKind::output, "cannot make the folder {}: {}", folder,
+                 error ? error.message() : "another file of that name exists");
 }
 
 /// Into a folder, or the only file under the name given.
@@ -78,8 +78,7 @@ Result<std::vector<WrittenFile>> write_all(const controllers::ControllerExport& 
   for (const OutputFile& file : files) ECS_DO(check_output_not_input(file.path, inputs));
   for (const OutputFile& file : files)
     if (!force && would_overwrite(file.path))
-      return problem(ProblemKind::usage,
-                     fmt::format("{} already exists: give another name, or --force to overwrite it", file.path));
+      return problem(ProblemKind::usage, "{} already exists: give another name, or --force to overwrite it", file.path);
   if (folder) ECS_DO(make_folder(output));
   return write_together(files);
 }
@@ -220,8 +219,7 @@ Result<const controllers::ControllerFormat*> format_of(const ReadRequest& reques
   const auto* format =
       request.format == "auto" ? controllers::recognised_format(text) : controllers::controller_format(request.format);
   if (format) return format;
-  return problem_at(file, 0, 0,
-                    fmt::format("not a known compensation table: expected {}; give --format", marks_of_all()));
+  return problem_at(file, 0, 0, "not a known compensation table: expected {}; give --format", marks_of_all());
 }
 
 Result<ReadFiles> read_files(const ReadRequest& request) {
@@ -231,10 +229,9 @@ Result<ReadFiles> read_files(const ReadRequest& request) {
     ECS_TRY(text, laser::decoded(bytes, file));
     ECS_TRY(format, format_of(request, file, text.text));
     if (all.format && format != all.format)
-      return problem(
-          ProblemKind::usage,
-          fmt::format("{} is of format {}, the previous files of {}: read the files of one controller at a time", file,
-                      format->id, all.format->id));
+      return problem(ProblemKind::usage,
+                     "{} is of format {}, the previous files of {}: read the files of one controller at a time", file,
+                     format->id, all.format->id);
     all.format = format;
     ECS_TRY(tables, all.format->read({file, text.text, bytes, request.files.size() == 1, request.options.values()}));
     for (auto& source : tables.sources) source.name = std::filesystem::path(file).filename().string();
@@ -276,8 +273,8 @@ Result<bool> levers_from_lines(const ReadRequest& request, const ReadFiles& file
   if (given.empty()) return said.value_or(false);
   const bool lines = given == "lines";
   if (said && *said != lines)
-    return problem(ProblemKind::usage, fmt::format("--levers {}: the file states that its lever arms count from the {}",
-                                                   given, *said ? "measurement lines" : "machine zero"));
+    return problem(ProblemKind::usage, "--levers {}: the file states that its lever arms count from the {}", given,
+                   *said ? "measurement lines" : "machine zero");
   return lines;
 }
 
@@ -318,7 +315,7 @@ Result<Taken> taken(const ReadRequest& request, const ReadFiles& files) {
   made.notes.insert(made.notes.end(), made.read.notes.begin(), made.read.notes.end());
   const bool has_levers = files.format->at_measurement_lines != nullptr;
   if (!levers_given(request).empty() && !has_levers)
-    return problem(ProblemKind::usage, fmt::format("--levers: the {} format has no lever arms", files.format->name));
+    return problem(ProblemKind::usage, "--levers: the {} format has no lever arms", files.format->name);
   auto& header = made.read.map.header;
   if (!request.params.empty()) {
     ECS_TRY(file, request.params_out.empty() ? params::read_parameters(request.params)

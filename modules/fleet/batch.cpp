@@ -181,9 +181,8 @@ bool is_wrong_unit(const PlannedUnit& unit, const Load& load, BatchReport& repor
   if (unit.serial_number.empty()) report.notes.push_back("the plan states no serial number: not checked");
   if (!unit.serial_number.empty() && report.serial_number != unit.serial_number) {
     fail(report, BatchState::wrong_unit,
-         problem(ProblemKind::refused,
-                 fmt::format("expected serial number \"{}\", found \"{}\": the unit is skipped and unchanged",
-                             unit.serial_number, report.serial_number))
+         problem(ProblemKind::refused, "expected serial number \"{}\", found \"{}\": the unit is skipped and unchanged",
+                 unit.serial_number, report.serial_number)
              .value());
     return true;
   }

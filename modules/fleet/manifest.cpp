@@ -74,9 +74,8 @@ Result<Manifest> Manifest::parse(std::string text, const std::string& name, std:
     }
   }
   if (manifest.rows_.empty())
-    return problem_at(
-        name, std::max(1, number), 1,
-        fmt::format("expected the columns {} and a row for each, found no row", fmt::join(columns.needed, ", ")));
+    return problem_at(name, std::max(1, number), 1, "expected the columns {} and a row for each, found no row",
+                      fmt::join(columns.needed, ", "));
   std::unordered_map<std::string, int> line_of;
   for (std::size_t i = 0; i < manifest.rows_.size(); ++i)
     if (const auto row = manifest.row(i))
@@ -95,20 +94,19 @@ Result<ManifestRow> Manifest::row(std::size_t i) const {
   laser::CsvLine line = laser::csv_fields(std::string_view(text_).substr(place.begin, place.length));
   if (!line.fault.empty()) return problem_at(name_, place.line, line.fault_column, line.fault);
   if (line.fields.size() != fields_)
-    return problem_at(name_, place.line, 1,
-                      fmt::format("expected {} cells as in the first line, found {}", fields_, line.fields.size()));
+    return problem_at(name_, place.line, 1, "expected {} cells as in the first line, found {}", fields_,
+                      line.fields.size());
   ManifestRow row{place.line, {}};
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     const auto field = field_of_[c];
     row.cells.push_back(field ? std::move(line.fields[*field].text) : std::string());
     if (c < needed_ && row.cells.back().empty())
-      return problem_at(name_, place.line, line.fields[*field].column,
-                        fmt::format("{}: expected a value, found an empty cell", columns_[c]));
+      return problem_at(name_, place.line, line.fields[*field].column, "{}: expected a value, found an empty cell",
+                        columns_[c]);
   }
   if (row.id().size() > kLongestId)
-    return problem_at(
-        name_, place.line, 1,
-        fmt::format("{}: expected at most {} characters, found {}", columns_.front(), kLongestId, row.id().size()));
+    return problem_at(name_, place.line, 1, "{}: expected at most {} characters, found {}", columns_.front(),
+                      kLongestId, row.id().size());
   return row;
 }
 

@@ -33,8 +33,7 @@ constexpr std::uintmax_t kMostData = 8u << 20;
 
 /// A FIFO or a device would hold up the others.
 Result<std::string> regular_file(const fs::path& path) {
-  std::error_code error;
-  if (fs::exists(path, error) && !fs::is_regular_file(path, error))
+  if (disc::exists(path) && !disc::is_file(path))
     return problem_at(path.string(), 0, 0, "expected a file, found a folder or a device");
   return read_file(path);
 }
@@ -64,9 +63,8 @@ const ManifestColumns& fleet_columns() {
 Result<std::string> content_hash(const MachineSet& set, std::size_t noise_replicates) {
   std::error_code error;
   if (const auto bytes = fs::file_size(set.data, error); !error && bytes > kMostData)
-    return problem_at(set.data, 0, 0,
-                      fmt::format("expected at most {} MiB of readings, found {}: use `ecs model diagnose`",
-                                  kMostData >> 20, bytes >> 20));
+    return problem_at(set.data, 0, 0, "expected at most {} MiB of readings, found {}: use `ecs model diagnose`",
+                      kMostData >> 20, bytes >> 20);
   std::string all = fmt::format("noise replicates {}\n", noise_replicates);
   ECS_TRY(model_text, regular_file(set.model));
   append_part(all, "model", model_text);
@@ -340,8 +338,7 @@ Result<FleetPart> fleet_part(std::string_view text) {
   const auto parts = split(text, '/');
   const auto number = integer_in(parts.front()), of = integer_in(parts.back());
   if (parts.size() != 2 || !number || !of || *number < 1 || *of < *number)
-    return problem(ProblemKind::usage,
-                   fmt::format("--part: expected K/N with K from 1 to N, as in 3/16, got {}", text));
+    return problem(ProblemKind::usage, "--part: expected K/N with K from 1 to N, as in 3/16, got {}", text);
   return FleetPart{static_cast<std::size_t>(*number), static_cast<std::size_t>(*of)};
 }
 

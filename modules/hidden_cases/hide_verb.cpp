@@ -172,17 +172,13 @@ class Workbench {
       : folder_(folder), beside_(folder.string() + fmt::format(".{}.part", getpid())) {}
   Workbench(const Workbench&) = delete;
   Workbench& operator=(const Workbench&) = delete;
-  ~Workbench() {
-    std::error_code ignored;
-    fs::remove_all(beside_, ignored);
-  }
+  ~Workbench() { disc::remove_all(beside_); }
   [[nodiscard]] const fs::path& path() const { return beside_; }
   Result<void> become_real() {
     std::error_code error;
     fs::remove(folder_, error);  // an empty folder makes room
     fs::rename(beside_, folder_, error);
-    if (error)
-      return problem(ProblemKind::output, fmt::format("{}: cannot create it: {}", folder_.string(), error.message()));
+    if (error) return problem(ProblemKind::output, "{}: cannot create it: {}", folder_.string(), error.message());
     return {};
   }
 
@@ -194,8 +190,7 @@ class Workbench {
 Result<void> write_case(const HiddenCase& c, const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error)
-    return problem(ProblemKind::output, fmt::format("{}: cannot create it: {}", folder.string(), error.message()));
+  if (error) return problem(ProblemKind::output, "{}: cannot create it: {}", folder.string(), error.message());
   for (const auto& [name, content] : files_of(c)) ECS_DO(write_file(folder / name, content));
   return {};
 }
@@ -233,8 +228,7 @@ Result<std::vector<std::string>> write_hidden_cases(const HiddenCaseRequest& req
   const fs::path target = place.has_filename() ? place : place.parent_path();
   std::error_code error;
   if (fs::exists(target, error) && !(fs::is_directory(target, error) && fs::is_empty(target, error)))
-    return problem(ProblemKind::usage,
-                   fmt::format("{}: expected a folder that does not exist or is empty", folder.string()));
+    return problem(ProblemKind::usage, "{}: expected a folder that does not exist or is empty", folder.string());
   Workbench bench(target);
   std::vector<std::string> lines;
   for (int k = 0; k < count; ++k) {
@@ -298,9 +292,8 @@ Result<Outcome> hide(VerbContext& /*context*/, const HideRequest& arguments) {
                                   .noise = kNoiseLaws.value_of(arguments.noise).value_or(NoiseLaw::usual),
                                   .xytz = !arguments.printed_case.empty()};
   if (!arguments.effect.empty() && request.effect == nullptr)
-    return problem(ProblemKind::usage,
-                   fmt::format("--effect: expected one of the {} effects of docs/physics.md, got {}", effects().size(),
-                               arguments.effect));
+    return problem(ProblemKind::usage, "--effect: expected one of the {} effects of docs/physics.md, got {}",
+                   effects().size(), arguments.effect);
   ECS_TRY(lines, write_hidden_cases(request, arguments.count, arguments.folder));
   return Outcome{fmt::format("{}", fmt::join(lines, "\n")), {}};
 }

@@ -15,6 +15,7 @@
 #include "app/screens/model/screen.hpp"
 #include "app/ui/widgets.hpp"
 #include "base/answer_table.hpp"
+#include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/model_session/controller.hpp"
 #include "commissioning/models/work.hpp"
@@ -181,8 +182,7 @@ LedgerView InvestigationController::view() const { return followed_ ? view_of(fo
 
 /// @param file  for the model with the causes; empty: it is not written
 NotedCommand InvestigationController::command(const std::string& file) const {
-  std::error_code error;
-  const bool watches = std::filesystem::is_directory(place_, error);
+  const bool watches = disc::is_folder(place_);
   NotedCommand noted;
   noted.words = {"ecs",
                  "model",

@@ -139,8 +139,7 @@ SocketWorkshop::SocketWorkshop(MessageSink& messages, SocketWorkshopOptions opti
       hands_(std::make_unique<Hands>(options_.socket, cancelled)) {}
 
 SocketWorkshop::~SocketWorkshop() {
-  std::error_code error;
-  if (!folder_.empty()) std::filesystem::remove_all(folder_, error);
+  if (!folder_.empty()) disc::remove_all(folder_);
 }
 
 Result<std::unique_ptr<SocketWorkshop>> SocketWorkshop::open(MessageSink& messages, SocketWorkshopOptions options,
@@ -150,8 +149,7 @@ Result<std::unique_ptr<SocketWorkshop>> SocketWorkshop::open(MessageSink& messag
   if (workshop->options_.link.empty() && state.contains("link") && state["link"].is_string())
     workshop->options_.link = state["link"].get<std::string>();
   std::string name = (std::filesystem::temp_directory_path() / "ecs-investigation-XXXXXX").string();
-  if (::mkdtemp(name.data()) == nullptr)
-    return problem(ProblemKind::output, fmt::format("cannot make a temporary folder {}", name));
+  if (::mkdtemp(name.data()) == nullptr) return problem(ProblemKind::output, "cannot make a temporary folder {}", name);
   workshop->folder_ = name;
   if (!workshop->options_.map_is_modelled && compensates(state)) ECS_DO(workshop->stop_compensation());
   return workshop;
@@ -277,8 +275,7 @@ namespace {
 std::string params_of(const WorkshopChoice& choice) {
   if (!choice.params.empty()) return choice.params;
   const auto beside = std::filesystem::path(choice.machine).replace_filename("parameters.toml");
-  std::error_code error;
-  return std::filesystem::exists(beside, error) ? beside.string() : std::string();
+  return disc::exists(beside) ? beside.string() : std::string();
 }
 
 }  // namespace

@@ -104,8 +104,7 @@ bool may_be_readings(const std::filesystem::directory_entry& entry) {
 }
 
 bool is_complete(const std::filesystem::path& readings) {
-  std::error_code error;
-  return std::filesystem::exists(readings.string() + std::string(kComplete), error);
+  return disc::exists(readings.string() + std::string(kComplete));
 }
 
 /// Files that do not say their line are taken for the one that was asked for.
@@ -178,8 +177,8 @@ Result<std::unique_ptr<WatchedFolder>> WatchedFolder::open(MessageSink& messages
   std::error_code error;
   std::filesystem::create_directories(watched->options_.folder / kAsked, error);
   if (error)
-    return problem(ProblemKind::output,
-                   fmt::format("{}: cannot make the folder: {}", watched->options_.folder.string(), error.message()));
+    return problem(ProblemKind::output, "{}: cannot make the folder: {}", watched->options_.folder.string(),
+                   error.message());
   ECS_TRY(model, read_file(watched->options_.model));
   watched->model_sha256_ = sha256_hex(model);
   ECS_DO(watched->read_ledger());
@@ -187,8 +186,7 @@ Result<std::unique_ptr<WatchedFolder>> WatchedFolder::open(MessageSink& messages
 }
 
 Result<void> WatchedFolder::read_ledger() {
-  std::error_code error;
-  if (!std::filesystem::exists(ledger_file(), error)) return {};
+  if (!disc::exists(ledger_file())) return {};
   ECS_TRY(text, read_file(ledger_file()));
   const Json ledger = Json::parse(text, nullptr, false);
   if (!ledger.is_object() || !ledger.contains("model_sha256") || !ledger.contains("runs"))
@@ -339,8 +337,7 @@ Result<void> WatchedFolder::activate(const model::Model& model) {
 
 Result<void> WatchedFolder::make_active(const model::Model& model) {
   const std::filesystem::path folder = options_.folder / kMap;
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
+  disc::make_folders(folder);
   ECS_TRY(files, write_map_files(messages_, model, options_.sources, folder));
   if (options_.link.empty()) {
     messages_.note(

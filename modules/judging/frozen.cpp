@@ -95,7 +95,7 @@ Result<std::vector<ModelWithout>> models_without(const ModelWork& work, const Ju
   };
   for (const JudgingLimits::Known& known : limits.known)
     if (std::none_of(effects.begin(), effects.end(), [&](const auto& effect) { return is(known, effect); }))
-      return problem_at(limits_file, known.line, 0, fmt::format("known: the model has no effect {}", known.effect));
+      return problem_at(limits_file, known.line, 0, "known: the model has no effect {}", known.effect);
   const std::vector<model::EffectInstance> usual = model::usual_effects(work.data);
   std::vector<ModelWithout> all;
   for (std::size_t k = 0; k < effects.size(); ++k) {
@@ -194,15 +194,13 @@ Result<FrozenModel> parse_frozen_model(std::string_view text, const std::string&
       return problem_at(file, 0, 0, "this freeze was changed after it was written: its SHA-256 differs");
     FrozenModel frozen = top.get<FrozenModel>();
     if (frozen.freeze == FrozenModel{}.freeze) return frozen;
-    return problem_at(file, 0, 0,
-                      fmt::format("expected a freeze of format {}, got {}", FrozenModel{}.freeze, frozen.freeze));
+    return problem_at(file, 0, 0, "expected a freeze of format {}, got {}", FrozenModel{}.freeze, frozen.freeze);
   } catch (const nlohmann::json::exception&) {
     if (kind_of_content(text) == FileKind::model)
-      return problem_at(
-          file, 0, 0,
-          fmt::format("this is an error model, not a frozen one. Freeze it first: `ecs model freeze {} --data DATA "
-                      "--limits limits.toml -o frozen.json`",
-                      file));
+      return problem_at(file, 0, 0,
+                        "this is an error model, not a frozen one. Freeze it first: `ecs model freeze {} --data DATA "
+                        "--limits limits.toml -o frozen.json`",
+                        file);
     if (auto other = wrong_kind(FileKind::other, text, file)) return tl::unexpected(std::move(*other));
     return problem_at(file, 0, 0,
                       "expected a file written by `ecs model freeze -o`, found a truncated file or a file of another "

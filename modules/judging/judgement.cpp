@@ -43,18 +43,18 @@ Result<void> unchanged(const std::string& freeze_file, const FrozenFile& one, co
   if (now == one.sha256) return {};
   return problem_at(
       file, 0, 0,
-      fmt::format(
-          "the {} has changed since the freeze: expected SHA-256 {}, got {}; restore it, or freeze the present one",
-          what, one.sha256, now));
+
+      "the {} has changed since the freeze: expected SHA-256 {}, got {}; restore it, or freeze the present one", what,
+      one.sha256, now);
 }
 
 Result<void> same_program(const FrozenModel& frozen, const std::string& freeze_file) {
   ECS_TRY(now, running_program_sha256());
   if (now == frozen.program_sha256) return {};
   return problem_at(freeze_file, 0, 0,
-                    fmt::format("the program has changed since the freeze ({}): expected SHA-256 {}, got {}; judge "
-                                "with that program, or freeze with this one",
-                                frozen.program, frozen.program_sha256, now));
+                    "the program has changed since the freeze ({}): expected SHA-256 {}, got {}; judge "
+                    "with that program, or freeze with this one",
+                    frozen.program, frozen.program_sha256, now);
 }
 
 /// The held-out files by their hash; none of them was fitted.
@@ -67,10 +67,9 @@ Result<std::map<std::string, std::string>> unseen_files(const FrozenModel& froze
     const std::string sha256 = sha256_hex(bytes);
     for (const FrozenFile& fitted : frozen.data)
       if (fitted.sha256 == sha256)
-        return problem_at(file, 0, 0,
-                          fmt::format("the model was fitted to this file ({}): it is not held out", fitted.file));
+        return problem_at(file, 0, 0, "the model was fitted to this file ({}): it is not held out", fitted.file);
     if (!file_of.emplace(sha256, file).second)
-      return problem_at(file, 0, 0, fmt::format("the same file is given twice, also as {}", file_of[sha256]));
+      return problem_at(file, 0, 0, "the same file is given twice, also as {}", file_of[sha256]);
   }
   return file_of;
 }
@@ -86,14 +85,12 @@ Result<void> of_same_machine(const FrozenModel& frozen, const ModelWork& work, c
   for (std::size_t k = 0; k < work.data.size(); ++k)
     for (const char letter : judged_axes(work.data, k))
       if (frozen.axes.find(letter) == std::string::npos)
-        return problem_at(file, 0, 0,
-                          fmt::format("axis {}: the model was fitted to readings of {} only", letter, frozen.axes));
+        return problem_at(file, 0, 0, "axis {}: the model was fitted to readings of {} only", letter, frozen.axes);
   const std::set<std::string> fitted(frozen.runs.begin(), frozen.runs.end());
   for (const Rows& run : runs_of_lines(work.data))
     if (run.size() >= kFewestForSameRun && fitted.contains(sha256_of_run(work.data, run)))
-      return problem_at(file, 0, 0,
-                        fmt::format("run {} of {}: the model was fitted to these readings", work.data.run[run.front()],
-                                    judged_curve(work.data, run.front())));
+      return problem_at(file, 0, 0, "run {} of {}: the model was fitted to these readings", work.data.run[run.front()],
+                        judged_curve(work.data, run.front()));
   return {};
 }
 
@@ -218,9 +215,8 @@ Result<std::map<std::string, Rows, InOrder>> rows_by_value(const HeldOutGroups& 
   for (std::size_t k = 0; k < work.data.size(); ++k) {
     const auto value = value_of(groups, work, k);
     if (!value)
-      return problem_at(work.set.source, 0, 0,
-                        fmt::format("row {}: it has no {}, which {} needs to divide the hold-out", work.data.row[k],
-                                    groups.by, limits_file));
+      return problem_at(work.set.source, 0, 0, "row {}: it has no {}, which {} needs to divide the hold-out",
+                        work.data.row[k], groups.by, limits_file);
     if (groups.values.empty() || rows.contains(*value)) rows[*value].push_back(k);
   }
   return rows;
@@ -288,15 +284,13 @@ Result<std::vector<GroupRows>> groups_to_judge(const FrozenModel& frozen, const 
     taken[groups.by] += held_out;
     const auto together = static_cast<double>(held_out + frozen.readings);
     if (static_cast<double>(held_out) < groups.share * together)
-      return problem_at(
-          file, groups.line, 0,
-          fmt::format("expected at least {} of {:.0f} readings held out, got {}", groups.share, together, held_out));
+      return problem_at(file, groups.line, 0, "expected at least {} of {:.0f} readings held out, got {}", groups.share,
+                        together, held_out);
   }
   for (const auto& [by, rows] : taken)
     if (rows < work.data.size())
-      return problem_at(file, 0, 0,
-                        fmt::format("{} of {} readings have a different {} from those held out: omit them",
-                                    work.data.size() - rows, work.data.size(), by));
+      return problem_at(file, 0, 0, "{} of {} readings have a different {} from those held out: omit them",
+                        work.data.size() - rows, work.data.size(), by);
   return all;
 }
 

@@ -2,8 +2,6 @@
 #include <cmath>
 #include <set>
 
-#include <fmt/format.h>
-
 #include "base/text.hpp"
 #include "base/toml_reader.hpp"
 #include "laser/csv_columns.hpp"
@@ -20,7 +18,7 @@ std::optional<double> bounded(TomlReader& reader, const toml::table& table, cons
   const auto value = reader.number(table, key);
   if (!value) return value;
   if (*value >= least && *value <= greatest && *value > 0.0) return value;
-  reader.complain(*table.get(key), fmt::format("{}: expected {}, got {}", key, expected, shortest(*value)));
+  reader.complain(*table.get(key), "{}: expected {}, got {}", key, expected, shortest(*value));
   return std::nullopt;
 }
 
@@ -30,7 +28,7 @@ std::optional<AcceptanceLimit> limit_in(TomlReader& reader, const toml::table& g
   constexpr double kMost = 1e9;
   constexpr const char* kExpected = "a limit above 0 and at most 1e9";
   reader.only(*table, {"rms_um", "max_um"}, kind);
-  if (!table->contains("rms_um")) reader.complain(*table, fmt::format("{}: expected rms_um", kind));
+  if (!table->contains("rms_um")) reader.complain(*table, "{}: expected rms_um", kind);
   AcceptanceLimit limit;
   limit.rms_um = bounded(reader, *table, "rms_um", 0.0, kMost, kExpected).value_or(0.0);
   limit.max_um = bounded(reader, *table, "max_um", 0.0, kMost, kExpected);
@@ -42,7 +40,7 @@ const toml::array* list_in(TomlReader& reader, const toml::table& table, const c
   const toml::node* node = table.get(key);
   if (node == nullptr) return nullptr;
   if (node->is_array() && !node->as_array()->empty()) return node->as_array();
-  reader.complain(*node, fmt::format("{}: expected {}", key, expected));
+  reader.complain(*node, "{}: expected {}", key, expected);
   return nullptr;
 }
 
@@ -59,7 +57,7 @@ std::vector<std::string> values_in(TomlReader& reader, const toml::table& table,
     }
     values.push_back(number ? shortest(*number) : *node.value<std::string>());
     if (!taken.emplace(by, values.back()).second)
-      reader.complain(node, fmt::format("values: {} {} is given twice", by, values.back()));
+      reader.complain(node, "values: {} {} is given twice", by, values.back());
   }
   return values;
 }
@@ -76,7 +74,7 @@ HeldOutGroups groups_in(TomlReader& reader, const toml::table& table,
   if (const auto letter = reader.word(table, "axis")) {
     const auto named = laser::axis_named(*letter);
     if (!named || !named->rotary)
-      reader.complain(*table.get("axis"), fmt::format("axis: expected A, B or C, got \"{}\"", *letter));
+      reader.complain(*table.get("axis"), "axis: expected A, B or C, got \"{}\"", *letter);
     else
       groups.axis = named->axis;
     if (groups.by != "sector" && groups.by != "sign" && groups.by != "magnitude")
@@ -87,7 +85,7 @@ HeldOutGroups groups_in(TomlReader& reader, const toml::table& table,
     if (groups.by != "sector") reader.complain(*table.get("sector_deg"), "sector_deg: only with by = \"sector\"");
     const double parts = 360.0 / *width;
     if (std::abs(parts - std::round(parts)) > 1e-9)
-      reader.complain(*table.get("sector_deg"), fmt::format("sector_deg: expected a part of 360, got {}", *width));
+      reader.complain(*table.get("sector_deg"), "sector_deg: expected a part of 360, got {}", *width);
   }
   groups.share = bounded(reader, table, "share", 0.0, 0.9, "a share above 0 and at most 0.9").value_or(0.0);
   if (const auto least = bounded(reader, table, "readings", 4.0, kMostReadings, "a whole number from 4")) {
@@ -115,7 +113,7 @@ void ranges_in(TomlReader& reader, const toml::table& top, JudgingLimits& limits
     if (greatest && std::isfinite(*least) && std::isfinite(*greatest) && *least <= *greatest)
       limits.inside[std::string(key.str())] = {*least, *greatest};
     else
-      reader.complain(node, fmt::format("{}: expected [least, greatest]", key.str()));
+      reader.complain(node, "{}: expected [least, greatest]", key.str());
   }
 }
 
@@ -129,7 +127,7 @@ Result<JudgingLimits> parse_judging_limits(std::string_view text, const std::str
   if (const auto zero = reader.word(top, "zero")) {
     limits.zero_of_each_run = *zero == "run";
     if (*zero != "run" && *zero != "model")
-      reader.complain(*top.get("zero"), fmt::format("zero: expected \"model\" or \"run\", got \"{}\"", *zero));
+      reader.complain(*top.get("zero"), "zero: expected \"model\" or \"run\", got \"{}\"", *zero);
   }
   if (const toml::array* known = list_in(reader, top, "known", "a list of effects, such as \"cyclic:X:EX\""))
     for (const toml::node& node : *known) {
@@ -145,7 +143,7 @@ Result<JudgingLimits> parse_judging_limits(std::string_view text, const std::str
     const HeldOutGroups& groups = limits.groups.emplace_back(groups_in(reader, *table, taken));
     const auto [before, first] = whole.try_emplace(groups.by, groups.values.empty());
     if (!first && (before->second || groups.values.empty()))
-      reader.complain(*table, fmt::format("by: {} is given twice; give each its values", groups.by));
+      reader.complain(*table, "by: {} is given twice; give each its values", groups.by);
   }
   if (!top.contains("group")) reader.complain(1, "expected at least one [[group]]");
   if (!reader.clean()) return tl::unexpected(reader.all());

@@ -5,8 +5,6 @@
 #include <map>
 #include <numeric>
 
-#include <fmt/format.h>
-
 #include "base/linear/decompositions.hpp"
 #include "base/units.hpp"
 #include "modules/lengths/curves.hpp"
@@ -109,9 +107,9 @@ Result<LengthComparison> compared_lengths(const LengthTest& test, const laser::E
   const FittedZeros with = fitted_zeros(test, errors_by(test, map, parameters), nuisance);
   if (n <= without.rank)
     return problem_at(test.source, 0, 0,
-                      fmt::format("expected more lengths than unknown zeros and stations, found {} lengths and {} "
-                                  "unknowns: measure more lengths in each run",
-                                  n, without.rank));
+                      "expected more lengths than unknown zeros and stations, found {} lengths and {} "
+                      "unknowns: measure more lengths in each run",
+                      n, without.rank);
   LengthComparison found;
   found.readings = test.readings.size();
   found.unknowns = static_cast<int>(without.rank);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "base/linear/decompositions.hpp"
 #include "base/units.hpp"
 
@@ -75,9 +73,9 @@ Result<LengthMachine> length_machine(const params::Machine& machine) {
   const auto chain = params::chain_of(machine);
   if (!chain || chain->axis_count() != kAxes)
     return problem(ProblemKind::bad_input,
-                   fmt::format("expected a machine with the axes X, Y and Z, found the chain {}: lengths identify "
-                               "three-axis machines",
-                               machine.configuration));
+                   "expected a machine with the axes X, Y and Z, found the chain {}: lengths identify "
+                   "three-axis machines",
+                   machine.configuration);
   LengthMachine out;
   out.chain = *chain;
   out.lines_mm = params::measurement_lines_of(machine);

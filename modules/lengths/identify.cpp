@@ -301,17 +301,16 @@ std::string contradiction(Component component, const Identification& found) {
 Result<void> checked(const LengthTest& test, const params::Machine& named, const LengthMachine& machine) {
   if (!test.configuration.empty() && test.configuration != named.configuration)
     return problem_at(test.source, 0, 0,
-                      fmt::format("the lengths are of a machine {}, the machine file of {}: expected one machine",
-                                  test.configuration, named.configuration));
+                      "the lengths are of a machine {}, the machine file of {}: expected one machine",
+                      test.configuration, named.configuration);
   std::vector<Problem> problems;
   for (const LengthReading& r : test.readings)
     for (std::size_t a = 0; a < kAxes; ++a)
       if (r.position_mm[a] < machine.travel_mm[a][0] - kBeyondTravel_mm ||
           r.position_mm[a] > machine.travel_mm[a][1] + kBeyondTravel_mm)
         problems.push_back(
-            problem_at(test.source, r.line, 0,
-                       fmt::format("expected {} within its travel {:g} to {:g} mm, found {:g}", letter_of(kAllAxes[a]),
-                                   machine.travel_mm[a][0], machine.travel_mm[a][1], r.position_mm[a]))
+            problem_at(test.source, r.line, 0, "expected {} within its travel {:g} to {:g} mm, found {:g}",
+                       letter_of(kAllAxes[a]), machine.travel_mm[a][0], machine.travel_mm[a][1], r.position_mm[a])
                 .value());
   constexpr std::size_t kShown = 20;
   if (problems.size() > kShown) problems.resize(kShown);
@@ -354,11 +353,10 @@ Problem too_few(const LengthTest& test, IdentifySettings settings, MachineCurves
                 const PerAxis<double>& knots_mm) {
   const auto unknowns = curves.size() + nuisance_of(test, 0).end;
   std::vector<Problem> problems{
-      problem_at(
-          test.source, 0, 0,
-          fmt::format("expected at least {} readings for {} unknowns (knots {:.0f}, {:.0f}, {:.0f} mm), found {}: "
-                      "measure more lines, or use a larger knot spacing (--knots)",
-                      unknowns + kLeastFreedom, unknowns, knots_mm[0], knots_mm[1], knots_mm[2], test.readings.size()))
+      problem_at(test.source, 0, 0,
+                 "expected at least {} readings for {} unknowns (knots {:.0f}, {:.0f}, {:.0f} mm), found {}: "
+                 "measure more lines, or use a larger knot spacing (--knots)",
+                 unknowns + kLeastFreedom, unknowns, knots_mm[0], knots_mm[1], knots_mm[2], test.readings.size())
           .value()};
   settings.keep_outliers = true;
   Identification tried;

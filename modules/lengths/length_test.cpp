@@ -87,17 +87,14 @@ class LengthReader {
       test_.bar_um = number_in(entry.value);
       if (!test_.bar_um || !(*test_.bar_um > 0.0)) {
         test_.bar_um.reset();
-        findings_.add(
-            0, 0,
-            fmt::format("bar_um: expected the standard uncertainty of the ball bar's length, above 0, found {}",
-                        laser::in_quotes(entry.value)));
+        findings_.add(0, 0, "bar_um: expected the standard uncertainty of the ball bar's length, above 0, found {}",
+                      laser::in_quotes(entry.value));
       }
     }
     if (entry.key == "knots_mm") {
       const auto knots = vector_in(words, 0);
       if (!knots || std::ranges::any_of(*knots, [](double mm) { return !(mm > 0.0); }))
-        findings_.add(0, 0,
-                      fmt::format("knots_mm: expected three lengths above 0, found {}", laser::in_quotes(entry.value)));
+        findings_.add(0, 0, "knots_mm: expected three lengths above 0, found {}", laser::in_quotes(entry.value));
       else
         for (std::size_t a = 0; a < kAxes; ++a) test_.knots_mm[a] = (*knots)[a];
     }
@@ -111,9 +108,9 @@ class LengthReader {
   void take_tool(const std::vector<std::string>& words, const std::string& value) {
     const auto offset = vector_in(words, 1);
     if (!offset || !is_name(words[0]))
-      findings_.add(0, 0, fmt::format("tool: expected NAME X Y Z in mm, found {}", laser::in_quotes(value)));
+      findings_.add(0, 0, "tool: expected NAME X Y Z in mm, found {}", laser::in_quotes(value));
     else if (find(test_.tools, words[0]))
-      findings_.add(0, 0, fmt::format("tool: {} is described twice", words[0]));
+      findings_.add(0, 0, "tool: {} is described twice", words[0]);
     else
       test_.tools.push_back({words[0], *offset});
   }
@@ -121,11 +118,10 @@ class LengthReader {
   /// "NAME points", in a file of deviations; there nothing else.
   void take_placement(const std::vector<std::string>& words, const std::string& value) {
     if (words.size() != 2 || words[1] != word_of(LengthInstrument::points) || !is_name(words[0]))
-      findings_.add(
-          0, 0,
-          fmt::format("set_up: expected NAME points in a file with deviation_x_um, found {}", laser::in_quotes(value)));
+      findings_.add(0, 0, "set_up: expected NAME points in a file with deviation_x_um, found {}",
+                    laser::in_quotes(value));
     else if (find(test_.set_ups, words[0]))
-      findings_.add(0, 0, fmt::format("set_up: {} is described twice", words[0]));
+      findings_.add(0, 0, "set_up: {} is described twice", words[0]);
     else
       test_.set_ups.push_back({words[0], LengthInstrument::points, {}, 0});
   }
@@ -138,20 +134,20 @@ class LengthReader {
     if (!place || kind == kInstrumentWords.end() || kind->instrument == LengthInstrument::points ||
         !is_name(words[0])) {
       findings_.add(0, 0,
-                    fmt::format("set_up: expected NAME, one of interferometer, tracker, ball_bar, and three numbers "
-                                "(direction, or station in mm), found {}",
-                                laser::in_quotes(value)));
+                    "set_up: expected NAME, one of interferometer, tracker, ball_bar, and three numbers "
+                    "(direction, or station in mm), found {}",
+                    laser::in_quotes(value));
       return;
     }
     LengthSetUp set_up{words[0], kind->instrument, *place, 0};
     if (find(test_.set_ups, set_up.name)) {
-      findings_.add(0, 0, fmt::format("set_up: {} is described twice", set_up.name));
+      findings_.add(0, 0, "set_up: {} is described twice", set_up.name);
       return;
     }
     if (set_up.instrument == LengthInstrument::interferometer) {
       const double length = std::hypot(set_up.place[0], set_up.place[1], set_up.place[2]);
       if (!(length > 0.0)) {
-        findings_.add(0, 0, fmt::format("set_up {}: expected a direction, found 0 0 0", set_up.name));
+        findings_.add(0, 0, "set_up {}: expected a direction, found 0 0 0", set_up.name);
         return;
       }
       for (double& part : set_up.place) part /= length;
@@ -170,8 +166,7 @@ class LengthReader {
     const laser::CsvField& field = row.fields[*place_of(table_, column)];
     const auto value = number_in(field.text);
     if (!value)
-      findings_.add(row.line, field.column,
-                    fmt::format("{}: expected a number, found {}", column, laser::in_quotes(field.text)));
+      findings_.add(row.line, field.column, "{}: expected a number, found {}", column, laser::in_quotes(field.text));
     return value;
   }
 
@@ -180,9 +175,8 @@ class LengthReader {
     const laser::CsvField& field = row.fields[*place_of(table_, column)];
     const auto place = find(list, field.text);
     if (!place && !list.empty())
-      findings_.add(row.line, field.column,
-                    fmt::format("{}: expected a name from a line `# {}: ` at the top of the file, found {}", column,
-                                column, laser::in_quotes(field.text)));
+      findings_.add(row.line, field.column, "{}: expected a name from a line `# {}: ` at the top of the file, found {}",
+                    column, column, laser::in_quotes(field.text));
     return place;
   }
 
@@ -196,19 +190,18 @@ class LengthReader {
     const bool counted = run && *run == std::floor(*run) && *run >= 1.0 && *run <= kMostRuns;
     if (run && !counted)
       findings_.add(row.line, row.fields[*place_of(table_, "run")].column,
-                    fmt::format("run: expected a whole number from 1, found {:g}", *run));
+                    "run: expected a whole number from 1, found {:g}", *run);
     bool whole = set_up && tool && counted;
     constexpr std::array<std::string_view, kAxes> kPlaces{"x_mm", "y_mm", "z_mm"};
     constexpr std::array<std::string_view, kAxes> kApproaches{"approach_x", "approach_y", "approach_z"};
     for (std::size_t a = 0; a < kAxes; ++a) {
       const auto mm = number(row, kPlaces[a]), side = number(row, kApproaches[a]);
       if (side && *side != 1.0 && *side != -1.0)
-        findings_.add(
-            row.line, row.fields[*place_of(table_, kApproaches[a])].column,
-            fmt::format("{}: expected 1 or -1, the direction of the last motion, found {:g}", kApproaches[a], *side));
+        findings_.add(row.line, row.fields[*place_of(table_, kApproaches[a])].column,
+                      "{}: expected 1 or -1, the direction of the last motion, found {:g}", kApproaches[a], *side);
       if (mm && std::abs(*mm) > kFarthest_mm)
         findings_.add(row.line, row.fields[*place_of(table_, kPlaces[a])].column,
-                      fmt::format("{}: expected a position in mm, found {:g}", kPlaces[a], *mm));
+                      "{}: expected a position in mm, found {:g}", kPlaces[a], *mm);
       whole = whole && mm && side;
       reading.position_mm[a] = mm.value_or(0.0);
       reading.approach[a] = side.value_or(1.0) < 0.0 ? -1 : 1;
@@ -239,8 +232,8 @@ class LengthReader {
     const auto um = number(row, column);
     if (um && std::abs(*um) > kLargestDeviation_um)
       findings_.add(row.line, row.fields[*place_of(table_, column)].column,
-                    fmt::format("{}: expected measured minus nominal {}, at most {:g} um, found {:g}", column,
-                                points_ ? "coordinate" : "length", kLargestDeviation_um, *um));
+                    "{}: expected measured minus nominal {}, at most {:g} um, found {:g}", column,
+                    points_ ? "coordinate" : "length", kLargestDeviation_um, *um);
     return um;
   }
 
@@ -262,9 +255,8 @@ class LengthReader {
       if (set_up.instrument != LengthInstrument::interferometer) {
         if (std::hypot(point[0] - set_up.place[0], point[1] - set_up.place[1], point[2] - set_up.place[2]) <
             kNearest_mm)
-          findings_.add(
-              reading.line, 0,
-              fmt::format("the station of set-up {} is nearer than {:g} mm to the tool", set_up.name, kNearest_mm));
+          findings_.add(reading.line, 0, "the station of set-up {} is nearer than {:g} mm to the tool", set_up.name,
+                        kNearest_mm);
       } else if (first == nullptr || first->tool != reading.tool) {
         first = &reading;
       } else {
@@ -273,7 +265,7 @@ class LengthReader {
       if (first == nullptr) first = &reading;
     }
     if (first == nullptr && !test_.readings.empty())
-      findings_.add(0, 0, fmt::format("set_up {}: expected readings of it, found none", set_up.name));
+      findings_.add(0, 0, "set_up {}: expected readings of it, found none", set_up.name);
   }
 
   void check_on_line(const LengthSetUp& set_up, const LengthReading& first, const LengthReading& reading) {
@@ -286,9 +278,9 @@ class LengthReader {
     const double across = std::sqrt(std::max(0.0, squares - along * along));
     if (across > kOffLine_mm + kOffLine_per_mm * std::abs(along))
       findings_.add(reading.line, 0,
-                    fmt::format("set-up {}: expected a pose on the line of line {} along ({:.4f}, {:.4f}, {:.4f}), "
-                                "found one {:.3f} mm off it",
-                                set_up.name, first.line, set_up.place[0], set_up.place[1], set_up.place[2], across));
+                    "set-up {}: expected a pose on the line of line {} along ({:.4f}, {:.4f}, {:.4f}), "
+                    "found one {:.3f} mm off it",
+                    set_up.name, first.line, set_up.place[0], set_up.place[1], set_up.place[2], across);
   }
 
   const laser::CsvTable& table_;

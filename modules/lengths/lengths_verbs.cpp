@@ -149,8 +149,8 @@ laser::ErrorMap map_of(const LengthsWork& work, const LengthsArguments& argument
     header.uncertainty.push_back({square.component, square.u_um_per_m, 0.0, freedom_in_map(square.degrees_of_freedom)});
   }
   header.processing.push_back(fmt::format(
-      "identified from {} {} of {} set-ups: {} unknowns, knots {:.0f}, {:.0f}, {:.0f} mm, reversal of "
-      "degree {}, {} readings excluded, residual {:.3f} um",
+      "identified from {} {} of {} set-ups: {} unknowns, knots {:.0f}, {:.0f}, {:.0f} mm, reversal of degree {}, {} "
+      "readings excluded, residual {:.3f} um",
       work.found.readings, model::has_points(work.test) ? "deviations of points" : "lengths", work.test.set_ups.size(),
       work.found.unknowns, work.found.knots_mm[0], work.found.knots_mm[1], work.found.knots_mm[2],
       arguments.settings.reversal_degree, work.found.outliers.size(), work.found.residual_um));
@@ -193,9 +193,8 @@ Result<PerAxis<std::optional<double>>> three_lengths_in(const std::string& text,
     if (!out[a] || !(*out[a] > 0.0)) break;
     if (a + 1 == kAxes) return out;
   }
-  return problem(
-      ProblemKind::usage,
-      fmt::format("{}: expected three lengths X,Y,Z above 0 in mm, such as 100,50,50, got \"{}\"", option, text));
+  return problem(ProblemKind::usage, "{}: expected three lengths X,Y,Z above 0 in mm, such as 100,50,50, got \"{}\"",
+                 option, text);
 }
 
 Result<LengthsWork> lengths_work(const LengthsArguments& arguments) {
@@ -244,8 +243,8 @@ Result<std::vector<Vector3>> places_in(const std::string& text, std::string_view
       place[a] = number.value_or(0.0);
     }
     if (!right)
-      return problem(ProblemKind::usage,
-                     fmt::format("{}: expected X,Y,Z;X,Y,Z in mm, such as 0,0,0;0,0,-250, got \"{}\"", option, text));
+      return problem(ProblemKind::usage, "{}: expected X,Y,Z;X,Y,Z in mm, such as 0,0,0;0,0,-250, got \"{}\"", option,
+                     text);
     out.push_back(place);
   }
   return out;
@@ -434,14 +433,13 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
   const std::string none = found.whole() ? "map not written: give --params and -o map.csv\n"
                                          : "map not written: some components are not determined\n";
   return record_cell(
-      "{file}: {readings} {of_kind}, {unknowns} unknowns, {degrees_of_freedom} degrees of freedom\n"
-      "{components}{squareness}{without_effect}{not_determined}"
-      "  standard deviation of a single reading {residual_um} um{repeated}\n"
-      "  it consists of: the reading itself {white_um} um; each stop {stop_um} um and {stop_um_per_m} um per metre of "
-      "length; each pass (one run in one direction) {pass_um} um and {pass_um_per_m} um per metre of length\n"
-      "  the map is known to U = {volume_U_um} um (expanded uncertainty, k = 2) of the error vector, root mean square "
-      "over the volume; `ecs volume` states the residual error after compensation\n"
-      "{set_ups}{outliers}{notes}{map}{params_out}",
+      "{file}: {readings} {of_kind}, {unknowns} unknowns, {degrees_of_freedom} degrees of "
+      "freedom\n{components}{squareness}{without_effect}{not_determined}"
+      "  standard deviation of a single reading {residual_um} um{repeated}\n  it consists of: the reading itself "
+      "{white_um} um; each stop {stop_um} um and {stop_um_per_m} um per metre of length; each pass (one run in one "
+      "direction) {pass_um} um and {pass_um_per_m} um per metre of length\n  the map is known to U = {volume_U_um} um "
+      "(expanded uncertainty, k = 2) of the error vector, root mean square over the volume; `ecs volume` states the "
+      "residual error after compensation\n{set_ups}{outliers}{notes}{map}{params_out}",
       "file"_is(work.test.source), "machine"_is(work.machine_name), "readings"_is(found.readings),
       "of_kind"_shown(model::has_points(work.test) ? "deviations" : "lengths"), "unknowns"_is(found.unknowns),
       "degrees_of_freedom"_is(found.degrees_of_freedom), "knots_mm"_is(Json(found.knots_mm)),
@@ -479,9 +477,9 @@ Cell lengths_plan_cell(const model::LengthPlan& plan, double wanted_U_um, const 
   if (!plan.reached) stations.text.clear();  // no plan to follow
   return record_cell(
       "{reached_text}: U = {volume_U_um} um over the volume and the tools (wanted {wanted_U_um}), {first_tool_U_um} um "
-      "with the first tool\n"
-      "{minutes} minutes, of which {set_up_minutes} for {set_ups} set-ups; {paths} paths, {readings} poses\n"
-      "{advice}{stations}{notes}for comparison: {single}  with the first tool alone: {single_first_tool}{plan}",
+      "with the first tool\n{minutes} minutes, of which {set_up_minutes} for {set_ups} set-ups; {paths} paths, "
+      "{readings} poses\n{advice}{stations}{notes}for comparison: {single}  with the first tool alone: "
+      "{single_first_tool}{plan}",
       "reached_text"_shown(plan.reached ? "reached" : "NOT REACHED with three runs of every path"),
       "advice"_shown(unreached_advice(plan)), "reached"_is(plan.reached), "wanted_U_um"_is(wanted_U_um, 3),
       "volume_U_um"_is(plan.volume_U_um, 3), "first_tool_U_um"_is(plan.first_tool_U_um, 3),
@@ -529,8 +527,8 @@ Cell compared_cell(const std::string& map, const model::LengthTest& test, const 
   };
   return record_cell(
       "{map} reduces the standard deviation of {file} by {agreement_percent} %, from {error_um} to {left_um} um "
-      "({readings} lengths; {unknowns} zero offsets and stations fitted)\n"
-      "{repeat_text}{set_ups}the lengths that fit worst:\n{worst}{objections}{verdict}",
+      "({readings} lengths; {unknowns} zero offsets and stations fitted)\n{repeat_text}{set_ups}the lengths that fit "
+      "worst:\n{worst}{objections}{verdict}",
       "map"_is(map), "file"_is(test.source), "readings"_is(found.readings), "unknowns"_is(found.unknowns),
       "agreement_percent"_is(100.0 * found.agreement(), 1), "error_um"_is(found.error_um, 2),
       "left_um"_is(found.left_um, 2), "repeat_um"_is(found.repeat_um, 2), "repeat_text"_shown(repeats_text(found)),
@@ -551,9 +549,8 @@ Result<Outcome> compare_the_lengths(VerbContext&, const LengthsCompared& a) {
     return tl::unexpected(Problem{ProblemKind::refused, *other, a.file, 0, 0, {}});
   const std::string_view chain = configuration_of(unit.parameters);
   if (!map.header.configuration.empty() && map.header.configuration != chain)
-    return problem_at(a.params, 0, 0,
-                      fmt::format("expected the parameters of a machine {} as in the map, found {}",
-                                  map.header.configuration, chain));
+    return problem_at(a.params, 0, 0, "expected the parameters of a machine {} as in the map, found {}",
+                      map.header.configuration, chain);
   constexpr std::size_t kWorst = 5;
   ECS_TRY(found, model::compared_lengths(test, map, unit.parameters, kWorst));
   const std::vector<std::string> objections = objections_in(laser::findings_for(map, unit.parameters));

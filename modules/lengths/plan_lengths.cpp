@@ -38,9 +38,10 @@ class LengthPlanner {
   Result<LengthPlan> run() {
     add_set_ups();
     if (stands_.empty())
-      return problem(ProblemKind::usage, fmt::format("no circle of {:g} mm about any station lies within the travel: "
-                                                     "expected a shorter ball bar or other stations",
-                                                     settings_.ball_bar_mm));
+      return problem(ProblemKind::usage,
+                     "no circle of {:g} mm about any station lies within the travel: "
+                     "expected a shorter ball bar or other stations",
+                     settings_.ball_bar_mm);
     for (const PlanStand& stand : stands_) known_.emplace_back(task_, stand);
     find_free();
     write(settings_.instrument == LengthInstrument::tracker ? from_stations()

@@ -127,8 +127,7 @@ std::string instrument_file() {
 
 Result<std::optional<Instrument>> instrument_in_use() {
   const std::string file = instrument_file();
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) return std::optional<Instrument>();
+  if (!disc::exists(file)) return std::optional<Instrument>();
   ECS_TRY(text, read_file(file));
   ECS_TRY(instrument, parse_instrument(text, file));
   return std::optional(std::move(instrument));
@@ -157,13 +156,12 @@ Result<Instrument> parse_instrument(std::string_view text, const std::string& fi
   reader.only(table, known, "an instrument file");
   for (const char* key : {"calibration_date", "valid_until"})
     if (const auto* node = table.get(key); node != nullptr && node->is_string())
-      if (const auto wrong = wrong_date(node->value_or(std::string())))
-        reader.complain(*node, fmt::format("{}: {}", key, *wrong));
+      if (const auto wrong = wrong_date(node->value_or(std::string()))) reader.complain(*node, "{}: {}", key, *wrong);
   if (const auto days = reader.number(table, kInterval)) {
     if (*days >= 1 && *days <= kMostDays)
       instrument.calibration_interval_days = static_cast<int>(*days);
     else
-      reader.complain(*table.get(kInterval), fmt::format("{}: expected 1 to {} days", kInterval, kMostDays));
+      reader.complain(*table.get(kInterval), "{}: expected 1 to {} days", kInterval, kMostDays);
   }
   if (!reader.clean()) return tl::unexpected(reader.all());
   return instrument;

@@ -79,8 +79,7 @@ Result<Logbook> chosen_logbook(VerbContext& context, const LogChoice& choice) {
     }
     if (!choice.machine.empty() && !is_of(*owner, choice.machine, wanted)) {
       if (!choice.log.empty())
-        return problem_at(choice.log, 0, 0,
-                          fmt::format("this is the logbook of {}, not of {}", in_words(*owner), choice.machine));
+        return problem_at(choice.log, 0, 0, "this is the logbook of {}, not of {}", in_words(*owner), choice.machine);
       continue;
     }
     if (!chosen)
@@ -229,8 +228,8 @@ Result<std::string> image_of_unit(VerbContext& context, const Logbook& book) {
   ECS_TRY(identity, unit.client().identity());
   ECS_TRY(owner, book.owner());
   if (const LogOwner of{identity.machine, identity.serial_number}; !belongs(owner, of))
-    return problem(ProblemKind::refused, fmt::format("{} is the logbook of {}; the unit belongs to {}",
-                                                     book.path().string(), in_words(owner), in_words(of)));
+    return problem(ProblemKind::refused, "{} is the logbook of {}; the unit belongs to {}", book.path().string(),
+                   in_words(owner), in_words(of));
   const auto image = read_active_image(unit.client(), progress_bar(context, "image"));
   context.console.end_progress();
   if (!image) return tl::unexpected(image.error());
@@ -273,8 +272,7 @@ Result<Instrument> read_instrument(const std::string& file) {
 Result<Outcome> instrument(VerbContext&, const InstrumentRequest& request) {
   const std::string in_use = instrument_file();
   if (request.file.empty() && request.use) return problem(ProblemKind::usage, "--use: give the file");
-  std::error_code missing;
-  if (request.file.empty() && !std::filesystem::exists(in_use, missing))
+  if (request.file.empty() && !disc::exists(in_use))
     return problem(ProblemKind::usage,
                    "no instrument is set. Set one with its certificate or an instrument file: `ecs log instrument FILE "
                    "--use`");
@@ -283,8 +281,7 @@ Result<Outcome> instrument(VerbContext&, const InstrumentRequest& request) {
   if (request.use) {
     if (!request.force && would_overwrite(in_use, {request.file}))
       return problem(ProblemKind::usage, in_use + " contains the instrument in use: --force replaces it");
-    std::error_code error;
-    std::filesystem::create_directories(std::filesystem::path(in_use).parent_path(), error);
+    disc::make_folders(std::filesystem::path(in_use).parent_path());
     ECS_DO(write_file(in_use, to_toml(found)));
   }
   const Json object = Json::parse(instrument_json(found, now_utc()), nullptr, false);
@@ -362,8 +359,7 @@ Result<std::vector<std::string>> files_written(const Logbook& book, const Logboo
   for (std::size_t k = 0; k < files.size(); ++k)
     if (files[k].kept) names.push_back((folder / file_name(k, files[k])).string());
   ECS_DO(none_there(names, "give another folder"));
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
+  disc::make_folders(folder);
   for (std::size_t k = 0; k < files.size(); ++k) {
     if (!files[k].kept) continue;
     ECS_TRY(content, book.original(files[k].sha256));
@@ -387,7 +383,7 @@ Result<void> check_words(const ExportLogRequest& request) {
   const std::string& country = request.country;
   if (!country.empty() &&
       (country.size() != 2 || country.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") != std::string::npos))
-    return problem(ProblemKind::usage, fmt::format("--country: expected two capitals such as DE, got \"{}\"", country));
+    return problem(ProblemKind::usage, "--country: expected two capitals such as DE, got \"{}\"", country);
   if (!request.signer.empty() && request.sign.empty())
     return problem(ProblemKind::usage, "--signer: give the key with --sign");
   return {};

@@ -51,9 +51,8 @@ fs::path free_name(const fs::path& folder, const LogOwner& owner) {
   const std::string last = names.back();
   for (int i = 2;; ++i) {
     for (const std::string& name : names) {
-      std::error_code error;
       fs::path path = folder / (name + std::string(kLogbookExtension));
-      if (!fs::exists(path, error)) return path;
+      if (!disc::exists(path)) return path;
     }
     names = {fmt::format("{}-{}", last, i)};
   }

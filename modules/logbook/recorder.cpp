@@ -209,8 +209,7 @@ Result<std::optional<std::filesystem::path>> place_of(const LogOwner& owner) {
 Result<std::optional<std::filesystem::path>> place_to_write(const LogRecord& record) {
   OpenBooks& open = open_books();
   const auto known = open.places.find({record.machine, record.serial_number});
-  std::error_code error;
-  if (known != open.places.end() && open.books.contains(known->second) && std::filesystem::exists(known->second, error))
+  if (known != open.places.end() && open.books.contains(known->second) && disc::exists(known->second))
     return std::optional(known->second);
   auto place = place_of({record.machine, record.serial_number});
   if (place && *place) open.places[{record.machine, record.serial_number}] = **place;

@@ -72,7 +72,7 @@ struct Activation {
 Result<Activation> read_activation(const Logbook& book, const LogbookEntry& entry) {
   const std::vector<LogFile> files = files_of(entry);
   const auto image = std::find_if(files.begin(), files.end(), [](const LogFile& f) { return f.role == "image"; });
-  if (image == files.end()) return problem(ProblemKind::refused, fmt::format("entry {} names no image", entry.number));
+  if (image == files.end()) return problem(ProblemKind::refused, "entry {} names no image", entry.number);
   ECS_TRY(bytes, book.original(image->sha256));
   ECS_TRY(content, laser::content_of(std::vector<std::uint8_t>(bytes.begin(), bytes.end())));
   Activation found{entry, std::move(bytes), std::move(content), {}, {}};
@@ -170,8 +170,7 @@ Result<std::string> Derivation::made_again(const LogbookEntry& entry, const std:
     const std::string* content = answer ? kept.find(one.name) : nullptr;
     if (content == nullptr) {
       const std::string why = answer ? "it did not write " + one.name : to_text(answer.error());
-      return problem(ProblemKind::refused,
-                     fmt::format("entry {} cannot be repeated: `ecs {}`: {}", entry.number, verb, why));
+      return problem(ProblemKind::refused, "entry {} cannot be repeated: `ecs {}`: {}", entry.number, verb, why);
     }
     derived.push_back({entry.number, verb, one.name, one.sha256, sha256_hex(*content) == one.sha256});
     done_[one.sha256] = *content;
@@ -186,8 +185,7 @@ Result<Replay> replayed(const Logbook& book, const RunVerb& run, const std::stri
   for (auto entry = activations.rbegin(); entry != activations.rend() && !last; ++entry) {
     ECS_TRY(one, read_activation(book, *entry));
     if (!has_map(one))
-      return problem(ProblemKind::refused,
-                     fmt::format("entry {}: the active image contains parameters but no map", entry->number));
+      return problem(ProblemKind::refused, "entry {}: the active image contains parameters but no map", entry->number);
     last = std::move(one);
   }
   if (!last)
@@ -202,10 +200,9 @@ Result<Replay> replayed(const Logbook& book, const RunVerb& run, const std::stri
     last->map = std::move(found);
   }
   if (!last->map)
-    return problem(
-        ProblemKind::refused,
-        fmt::format("entry {}: no map in this logbook gives the image that became active: it was made elsewhere",
-                    last->entry.number));
+    return problem(ProblemKind::refused,
+                   "entry {}: no map in this logbook gives the image that became active: it was made elsewhere",
+                   last->entry.number);
   Replay replay;
   replay.activation = last->entry.number;
   Derivation derivation(book, run);
@@ -409,8 +406,7 @@ std::optional<ComparedVolume> volume_of(const LoggedMap& one, const RunVerb& run
 }
 
 Result<LoggedState> state_on(const Logbook& book, const std::string& date) {
-  if (!is_iso_date(date))
-    return problem(ProblemKind::usage, fmt::format("{}: expected a date such as 2026-03-12", date));
+  if (!is_iso_date(date)) return problem(ProblemKind::usage, "{}: expected a date such as 2026-03-12", date);
   LoggedState state;
   state.date = date;
   const std::string until = until_of(date);

@@ -248,8 +248,7 @@ bool put(sqlite3* file, const NextEntry& next) {
 }  // namespace
 
 Logbook::Copy::~Copy() {
-  std::error_code error;
-  if (!folder.empty()) fs::remove_all(folder, error);
+  if (!folder.empty()) disc::remove_all(folder);
 }
 
 void Logbook::Close::operator()(sqlite3* file) const noexcept { sqlite3_close_v2(file); }
@@ -296,8 +295,7 @@ Result<Logbook> Logbook::opened_unwritable(const fs::path& path) {
 }
 
 Result<Logbook> Logbook::open(const fs::path& path) {
-  std::error_code error;
-  if (fs::is_directory(path, error))
+  if (disc::is_folder(path))
     return tl::unexpected(file_fault(path, ProblemKind::output, "expected a file, found a folder"));
   auto book = opened(path, path.string(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
   if (!book) return book;

@@ -142,10 +142,9 @@ Result<SchemaFolder> schema_in(const fs::path& folder, const std::string& versio
     found = {folder, at->path(), std::move(of)};
   }
   if (found.version.empty())
-    return problem_at(
-        folder.string(), 0, 0,
-        fmt::format("expected a folder with the dcc.xsd of DCC {} and its imports (https://ptb.de/dcc), found none",
-                    version.empty() ? "3.3 or 3.2" : version));
+    return problem_at(folder.string(), 0, 0,
+                      "expected a folder with the dcc.xsd of DCC {} and its imports (https://ptb.de/dcc), found none",
+                      version.empty() ? "3.3 or 3.2" : version);
   return found;
 }
 

@@ -20,21 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_folder(const fs::path& path) {
-  std::error_code error;
-  return fs::is_directory(path, error);
-}
-bool is_file(const fs::path& path) {
-  std::error_code error;
-  return fs::exists(path, error) && !fs::is_directory(path, error);
-}
-
-/// Found, not named: a FIFO that nobody writes into would be waited for.
-bool is_plain_file(const fs::path& path) {
-  std::error_code error;
-  return fs::is_regular_file(path, error);
-}
-
 struct UsualName {
   fs::path ReportFiles::*into;
   const char* name;
@@ -51,7 +36,8 @@ constexpr UsualName kUsualNames[] = {
 void take_folder(ReportFiles& files, const fs::path& folder) {
   for (const UsualName& usual : kUsualNames) {
     const fs::path path = folder / usual.name;
-    if (usual.folder ? is_folder(path) : is_plain_file(path)) files.*(usual.into) = path;
+    // Found, not named: a FIFO that nobody writes into would be waited for.
+    if (usual.folder ? disc::is_folder(path) : disc::is_file(path)) files.*(usual.into) = path;
   }
   for (const std::string& name : measurement_names_in(folder / "circles"))
     files.circles.push_back(folder / "circles" / (name + ".csv"));
@@ -67,9 +53,9 @@ Result<ReportFiles> report_files(const ReportArguments& arguments) {
   ReportFiles files;
   std::vector<Problem> problems;
   for (const std::string& place : arguments.places) {
-    if (is_folder(place)) {
+    if (disc::is_folder(place)) {
       take_folder(files, place);
-    } else if (is_file(place)) {
+    } else if (disc::exists(place)) {
       files.plan = place;
     } else {
       problems.push_back({ProblemKind::bad_input, "expected a plan or a folder, found nothing", place, 0, 0, {}});
@@ -77,7 +63,7 @@ Result<ReportFiles> report_files(const ReportArguments& arguments) {
   }
   for (const auto& [into, given] : {std::pair{&files.before, &arguments.before}, {&files.after, &arguments.after}}) {
     take_option(*into, *given);
-    if (!given->empty() && !is_folder(*given))
+    if (!given->empty() && !disc::is_folder(*given))
       problems.push_back({ProblemKind::bad_input, "expected a folder of measurements", *given, 0, 0, {}});
   }
   take_option(files.machine, arguments.machine);
@@ -102,7 +88,7 @@ std::vector<std::string> measurement_names_in(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    if (entry->path().extension() == ".csv" && is_plain_file(entry->path()))
+    if (entry->path().extension() == ".csv" && disc::is_file(entry->path()))
       names.push_back(entry->path().stem().string());
   std::sort(names.begin(), names.end());
   return names;
@@ -117,10 +103,9 @@ Result<PlannedMeasurement> unplanned(const std::string& name, const fs::path& fi
   ECS_TRY(set, laser::read_measurement_set(file));
   const auto groups = laser::groups_of(set);
   if (groups.size() != 1)
-    return problem_at(
-        file.string(), 0, 0,
-        fmt::format("expected one measurement line, found {}: give a plan that selects the line to report",
-                    groups.size()));
+    return problem_at(file.string(), 0, 0,
+                      "expected one measurement line, found {}: give a plan that selects the line to report",
+                      groups.size());
   PlannedMeasurement out;
   out.name = name;
   out.axis = groups.front().axis;
@@ -356,7 +341,7 @@ Result<void> take_given(const ReportArguments& arguments, ReportContent& content
   for (const std::string& entry : arguments.header) {
     const std::size_t equals = entry.find('=');
     if (equals == std::string::npos || trimmed(entry.substr(0, equals)).empty())
-      return problem(ProblemKind::usage, fmt::format("--header: expected key=value, got \"{}\"", entry));
+      return problem(ProblemKind::usage, "--header: expected key=value, got \"{}\"", entry);
     put(content, trimmed(entry.substr(0, equals)), std::string(trimmed(entry.substr(equals + 1))));
   }
   return {};

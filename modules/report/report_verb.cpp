@@ -133,27 +133,24 @@ Result<void> check_page_not_source(const ReportArguments& request, const ReportF
 }
 
 Result<Outcome> report(VerbContext& context, const ReportArguments& request) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(request.output, ignored))
-    return problem(ProblemKind::usage,
-                   fmt::format("-o {} is a folder: give a file name, as in {}", request.output,
-                               (std::filesystem::path(request.output) / "report.html").lexically_normal().string()));
+  if (disc::is_folder(request.output))
+    return problem(ProblemKind::usage, "-o {} is a folder: give a file name, as in {}", request.output,
+                   (std::filesystem::path(request.output) / "report.html").lexically_normal().string());
   ECS_TRY(files, report_files(request));
   if (!request.data.empty() && files.model.empty())
     return problem(ProblemKind::usage, "--data gives readings for an error model, but there is none: give --model");
   ECS_TRY(content, report_content(context, request));
   ECS_DO(check_page_not_source(request, files, content));
   const Judgement judgement = judgement_of(content);
-  const Page page{report_page(content, judgement), std::filesystem::exists(request.output, ignored)};
+  const Page page{report_page(content, judgement), disc::exists(request.output)};
   ECS_DO(write_file(request.output, page.html));
   return outcome_of(report_cell(content, judgement, request.output, page), unfit_files(content) ? kUnfitFile : kDone);
 }
 
-const std::vector<Action> kReport{
-    action("report", "write the report of a commissioning as one HTML page",
-           "ecs report plan.toml --before before/ --after after/ --map map.csv --params parameters.toml "
-           "-o report.html\n  ecs report commissioning/ -o report.html",
-           report, {.logged = Logged::when_written, .kind = "report"})};
+const std::vector<Action> kReport{action("report", "write the report of a commissioning as one HTML page",
+                                         "ecs report plan.toml --before before/ --after after/ --map map.csv --params "
+                                         "parameters.toml -o report.html\n  ecs report commissioning/ -o report.html",
+                                         report, {.logged = Logged::when_written, .kind = "report"})};
 
 }  // namespace
 

@@ -99,11 +99,11 @@ Result<void> run_gnuplot(const std::filesystem::path& folder) {
   ::posix_spawn_file_actions_destroy(&actions);
   if (fault == ENOENT)
     return problem(ProblemKind::output, "gnuplot not found; the pictures need it: install the package gnuplot-nox");
-  if (fault != 0) return problem(ProblemKind::output, fmt::format("gnuplot: {}", std::strerror(fault)));
+  if (fault != 0) return problem(ProblemKind::output, "gnuplot: {}", std::strerror(fault));
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (status != 0) return problem(ProblemKind::output, fmt::format("gnuplot failed on {}/figures.gp", folder.string()));
+  if (status != 0) return problem(ProblemKind::output, "gnuplot failed on {}/figures.gp", folder.string());
   return {};
 }
 
@@ -301,7 +301,7 @@ RigBand band_with(const RigTables& tables, const RigPlan& plan, Injection inject
 Result<std::vector<RigNumber>> draw_rig_figures(const std::filesystem::path& folder, std::uint64_t seed) {
   std::error_code fault;
   std::filesystem::create_directories(folder, fault);
-  if (fault) return problem(ProblemKind::output, fmt::format("{}: {}", folder.string(), fault.message()));
+  if (fault) return problem(ProblemKind::output, "{}: {}", folder.string(), fault.message());
   RigPlan whole, fine;
   fine.from_mm = 16.0;  // two turns of the screw
   fine.step_mm = 0.2;

@@ -325,9 +325,9 @@ Result<BallBarComparison> compared_with(const CircleWork& work, const BallBarRes
   const bool same = std::is_permutation(ours.begin(), ours.end(), theirs.plane.begin());
   if (!same)
     return problem_at(theirs.source, 0, 0,
-                      fmt::format("the ball bar test is of the plane {}, the trace {} of {}: give the result of the "
-                                  "same circle",
-                                  laser::plane_name(theirs.plane), work.test.source, laser::plane_name(ours)));
+                      "the ball bar test is of the plane {}, the trace {} of {}: give the result of the "
+                      "same circle",
+                      laser::plane_name(theirs.plane), work.test.source, laser::plane_name(ours));
   return BallBarComparer(work, theirs).compared();
 }
 

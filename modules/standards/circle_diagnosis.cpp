@@ -452,9 +452,8 @@ std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise&
 Result<CircleDiagnosis> diagnose_circle(const laser::CircleTest& test,
                                         const std::array<std::vector<double>, 2>& pitches_mm, PitchSource source) {
   if (test.readings.size() < kFewestReadings)
-    return problem_at(
-        test.source, 0, 0,
-        fmt::format("expected {} readings or more to rank faults, found {}", kFewestReadings, test.readings.size()));
+    return problem_at(test.source, 0, 0, "expected {} readings or more to rank faults, found {}", kFewestReadings,
+                      test.readings.size());
   CircleData data = circle_data(test);
   data.deviation = without_centring(data, data.deviation);
   const auto repeats = noise_of_repeats(data);

@@ -17,8 +17,8 @@ Result<std::array<std::vector<double>, 2>> pitches_of(const params::Machine& mac
   for (std::size_t i = 0; i < test.plane.size(); ++i) {
     const auto& axis = machine.axes[index_of(test.plane[i])];
     if (!axis)
-      return problem(ProblemKind::usage, fmt::format("{}: the plane is {}, and the machine has no {}", test.source,
-                                                     laser::plane_name(test.plane), letter_of(test.plane[i])));
+      return problem(ProblemKind::usage, "{}: the plane is {}, and the machine has no {}", test.source,
+                     laser::plane_name(test.plane), letter_of(test.plane[i]));
     for (const auto& pitch_mm : {axis->screw_pitch_mm, axis->scale_pitch_mm})
       if (pitch_mm) pitches_mm[i].push_back(*pitch_mm);
   }

@@ -2,8 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "base/text.hpp"
 #include "laser/standards/zone.hpp"
 #include "modules/standards/plate.hpp"
@@ -33,9 +31,9 @@ Result<PlatePlace> place_of(const PlateReadings& plate) {
   }
   if (!complete)
     return problem_at(plate.source, 0, 0,
-                      fmt::format("expected where the surface lay on the machine, `# plane: XZ` and `# south_west_mm: "
-                                  "-2950 -1200 -875` (X, Y, Z), found {} and {}",
-                                  in_quotes(plane), in_quotes(corner)));
+                      "expected where the surface lay on the machine, `# plane: XZ` and `# south_west_mm: "
+                      "-2950 -1200 -875` (X, Y, Z), found {} and {}",
+                      in_quotes(plane), in_quotes(corner));
   for (std::size_t i = 0; i < 2; ++i) place.axis[i] = static_cast<std::size_t>(plane[i] - 'X');
   return place;
 }

@@ -90,8 +90,8 @@ Result<WarmUpPlan> plan_of(const params::Machine& machine, const WarmUpProgramRe
     const WarmedAxis one{axis, facts->travel_mm[0] + request.margin_mm, facts->travel_mm[1] - request.margin_mm};
     if (!(one.stroke_mm() > 0.0))
       return problem(ProblemKind::usage,
-                     fmt::format("--margin: {:g} mm at both ends leave nothing of the travel of {}, {:g} to {:g} mm",
-                                 request.margin_mm, letter_of(axis), facts->travel_mm[0], facts->travel_mm[1]));
+                     "--margin: {:g} mm at both ends leave nothing of the travel of {}, {:g} to {:g} mm",
+                     request.margin_mm, letter_of(axis), facts->travel_mm[0], facts->travel_mm[1]);
     sum_mm += one.stroke_mm();
     squares += one.stroke_mm() * one.stroke_mm();
     plan.axes.push_back(one);
@@ -102,9 +102,8 @@ Result<WarmUpPlan> plan_of(const params::Machine& machine, const WarmUpProgramRe
   plan.cycle_min = 2.0 * path_mm / request.feed_mm_min;
   const double cycles = std::ceil(minutes / plan.cycle_min);
   if (cycles > kMostCycles)
-    return problem(ProblemKind::usage, fmt::format("--feed, --minutes: {:g} cycles, more than a program may repeat "
-                                                   "({:g})",
-                                                   cycles, kMostCycles));
+    return problem(ProblemKind::usage, "--feed, --minutes: {:g} cycles, more than a program may repeat ({:g})", cycles,
+                   kMostCycles);
   plan.cycles = std::max(1, static_cast<int>(cycles));
   for (WarmedAxis& one : plan.axes) {
     one.duty = request.together ? 1.0 : one.stroke_mm() / path_mm;
@@ -179,8 +178,8 @@ Result<Outcome> warm_up_program(VerbContext& context, const WarmUpProgramRequest
 
 extern const std::vector<Action> kWarmUpProgram{
     action("test warm-up-program", "write a part program that warms the machine by moving every axis over its travel",
-           "ecs test warm-up-program --machine machine.toml --feed 6000 --minutes 60 -o warm_up.nc\n"
-           "  ecs test warm-up-program --machine machine.toml --feed 6000 --readings warm_up.csv --to-come 5",
+           "ecs test warm-up-program --machine machine.toml --feed 6000 --minutes 60 -o warm_up.nc\n  ecs test "
+           "warm-up-program --machine machine.toml --feed 6000 --readings warm_up.csv --to-come 5",
            warm_up_program)};
 
 }  // namespace ecs::app

@@ -11,8 +11,6 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "base/toml_reader.hpp"
@@ -46,14 +44,13 @@ const std::vector<std::string> kTables{"drive", "effect",  "candidate", "map",
 void take(TomlReader& reader, const toml::table& table, const DriveConstantInfo& info, DriveParameters& into) {
   const bool both = info.key != info.name && table.contains(info.key) && table.contains(info.name);
   if (both)
-    return reader.complain(*table.get(info.name),
-                           fmt::format("expected {} or {}, found both: omit one", info.name, info.key));
+    return reader.complain(*table.get(info.name), "expected {} or {}, found both: omit one", info.name, info.key);
   const std::string_view key = table.contains(info.key) ? info.key : info.name;
   const auto value = reader.number(table, key);
   if (!value) return;
   if (!std::isfinite(*value) || *value <= 0.0)
-    return reader.complain(*table.get(key), fmt::format("{}: expected a positive number{}{}, found {}", key,
-                                                        info.unit.empty() ? "" : " in ", info.unit, *value));
+    return reader.complain(*table.get(key), "{}: expected a positive number{}{}, found {}", key,
+                           info.unit.empty() ? "" : " in ", info.unit, *value);
   into[info.id] = *value;
 }
 

@@ -81,9 +81,9 @@ class WorksheetReader {
     const auto value = reader_.number(table, key);
     if (value && std::isfinite(*value) && *value > 0.0) return value;
     if (value)
-      reader_.complain(*table.get(key), fmt::format("{}.{}: expected a number above 0, found {}", of, key, *value));
+      reader_.complain(*table.get(key), "{}.{}: expected a number above 0, found {}", of, key, *value);
     else if (required && table.get(key) == nullptr)
-      reader_.complain(table, fmt::format("{}: expected {}, found none", of, key));
+      reader_.complain(table, "{}: expected {}, found none", of, key);
     return std::nullopt;
   }
   const toml::table* table_of(const toml::table& root, std::string_view name, std::vector<std::string> keys,
@@ -224,7 +224,7 @@ class WorksheetReader {
     const auto mass_kg = positive(part, of, "mass_kg", false), density = positive(part, of, "density_kg_m3", false);
     if (mass_kg) return *mass_kg;
     if (!density || volume_mm3 <= 0.0) {
-      reader_.complain(part, fmt::format("{}: expected mass_kg, or density_kg_m3 with the dimensions", of));
+      reader_.complain(part, "{}: expected mass_kg, or density_kg_m3 with the dimensions", of);
       return 0.0;
     }
     const double mass = *density * volume_mm3 / kMm3PerM3;
@@ -260,7 +260,7 @@ class WorksheetReader {
       const std::string name = reader_.word(*part, "name").value_or("rotating part");
       const std::string on = reader_.word(*part, "on").value_or("screw");
       if (on != "screw" && on != "motor")
-        reader_.complain(*part, fmt::format("rotating.on: expected \"screw\" or \"motor\", found \"{}\"", on));
+        reader_.complain(*part, "rotating.on: expected \"screw\" or \"motor\", found \"{}\"", on);
       const auto radius = positive(*part, "rotating", "radius_mm", false),
                  gyration = positive(*part, "rotating", "gyration_mm", false),
                  length = positive(*part, "rotating", "length_mm", false);

@@ -8,6 +8,8 @@
 
 #include <unistd.h>
 
+#include "base/file.hpp"
+
 namespace ecs {
 
 /// A folder of its own that goes away with the test.
@@ -19,10 +21,7 @@ class Folder {
   }
   Folder(const Folder&) = delete;
   Folder& operator=(const Folder&) = delete;
-  ~Folder() {
-    std::error_code error;
-    std::filesystem::remove_all(path, error);
-  }
+  ~Folder() { disc::remove_all(path); }
   [[nodiscard]] std::string operator/(const std::string& name) const { return (path / name).string(); }
   /// Writes a file, and the folders above it. @return its path
   std::string with(const std::string& name, const std::string& text) const {

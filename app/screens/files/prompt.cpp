@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "app/screens/files/keyed_screen.hpp"
+#include "base/file.hpp"
 #include "commissioning/link/choice.hpp"
 #include "commissioning/link/emulator_process.hpp"
 #include "commissioning/session/remembered.hpp"
@@ -43,10 +44,9 @@ std::vector<std::string> files_of_the_emulator() {
   std::vector<std::string> files;
   const auto machine = emulated_machine();
   if (!machine) return files;
-  std::error_code fault;
   const fs::path folder = machine->parent_path();
   for (const fs::path& path : {*machine, folder / "parameters.toml", folder / "model.toml"})
-    if (fs::is_regular_file(path, fault)) files.push_back(fs::absolute(path, fault).string());
+    if (disc::is_file(path)) files.push_back(disc::absolute(path).string());
   return files;
 }
 
@@ -301,12 +301,11 @@ FileChooser::Answer FileChooser::taken_now() {
 
 FileChooser::Answer FileChooser::enter_typed() {
   const std::string typed = typed_.text();
-  std::error_code fault;
   fs::path path = typed.starts_with("~") ? home() / typed.substr(typed.size() > 1 ? 2 : 1) : folder_ / typed;
-  if (!fs::exists(path, fault) && fs::exists(typed, fault)) path = fs::absolute(typed, fault);  // as a shell takes it
-  if (fs::is_directory(path, fault)) {
+  if (!disc::exists(path) && disc::exists(typed)) path = disc::absolute(typed);  // as a shell takes it
+  if (disc::is_folder(path)) {
     go(path);
-  } else if (fs::exists(path, fault)) {
+  } else if (disc::exists(path)) {
     taken_ = {path.string()};
     return taken_now();
   } else {
@@ -328,8 +327,7 @@ void FileChooser::complete() {
       typed.starts_with("~") ? home().string() + typed.substr(1) : (whole ? typed : (folder_ / typed).string());
   const PathCompletion found = completed_path(begin);
   hint_ = fmt::format("{}", fmt::join(found.choices, "  "));
-  std::error_code fault;
-  if (found.completed.ends_with("/") && fs::is_directory(found.completed, fault)) {
+  if (found.completed.ends_with("/") && disc::is_folder(found.completed)) {
     go(found.completed);
     return;
   }
@@ -502,8 +500,7 @@ std::vector<KeyHelp> Prompt::keys() const {
 void KeyedScreen::ask_where_to_save(const std::string& label, const std::string& proposed,
                                     std::function<void(const std::string&)> save) {
   prompt_.ask(label, Prompt::Kind::path, proposed, [this, save = std::move(save)](const std::string& path) {
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) return save(path);
+    if (!disc::exists(path)) return save(path);
     asking_.ask(
         {"Overwrite " + path + "?", "The file exists. Its contents will be overwritten.", "overwrite", "keep it"},
         [save, path] { save(path); });

@@ -9,6 +9,7 @@
 #include "app/screens/files/prompt.hpp"
 #include "app/screens/laser/screen.hpp"
 #include "app/ui/widgets.hpp"
+#include "base/file.hpp"
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/session/remembered.hpp"
 #include "commissioning/utility/unit_view.hpp"
@@ -117,10 +118,9 @@ class FilesPage final : public LaserPage {
     const std::string link = controller().unit().snapshot().link;  // emulator:MACHINE
     const std::filesystem::path machine = link.substr(std::min(link.size(), link.find(':') + 1));
     const std::filesystem::path plan = machine.parent_path() / "plan.toml";
-    std::error_code none;
     const auto newest = controller().unit().newest();
     const std::string phase = newest && newest->mode == UnitMode::compensating ? "after" : "before";
-    const std::string beside = std::filesystem::is_regular_file(plan, none) ? plan.string() : "";
+    const std::string beside = disc::is_file(plan) ? plan.string() : "";
     host().fill(LaserForm(
         "measure the emulated machine",
         {{"plan",
@@ -131,9 +131,7 @@ class FilesPage final : public LaserPage {
          {"phase", "measurements planned before compensation, or after it", phase, {"before", "after"}},
          {"folder", "folder for the files; existing files are not overwritten", phase, {}, true}},
         [this, machine](const std::vector<std::string>& v) {
-          std::error_code fault;
-          if (!v[0].empty() && !std::filesystem::is_regular_file(v[0], fault))
-            return fmt::format("there is no plan {}", v[0]);
+          if (!v[0].empty() && !disc::is_file(v[0])) return fmt::format("there is no plan {}", v[0]);
           if (v[2].empty()) return std::string("a folder is required");
           measure_by_plan(measuring_, controller().unit().snapshot().workshop, {v[0], machine.string(), v[1], v[2]},
                           [this, v](const Result<std::vector<std::string>>& files) { take_measured(files, v); });

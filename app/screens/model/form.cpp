@@ -15,6 +15,7 @@
 #include "app/screens/model/screen.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
+#include "base/file.hpp"
 #include "commissioning/files/known_files.hpp"
 #include "commissioning/model_session/controller.hpp"
 #include "commissioning/session/remembered.hpp"
@@ -146,8 +147,7 @@ class ModelForm final : public Screen {
       field_ = 1;
       return;
     }
-    std::error_code error;
-    if (std::filesystem::is_regular_file(named.machine, error))
+    if (disc::is_file(named.machine))
       if (hint_ = commissioning::refusal_as(FileKind::machine, named.machine); !hint_.empty()) {
         problem_ = true;
         return;
@@ -158,7 +158,7 @@ class ModelForm final : public Screen {
       named.model = (data.parent_path() / (data.stem().string() + ".model.toml")).string();
       fields_[0].set(named.model);
     }
-    if (std::filesystem::exists(named.model, error)) {
+    if (disc::exists(named.model)) {
       if (!proposed) return start(false);
       hint_ = fmt::format("{} exists: Enter opens it; another name creates a new model", named.model);
       problem_ = false;

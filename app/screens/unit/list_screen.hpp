@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "app/screens/files/prompt.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
+#include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/session/message.hpp"
 
@@ -107,8 +107,7 @@ class ListScreen : public Screen {
         const auto done = write(path);
         say(done ? fmt::format("{} written to {}", what, path) : to_text(done.error()), done ? Tone::good : Tone::bad);
       };
-      std::error_code error;
-      if (!std::filesystem::exists(path, error)) return written();
+      if (!disc::exists(path)) return written();
       asking_.ask({fmt::format("Replace {}?", path), "The file exists. Its contents will be overwritten.", "replace",
                    "keep it"},
                   written);

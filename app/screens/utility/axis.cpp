@@ -22,8 +22,7 @@ constexpr const char* kPositionExplained =
     "value, from which counting continues. Set an axis to 0, move it by a known distance and compare. If the sign is "
     "wrong, check the wiring or the sign of the position scale (E.C.S. PARAMETERS, page 1). If the length is wrong, "
     "check the size of the position scale. If the position does not change, check the transducer or its module. "
-    "Nothing moves, and no "
-    "axis becomes referenced.";
+    "Nothing moves, and no axis becomes referenced.";
 
 /// A position that was preset; positions as the unit showed them.
 struct PresetPosition {
@@ -295,18 +294,18 @@ class OutputScreen final : public AxesScreen {
 
   void type_value() {
     if (!unit_integrates()) return;
-    prompt_.ask(fmt::format("Value for {}, um:", letter_of(setting_.axis)), Prompt::Kind::number, "",
-                [this](const std::string& typed) -> std::string {
-                  const auto um = number_in(typed);
-                  if (!um) return fmt::format("expected a value in um, found \"{}\"", typed);
-                  if (std::abs(*um) > parameters().output_limit_um)
-                    return fmt::format(
-                        "{} is beyond the output limit of axis {}, {:g} um (a parameter of the unit): the unit would "
-                        "refuse it",
-                        um_text(*um), letter_of(setting_.axis), parameters().output_limit_um);
-                  put_out(*um, setting_.relay);
-                  return {};
-                });
+    prompt_.ask(
+        fmt::format("Value for {}, um:", letter_of(setting_.axis)), Prompt::Kind::number, "",
+        [this](const std::string& typed) -> std::string {
+          const auto um = number_in(typed);
+          if (!um) return fmt::format("expected a value in um, found \"{}\"", typed);
+          if (std::abs(*um) > parameters().output_limit_um)
+            return fmt::format(
+                "{} is beyond the output limit of axis {}, {:g} um (a parameter of the unit): the unit would refuse it",
+                um_text(*um), letter_of(setting_.axis), parameters().output_limit_um);
+          put_out(*um, setting_.relay);
+          return {};
+        });
   }
 
   void type_measured() {
@@ -342,15 +341,15 @@ class OutputScreen final : public AxesScreen {
     const double by = um - (setting_.relay ? setting_.um : 0.0);
     return {by == 0.0 ? fmt::format("Close the relay of axis {}?", axis)
                       : fmt::format("Move axis {} by {}?", axis, um_text(by)),
-            fmt::format("The relay connects the D/A converter with the servo of {}: the axis moves by about {} at once "
-                        "({}). With a wrong output scale it moves by another amount, with a wrong polarity the "
-                        "other way. After that, + and - move it without confirmation, at most to {:g} um either way. "
-                        "Keep clear of the machine.",
-                        axis, um_text(by),
-                        by > 0.0   ? "towards larger coordinates"
-                        : by < 0.0 ? "towards smaller coordinates"
-                                   : "an offset of the converter shows",
-                        parameters().output_limit_um),
+            fmt::format(
+                "The relay connects the D/A converter with the servo of {}: the axis moves by about {} at once ({}). "
+                "With a wrong output scale it moves by another amount, with a wrong polarity the other way. After "
+                "that, + and - move it without confirmation, at most to {:g} um either way. Keep clear of the machine.",
+                axis, um_text(by),
+                by > 0.0   ? "towards larger coordinates"
+                : by < 0.0 ? "towards smaller coordinates"
+                           : "an offset of the converter shows",
+                parameters().output_limit_um),
             "move it", "cancel"};
   }
 
@@ -402,9 +401,10 @@ class OutputScreen final : public AxesScreen {
         ECS_TRY(seen, link.client().monitor());
         for (const Axis a : kAllAxes)
           if (seen.axes[index_of(a)].relay_closed)
-            return problem(ProblemKind::link, fmt::format("the unit answers that all is off, but shows the relay of {} "
-                                                          "closed: press o again; if it stays, use the emergency stop",
-                                                          letter_of(a)));
+            return problem(ProblemKind::link,
+                           "the unit answers that all is off, but shows the relay of {} closed: press o again; if it "
+                           "stays, use the emergency stop",
+                           letter_of(a));
         return Taken{{axis, 0.0, false}};
       });
     });
@@ -524,8 +524,8 @@ OutputScreen::~OutputScreen() {
   if (off) note_on_unit(*connection_, {"utility", "output", "--off"});
   if (!off && setting_.relay)
     leave_word(
-        fmt::format("axis {}: the command to open its relay did not reach the unit. It opens it 60 s after "
-                    "the last request; until then {:+g} um may act on the axis",
+        fmt::format("axis {}: the command to open its relay did not reach the unit. It opens it 60 s after the last "
+                    "request; until then {:+g} um may act on the axis",
                     letter_of(setting_.axis), setting_.um));
 }
 

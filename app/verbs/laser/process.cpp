@@ -173,9 +173,8 @@ laser::MeasurementSet as_set(const std::vector<Processed>& lines, const laser::M
 
 Result<void> write_before_after(const std::vector<Processed>& lines, const ProcessRequest& request) {
   if (lines.size() != 1)
-    return problem(ProblemKind::usage, fmt::format("--plot: expected one measurement line in {}, found {}: split the "
-                                                   "file",
-                                                   request.file, lines.size()));
+    return problem(ProblemKind::usage, "--plot: expected one measurement line in {}, found {}: split the file",
+                   request.file, lines.size());
   const Processed& p = lines.front();
   const Component component = curve_of(p.group.sense, p.group.axis);
   PlotFigure figure{fmt::format("{}  {}", name_of(component), laser::description_of(component)), {}, 1, true};
@@ -233,7 +232,7 @@ Result<Outcome> process(VerbContext& context, const ProcessRequest& request) {
     }
     lines.push_back(std::move(*line));
   }
-  if (lines.empty()) return problem(ProblemKind::refused, fmt::format("{}: every reading is excluded", request.file));
+  if (lines.empty()) return problem(ProblemKind::refused, "{}: every reading is excluded", request.file);
   ECS_DO(write_files(lines, imported.set, request));
   const std::size_t readings = imported.set.readings.size();
   return outcome_of(record_cell(
@@ -346,8 +345,8 @@ std::string unusual_pressure_text(double hPa) {
   constexpr double kLeast_hPa = 500.0, kMost_hPa = 1100.0;
   if (hPa >= kLeast_hPa && hPa <= kMost_hPa) return "";
   return fmt::format(
-      "warning: {:g} hPa is outside {:g} to {:g} hPa, the usual air pressure: is it in another unit "
-      "(1 kPa = 10 hPa)?\n",
+      "warning: {:g} hPa is outside {:g} to {:g} hPa, the usual air pressure: is it in another unit (1 kPa = 10 "
+      "hPa)?\n",
       hPa, kLeast_hPa, kMost_hPa);
 }
 
@@ -360,10 +359,9 @@ Result<Outcome> air(VerbContext&, const AirRequest& request) {
   if (!edlen || !standard) return tl::unexpected(edlen ? standard.error() : edlen.error());
   const double against_standard_um_per_m = (*ciddor / *standard - 1.0) * 1e6;
   return outcome_of(
-      record_cell("refractive index    {ciddor} (Ciddor)   {modified_edlen} (modified Edlen)\n"
-                  "wavelength in air   {wavelength_in_air_nm} nm\n"
-                  "an instrument set to 20 degC, 1013.25 hPa, 50 % reads {against_standard_um_per_m} um per metre too "
-                  "{much}\n{unusual}",
+      record_cell("refractive index    {ciddor} (Ciddor)   {modified_edlen} (modified Edlen)\nwavelength in air   "
+                  "{wavelength_in_air_nm} nm\nan instrument set to 20 degC, 1013.25 hPa, 50 % reads "
+                  "{against_standard_um_per_m} um per metre too {much}\n{unusual}",
                   "ciddor"_is(*ciddor, 9), "modified_edlen"_is(*edlen, 9),
                   "wavelength_in_air_nm"_is(request.wavelength_nm / *ciddor, 6),
                   "against_standard_um_per_m"_is(against_standard_um_per_m,
@@ -383,8 +381,8 @@ extern const std::vector<Action> kLaserProcessing{
         "ecs laser prepare EXX.csv --line \"EX along X at Y -1400, Z 0\" --leave-out-run 3=vibration -o exx_line.csv",
         prepare, {.logged = Logged::when_written, .kind = "processing"}),
     action("laser normalise", "normalise positioning errors to 20 degC with an expansion coefficient, or undo it",
-           "ecs laser normalise exx.csv --coefficient 11.7 -o exx20.csv\n"
-           "  ecs laser normalise exx20.csv --back -o exx.csv",
+           "ecs laser normalise exx.csv --coefficient 11.7 -o exx20.csv\n  ecs laser normalise exx20.csv --back -o "
+           "exx.csv",
            normalise, {.logged = Logged::when_written, .kind = "processing"}),
     action("laser air", "compute the refractive index of air by Ciddor and modified Edlen",
            "ecs laser air --temperature 21.3 --pressure 992.4 --humidity 42", air)};

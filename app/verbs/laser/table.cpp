@@ -64,7 +64,7 @@ Result<std::vector<std::string>> write_plots(const std::vector<TableRow>& rows, 
   ECS_DO(spared(names, request.force));
   std::error_code error;
   std::filesystem::create_directories(request.plots, error);
-  if (error) return problem(ProblemKind::output, fmt::format("{}: {}", request.plots, error.message()));
+  if (error) return problem(ProblemKind::output, "{}: {}", request.plots, error.message());
   for (const auto& [path, figure] : plots) ECS_DO(write_plot(path, figure));
   return names;
 }

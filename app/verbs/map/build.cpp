@@ -142,8 +142,8 @@ Result<void> declare_zero(laser::MapRecipe& recipe, const std::vector<std::strin
     if (std::any_of(recipe.components.begin(), recipe.components.end(), same) ||
         std::any_of(recipe.declared_zero.begin(), recipe.declared_zero.end(), same))
       return problem(ProblemKind::usage,
-                     fmt::format("--zero {}: this component is already measured or declared zero; keep only one",
-                                 name_of(zero.component)));
+                     "--zero {}: this component is already measured or declared zero; keep only one",
+                     name_of(zero.component));
     recipe.declared_zero.push_back(zero);
   }
   return {};
@@ -224,8 +224,7 @@ std::string squareness_rule_text(const Built& b) {
 Cell built_cell(const Built& b, const BuildRequest& request) {
   return record_cell(
       "{components}{declared}{rotary}band: range of the readings as measured; largest: largest compensation\nslope: "
-      "slope "
-      "removed, per m; smooth: rms removed by smoothing; n: points per "
+      "slope removed, per m; smooth: rms removed by smoothing; n: points per "
       "table\n{of_squareness}{unused}{notes}{squareness}{findings}{verdict}{map}{params_out}{image}",
       "map"_is(written_cell("map", request.output, "nothing written: give -o map.csv to keep it\n")),
       "params_out"_is(written_cell("parameters", request.params_out)), "image"_is(image_cell(request.image, b.image)),
@@ -294,8 +293,7 @@ Result<Outcome> image_of_map(VerbContext& context, const BuildRequest& request) 
   const std::string& map = request.files.front();
   ECS_DO(enough_given(request));
   if (!request.params_out.empty() || (request.rotary.empty() && !request.output.empty()))
-    return problem(ProblemKind::usage,
-                   fmt::format("{} is a map already: only --image or --rotary makes a file from it", map));
+    return problem(ProblemKind::usage, "{} is a map already: only --image or --rotary makes a file from it", map);
   for (const std::string& output : {request.output, request.image})
     ECS_DO(check_output_not_input(output, {map, request.params, request.rotary, request.machine}));
   ECS_TRY(whole, laser::read_map_csv(map));
@@ -347,11 +345,10 @@ Result<Outcome> build(VerbContext& context, const BuildRequest& request) {
 
 extern const std::vector<Action> kMapBuilding{
     action("map build", "build the error map from measured files, with the settings of a recipe or with proposed ones",
-           "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n"
-           "  ecs map build map.csv --params mill-measured.toml --image mill.image\n"
-           "  ecs map build --from-model fitted.toml --machine machine.toml -o map.csv\n"
-           "  ecs map build EXC.csv ECC.csv -o rotary.csv\n"
-           "  ecs map build map.csv --params mill.toml --rotary rotary.csv --machine machine.toml -o five_axes.csv",
+           "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n  ecs map build "
+           "map.csv --params mill-measured.toml --image mill.image\n  ecs map build --from-model fitted.toml --machine "
+           "machine.toml -o map.csv\n  ecs map build EXC.csv ECC.csv -o rotary.csv\n  ecs map build map.csv --params "
+           "mill.toml --rotary rotary.csv --machine machine.toml -o five_axes.csv",
            build, {.logged = Logged::when_written, .kind = "map"})};
 
 }  // namespace ecs::app

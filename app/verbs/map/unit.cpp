@@ -58,9 +58,8 @@ Result<std::optional<Component>> chosen(const std::string& name) {
   if (name.empty()) return std::optional<Component>();
   const auto component = component_of(name);
   if (!component || is_squareness(*component))
-    return problem(ProblemKind::usage,
-                   fmt::format("--component: expected one of the 18 curves, as in EXX, got \"{}\"{}", name,
-                               component ? "; squareness is stored in the parameters" : ""));
+    return problem(ProblemKind::usage, "--component: expected one of the 18 curves, as in EXX, got \"{}\"{}", name,
+                   component ? "; squareness is stored in the parameters" : "");
   return component;
 }
 
@@ -96,8 +95,7 @@ Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
   std::vector<laser::MapTable> tables;
   for (const laser::MapTable& table : found.map.tables)
     if (!only || table.component == *only) tables.push_back(table);
-  if (only && tables.empty())
-    return problem(ProblemKind::refused, fmt::format("{} has no table of {}", found.name, name_of(*only)));
+  if (only && tables.empty()) return problem(ProblemKind::refused, "{} has no table of {}", found.name, name_of(*only));
   if (!request.plot.empty()) {
     const std::string title = fmt::format("Error map of {}: compensation",
                                           found.map.header.machine.empty() ? found.name : found.map.header.machine);
@@ -142,8 +140,8 @@ Result<Outcome> compare(VerbContext&, const CompareRequest& request) {
   ECS_TRY(second, laser::read_map_csv(request.second));
   MapChange change = change_between(first, second);
   if (change.curves.empty() && (change.rotary.empty() || !request.output.empty()))
-    return problem(ProblemKind::refused, fmt::format("{} and {} cannot be compared: {}", request.first, request.second,
-                                                     fmt::join(change.notes, "; ")));
+    return problem(ProblemKind::refused, "{} and {} cannot be compared: {}", request.first, request.second,
+                   fmt::join(change.notes, "; "));
   if (!request.output.empty())
     ECS_DO(
         laser::write_measurement_set(request.output, measurement_of(change, second, {request.first, request.second})));

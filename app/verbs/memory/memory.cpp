@@ -142,7 +142,7 @@ Result<std::vector<std::uint8_t>> sound_image(const MemoryDump& dump, const std:
   const DecodedImage* image = memory.main_image();
   if (image == nullptr) return problem_at(file, 0, 0, "it contains no active memory image; not sent");
   if (image->verdict.fault != ImageFault::none)
-    return problem_at(file, 0, 0, fmt::format("its memory image {}; not sent", ecs::text_of(image->verdict.fault)));
+    return problem_at(file, 0, 0, "its memory image {}; not sent", ecs::text_of(image->verdict.fault));
   const DumpRegion* region = region_at(dump, image->address);
   return std::vector<std::uint8_t>(region->bytes.begin(), region->bytes.begin() + image->bytes);
 }

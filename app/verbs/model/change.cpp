@@ -39,8 +39,8 @@ struct AddRequest {
         {"--sensor2", &R::sensor2, "column of the second sensor, for an effect that follows the difference of two"},
         {"--sense", &R::sense, "sense in which the effect acts", Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
         {"--code", &R::code,
-         "component: ECX and so on for angular, squareness or map faults; EA, EB or EC for set_up_rotation; XOC "
-         "and so on for location"},
+         "component: ECX and so on for angular, squareness or map faults; EA, EB or EC for set_up_rotation; XOC and so "
+         "on for location"},
         {"--machine", &R::machine, kMachineHelp},
         {"--or", &R::alternatives,
          "an alternative that `diagnose` cannot distinguish from it: kept in the model until a measurement decides"},
@@ -63,9 +63,8 @@ Result<model::AddRequest> user_effect(const std::string& name, const std::vector
     const std::size_t at = one.find('=');
     const std::string sense(trimmed(one.substr(0, at)));
     if (at == std::string::npos || !sense_named(sense))
-      return problem(
-          ProblemKind::usage,
-          fmt::format("--formula: expected a sense and its formula, as in \"EY = h * (run >= 5)\", got \"{}\"", one));
+      return problem(ProblemKind::usage,
+                     "--formula: expected a sense and its formula, as in \"EY = h * (run >= 5)\", got \"{}\"", one);
     rows += fmt::format("formula.{} = {}\n", sense, Json(std::string(trimmed(one.substr(at + 1)))).dump());
   }
   ECS_TRY(model, model::parse_model(fmt::format("[[effect]]\nid = \"user\"\nname = {}\n{}", Json(name).dump(), rows),
@@ -95,9 +94,9 @@ Result<model::AddRequest> request_of(const AddRequest& request) {
     return wanted;
   }
   return problem(ProblemKind::usage,
-                 fmt::format("--code: expected one of the 21 components, such as ECX or C0Y, or EA, "
-                             "EB, EC of set_up_rotation, XOC … of location, got \"{}\"",
-                             request.code));
+                 "--code: expected one of the 21 components, such as ECX or C0Y, or EA, EB, EC of set_up_rotation, XOC "
+                 "… of location, got \"{}\"",
+                 request.code);
 }
 
 /// --sense means the effect's here.
@@ -230,9 +229,8 @@ struct RemoveRequest {
 /// The order of EFFECT and MODEL is another than that of `model add`.
 Result<void> effect_comes_first(const std::string& effect, const std::string& model) {
   if (!std::filesystem::exists(effect) || std::filesystem::exists(model)) return {};
-  return problem(
-      ProblemKind::usage,
-      fmt::format("EFFECT and MODEL are swapped: {} is a file; give the effect first, then the model", effect));
+  return problem(ProblemKind::usage,
+                 "EFFECT and MODEL are swapped: {} is a file; give the effect first, then the model", effect);
 }
 
 Result<Outcome> remove(VerbContext& context, const RemoveRequest& given) {
@@ -247,8 +245,7 @@ Result<Outcome> remove(VerbContext& context, const RemoveRequest& given) {
   const model::Model kept = model_to_keep(without.model, without.fit, work.data, work.data_name);
   ECS_DO(model::write_model(output, kept, request.model));
   return outcome_of(record_cell(
-      "removed {effect}: rms {rms_before_um} -> {rms_after_um} {unit}\n\n{history}model written "
-      "to {model}\n",
+      "removed {effect}: rms {rms_before_um} -> {rms_after_um} {unit}\n\n{history}model written to {model}\n",
       "effect"_is(without.name), "rms_before_um"_is(without.rms_before_um, 3), "rms_after_um"_is(without.fit.rms_um, 3),
       "unit"_shown(work.data.reading_unit()), "history"_is(ladder_cell(kept)), "model"_is(output)));
 }

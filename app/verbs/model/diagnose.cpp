@@ -169,11 +169,11 @@ Result<std::string> written_for(const model::NextMeasurement& next, const std::o
     return problem(ProblemKind::usage, "--program needs --machine: all motion must stay within its travels");
   const auto place = static_cast<std::size_t>(request.proposal - 1);
   if (next.proposals.empty())
-    return problem(ProblemKind::refused,
-                   fmt::format("no measurement is proposed, so no file was written: {}", fmt::join(next.notes, "; ")));
+    return problem(ProblemKind::refused, "no measurement is proposed, so no file was written: {}",
+                   fmt::join(next.notes, "; "));
   if (place >= next.proposals.size())
-    return problem(ProblemKind::refused, fmt::format("there is no proposal {}, the last one is {}: no file was written",
-                                                     request.proposal, next.proposals.size()));
+    return problem(ProblemKind::refused, "there is no proposal {}, the last one is {}: no file was written",
+                   request.proposal, next.proposals.size());
   const MeasurementProposal& proposal = next.proposals[place];
   if (!request.program.empty()) {
     text += fmt::format("\npart program of proposal {} written to {}", request.proposal, request.program);

@@ -61,9 +61,8 @@ Result<Outcome> one_effect(const std::string& name) {
   std::vector<std::string> names;
   for (const EffectDefinition& effect : model::effect_library()) names.emplace_back(effect.id);
   const std::string like = nearest_word(name, names);
-  return problem(ProblemKind::usage,
-                 fmt::format("no effect \"{}\"{} There are {}", name,
-                             like.empty() ? "." : fmt::format("; did you mean \"{}\"?", like), fmt::join(names, ", ")));
+  return problem(ProblemKind::usage, "no effect \"{}\"{} There are {}", name,
+                 like.empty() ? "." : fmt::format("; did you mean \"{}\"?", like), fmt::join(names, ", "));
 }
 
 struct EffectsRequest {

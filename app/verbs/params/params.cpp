@@ -95,7 +95,7 @@ Result<std::vector<Assignment>> assignments_of(const std::vector<std::string>& w
       all.push_back({words[i], words[i + 1]});
       ++i;
     } else {
-      return problem(ProblemKind::usage, fmt::format("params set: expected a value after \"{}\"", words[i]));
+      return problem(ProblemKind::usage, "params set: expected a value after \"{}\"", words[i]);
     }
   }
   return all;
@@ -172,11 +172,11 @@ Result<Outcome> new_file(VerbContext& context, const NewRequest& request) {
   for (const Problem& warning : machine.warnings) context.console.warn(to_text(warning));
   const UnitParameters parameters = params::default_parameters_for(machine.machine);
   ECS_DO(params::write_parameters(request.output, parameters, {machine.machine.name, {}}));
-  return outcome_of(record_cell(
-      "{file}: initial parameters. Set the datum type, the output scale and the polarity: no check can verify them. "
-      "Then run `{check}`",
-      "file"_is(request.output), "check"_shown(shell_command({"ecs", "params", "check", request.output})),
-      "parameters"_is(parameters_cell(parameters))));
+  return outcome_of(
+      record_cell("{file}: initial parameters. Set the datum type, the output scale and the polarity: no check can "
+                  "verify them. Then run `{check}`",
+                  "file"_is(request.output), "check"_shown(shell_command({"ecs", "params", "check", request.output})),
+                  "parameters"_is(parameters_cell(parameters))));
 }
 
 struct CheckRequest {
@@ -240,8 +240,8 @@ Result<Outcome> scale(VerbContext&, const ScaleRequest& request) {
   const std::string value = fmt::format("{:.9g}", um_per_count);
   ECS_DO(params::set(checked, "axis.X.position_scale_um_per_count", value));
   return outcome_of(
-      record_cell("{counts_per_turn} counts per turn, {um_per_turn} um per turn: {um_per_count} um per count\n"
-                  "set it with `{set}`; make it negative if the axis counts down while its coordinate increases",
+      record_cell("{counts_per_turn} counts per turn, {um_per_turn} um per turn: {um_per_count} um per count\nset it "
+                  "with `{set}`; make it negative if the axis counts down while its coordinate increases",
                   "counts_per_turn"_is(counts_per_turn), "um_per_turn"_is(kUmPerMm * request.pitch_mm * request.gear),
                   "um_per_count"_is(um_per_count, value),
                   "set"_shown("ecs params set FILE axis.X.position_scale_um_per_count=" + value)));
@@ -319,18 +319,17 @@ Result<Outcome> adjust(VerbContext& context, const AdjustRequest& request) {
   ECS_TRY(unit, open_unit(context));
   ECS_TRY(status, unit.client().status());
   if (request.trial && status.mode != UnitMode::compensating)
-    return problem(
-        ProblemKind::refused,
-        fmt::format("--trial: expected a unit that compensates, and its mode is {}. Give the command without "
-                    "--trial, or first run `ecs utility mode compensate` and reference every axis",
-                    name_of(status.mode)));
+    return problem(ProblemKind::refused,
+                   "--trial: expected a unit that compensates, and its mode is {}. Give the command without --trial, "
+                   "or first run `ecs utility mode compensate` and reference every axis",
+                   name_of(status.mode));
   ECS_TRY(parameters, receive_parameters(unit.client()));
   const Component component = *component_of(request.component);
   const auto left = squareness_left(parameters, component, request.reading_um, request.over_mm);
   if (!left)
-    return problem(ProblemKind::refused, fmt::format("the unit does not correct {}: its scope or its axes do not "
-                                                     "contain it (compensation.scope)",
-                                                     request.component));
+    return problem(ProblemKind::refused,
+                   "the unit does not correct {}: its scope or its axes do not contain it (compensation.scope)",
+                   request.component);
   const Vector3 stored{parameters.C0Y_um_per_m, parameters.B0Z_um_per_m, parameters.A0Z_um_per_m};
   Vector3 values = stored;
   if (status.mode == UnitMode::compensating) {

@@ -76,8 +76,8 @@ Result<Outcome> set_input(VerbContext& context, const InputRequest& request) {
   const bool load = request.input == "load", deviation = request.input == "deviation";
   const bool temperature = number && *number >= 1 && *number <= static_cast<long long>(kTemperatureInputs);
   if (!load && !deviation && !temperature)
-    return problem(ProblemKind::usage, fmt::format("INPUT: expected 1 to {}, load or deviation, got {}",
-                                                   kTemperatureInputs, request.input));
+    return problem(ProblemKind::usage, "INPUT: expected 1 to {}, load or deviation, got {}", kTemperatureInputs,
+                   request.input);
   const auto input = static_cast<std::uint16_t>(load        ? static_cast<long long>(kLoadInput)
                                                 : deviation ? static_cast<long long>(kDeviationInput)
                                                             : *number - 1);

@@ -82,8 +82,7 @@ Result<Outcome> change_tool(VerbContext& context, const ToolRequest& request) {
   const auto number = static_cast<std::uint16_t>(request.number);
   if (request.remove && !request.offset_mm.empty()) return problem(ProblemKind::usage, "--remove excludes --offset");
   if (!request.offset_mm.empty() && request.offset_mm.size() != kAxes)
-    return problem(ProblemKind::usage,
-                   fmt::format("--offset: expected X,Y,Z in mm, got {} numbers", request.offset_mm.size()));
+    return problem(ProblemKind::usage, "--offset: expected X,Y,Z in mm, got {} numbers", request.offset_mm.size());
   ECS_TRY(unit, open_unit(context));
   const auto answer = [&](std::string_view what) {
     return outcome_of(record_cell("tool {tool} {done}", "tool"_is(number), "done"_is(what)));

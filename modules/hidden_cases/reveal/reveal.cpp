@@ -166,8 +166,7 @@ std::string inside(const std::string& folder, const char* name) {
 
 /// @pre is_case(folder)
 Result<HiddenTruth> truth_of(const std::string& folder) {
-  std::error_code error;
-  const bool is_sealed = std::filesystem::exists(inside(folder, "truth.sealed"), error);
+  const bool is_sealed = disc::exists(inside(folder, "truth.sealed"));
   const std::string file = inside(folder, is_sealed ? "truth.sealed" : "truth.json");
   ECS_TRY(text, read_file(file));
   if (!is_sealed) return truth_in(text, file);
@@ -432,9 +431,7 @@ struct RevealRequest {
 };
 
 bool is_case(const std::string& folder) {
-  std::error_code error;
-  return std::filesystem::exists(inside(folder, "truth.sealed"), error) ||
-         std::filesystem::exists(inside(folder, "truth.json"), error);
+  return disc::exists(inside(folder, "truth.sealed")) || disc::exists(inside(folder, "truth.json"));
 }
 
 /// The folders of cases in a folder, by name; the folder itself if it is one.

@@ -106,11 +106,10 @@ Result<std::array<int, 3>> jack_steps(const LevelSurvey& survey) {
     const double rest_mm = std::abs(steps[k] * survey.foot_mm - lengths_mm[k]);
     if (steps[k] > 0 && rest_mm <= (k == 2 ? kObliqueShare * lengths_mm[k] : 0.01 * survey.foot_mm)) continue;
     constexpr std::array kNames{"side along the first axis", "side along the second axis", "diagonal"};
-    return problem(
-        ProblemKind::usage,
-        fmt::format("step: the {} has {:.6g} mm; expected an even number of steps of {:.6g} mm, such as on a "
-                    "surface of 24 by 10 steps, whose diagonal has 26",
-                    kNames[k], lengths_mm[k], survey.foot_mm));
+    return problem(ProblemKind::usage,
+                   "step: the {} has {:.6g} mm; expected an even number of steps of {:.6g} mm, such as on a "
+                   "surface of 24 by 10 steps, whose diagonal has 26",
+                   kNames[k], lengths_mm[k], survey.foot_mm);
   }
   return steps;
 }
@@ -146,9 +145,9 @@ Result<std::string> survey_with_level(const CutSurface& surface, const FaceCut& 
       const auto height_um = surface.height_um(at);
       if (!height_um)
         return problem(ProblemKind::usage,
-                       fmt::format("line {}, station {}: no edge of the cutter has passed {} {:.3f}, {} {:.3f} mm; "
-                                   "expected --from, --to and --at within the surface that the program cuts",
-                                   line.name, k, letter_of(cut.plane[0]), at[0], letter_of(cut.plane[1]), at[1]));
+                       "line {}, station {}: no edge of the cutter has passed {} {:.3f}, {} {:.3f} mm; "
+                       "expected --from, --to and --at within the surface that the program cuts",
+                       line.name, k, letter_of(cut.plane[0]), at[0], letter_of(cut.plane[1]), at[1]);
       if (k > 0)
         text += fmt::format("{},{},{:.4f}\n", line.name, k * survey.foot_mm,
                             (*height_um - before_um) / survey.foot_mm * kMmPerM + unit[0] * inclined_um_per_m[0] +

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "app/verbs/registry.hpp"
+#include "base/file.hpp"
 #include "commissioning/link/emulator_process.hpp"
 #include "tests/screens/support/laser_screen.hpp"
 #include "tests/support/emulator.hpp"
@@ -19,12 +20,10 @@ class PacedUnit {
 
   void start() {
     const std::string pty = (folder_->path / "unit").string();
-    std::error_code error;
-    std::filesystem::remove(pty, error);
+    disc::remove(pty);
     child_ = started({kEmulator, "serve", "--machine", "samples/mill/machine.toml", "--pty", pty, "--memory",
                       *folder_ / "battery.bin", "--mode", "integrate", "--arm-code", kArmCode, "--pace", baud_});
-    for (int k = 0; k < 1200 && !std::filesystem::exists(pty, error); ++k)
-      std::this_thread::sleep_for(std::chrono::milliseconds(25));
+    for (int k = 0; k < 1200 && !disc::exists(pty); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(25));
   }
   void kill() {
     end_process(child_, SIGKILL);

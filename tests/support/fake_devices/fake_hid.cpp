@@ -15,6 +15,8 @@
 #include <umockdev.h>
 #include <unistd.h>
 
+#include "base/file.hpp"
+
 namespace ecs::fake {
 namespace {
 
@@ -119,8 +121,7 @@ void Device::forget_terminal() {
   gchar* given = umockdev_testbed_get_root_dir(testbed_);
   std::string link = name;
   std::replace(link.begin(), link.end(), '/', '_');
-  std::error_code ignored;
-  std::filesystem::remove(std::filesystem::path(given) / "dev/.ptymap" / link, ignored);
+  disc::remove(std::filesystem::path(given) / "dev/.ptymap" / link);
   g_free(given);
 }
 
