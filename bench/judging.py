@@ -7,19 +7,11 @@ divided by its length. `rest` are the readings without what the base takes, in u
 import math
 import os
 import random
-import sys
-from importlib import machinery, util
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 import numpy as np  # noqa: E402
 
-
-def script(name):
-    """A script of this folder as a module."""
-    loader = machinery.SourceFileLoader(name, os.path.join(os.path.dirname(os.path.abspath(__file__)), name))
-    module = sys.modules[name] = util.module_from_spec(util.spec_from_loader(name, loader))
-    loader.exec_module(module)
-    return module
+from common import interval  # noqa: E402
 
 
 class Draw(random.Random):
@@ -133,15 +125,6 @@ def sparse_regression(candidates, rest):
 
 CLEAR_SNR = 3.0
 RIVALS = {"lasso": lasso, "ridge": ridge, "sparse": sparse_regression}
-
-
-def interval(right, count):
-    """Clopper and Pearson 1934, 95 %, in percent, to 0.01."""
-    p, hits = np.linspace(0, 1, 10001)[1:-1], np.arange(count + 1)[:, None]
-    ways = np.array([[math.lgamma(count + 1) - math.lgamma(k + 1) - math.lgamma(count - k + 1)] for k in range(count + 1)])
-    at_least = np.exp(ways + hits * np.log(p) + (count - hits) * np.log1p(-p))[::-1].cumsum(0)[::-1]
-    low = p[at_least[right] < 0.025].max(initial=0.0) if right else 0.0
-    return 100 * low, 100 * (p[at_least[right + 1] < 0.975].max(initial=0.0) if right < count else 1.0)
 
 
 def f_tail(f, k, v):
