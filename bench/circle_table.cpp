@@ -12,7 +12,6 @@
 // the same axis in every seed; right is a first cause that is one of them.
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <map>
 
 #include <fmt/format.h>
@@ -24,7 +23,6 @@
 #include "ecs_emulator/workshop/procedures.hpp"
 #include "ecs_emulator/workshop/serve.hpp"
 #include "laser/standards/circle.hpp"
-#include "laser/writers/writers.hpp"
 #include "model/data/path.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/fit/model_file.hpp"

@@ -1,7 +1,6 @@
 // Where the time of the virtual workshop goes: this many simulated seconds of three axes moving under compensation.
 // Run: valgrind --tool=callgrind --instr-atstart=no machine_callgrind [seconds], then callgrind_annotate
 #include <cstdio>
-#include <cstdlib>
 
 #include <valgrind/callgrind.h>
 

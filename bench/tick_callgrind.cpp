@@ -3,7 +3,6 @@
 // [values] [rows] [ticks] [configuration] With thermal rows the tick adds their polynomial, and the slow loop runs once
 // in so many ticks (0: never). With a configuration, such as XYACTZ, the two rotary axes turn as well.
 #include <cstdio>
-#include <cstdlib>
 #include <vector>
 
 #include <valgrind/callgrind.h>

@@ -1,11 +1,7 @@
 // How much processor time a volume takes, and what shrinking gains: over 200 seeds, squared error at the targets of
 // shrunk means against plain ones. Run: volume_bench [PLACES]   (1,000,000 if not given)
 #include <cstdlib>
-#include <ctime>
 #include <functional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,4 @@
 // `ecs volume`: the error vector over the working volume, before and after compensation, with its uncertainty.
-#include <optional>
 
 #include "app/cli/verb.hpp"
 #include "app/plot/gnuplot.hpp"

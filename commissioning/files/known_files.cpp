@@ -1,8 +1,6 @@
 #include "commissioning/files/known_files.hpp"
 
-#include <algorithm>
 #include <fstream>
-#include <optional>
 
 #include <fmt/format.h>
 

@@ -11,7 +11,6 @@
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
-#include "base/text.hpp"
 #include "commissioning/laser_session/lines.hpp"
 #include "commissioning/laser_session/work.hpp"
 #include "commissioning/maps/findings.hpp"

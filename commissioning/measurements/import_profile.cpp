@@ -2,7 +2,6 @@
 // what a file contains.
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <sstream>
 #include <type_traits>
 #include <variant>
@@ -12,7 +11,6 @@
 #include <fmt/ranges.h>
 
 #include "base/file.hpp"
-#include "base/file_kind.hpp"
 #include "base/toml_reader.hpp"
 #include "commissioning/link/choice.hpp"
 #include "commissioning/measurements/files.hpp"

@@ -1,7 +1,5 @@
 #include "commissioning/model_session/commands.hpp"
 
-#include <fmt/format.h>
-
 #include "base/answer_table.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"

@@ -1,7 +1,5 @@
 #include "commissioning/models/answer_check.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "base/file.hpp"

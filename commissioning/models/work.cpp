@@ -1,7 +1,6 @@
 #include "commissioning/models/work.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <vector>

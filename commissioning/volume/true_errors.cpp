@@ -5,7 +5,6 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>

@@ -13,7 +13,6 @@
 #include "laser/import/readers.hpp"
 #include "laser/import/rows.hpp"
 #include "laser/import/set_up.hpp"
-#include "laser/import/time.hpp"
 
 namespace ecs::laser {
 namespace {

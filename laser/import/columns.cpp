@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <map>
 #include <span>
-#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>

@@ -4,8 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "laser/findings.hpp"

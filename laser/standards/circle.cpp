@@ -2,7 +2,6 @@
 #include "laser/standards/circle.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <numbers>

@@ -5,7 +5,6 @@
 #include "laser/standards/diagonals.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 

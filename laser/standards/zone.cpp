@@ -3,7 +3,6 @@
 #include "laser/standards/zone.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 

@@ -1,7 +1,6 @@
 // What the module brings: readings taken with the machine, and sensors beside it.
 #include "app/cli/module.hpp"
 
-#include "app/screens/forms/rows.hpp"
 #include "modules/capture/capture.hpp"
 
 namespace ecs::app {

@@ -1,7 +1,6 @@
 #include "modules/hidden_cases/hiding.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "base/units.hpp"

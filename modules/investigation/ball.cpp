@@ -4,8 +4,6 @@
 #include <array>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "model/diagnosis/ladder.hpp"
 #include "model/planning/questions.hpp"
 #include "model/planning/run.hpp"

@@ -1,7 +1,6 @@
 #include "modules/standards/poses.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 

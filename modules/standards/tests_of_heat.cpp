@@ -1,7 +1,5 @@
 // `ecs test thermal`: how a displacement follows several temperatures over several warm-ups, judged by runs left out.
 
-#include <array>
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

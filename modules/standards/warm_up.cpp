@@ -11,7 +11,6 @@
 #include <map>
 
 #include <Eigen/Core>
-#include <fmt/format.h>
 
 #include "base/linear/decompositions.hpp"
 #include "base/units.hpp"

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "model/fit/statistics.hpp"
 #include "modules/traces/fit.hpp"
 

@@ -2,7 +2,6 @@
 // armed or not. Nothing of what is not armed reaches memory or machine, every answer block can be read, no frame is too
 // long.
 #include <algorithm>
-#include <array>
 
 #include "protocol/line/frame_codec.hpp"
 #include "protocol/registers/unit_registers.hpp"

@@ -1,6 +1,5 @@
 // libFuzzer over the host's end of the link: a unit that answers whatever the input says. Every call of the client
 // ends, with a value or with a problem in words; what was read from a block is written back as the same block.
-#include <array>
 
 #include "tests/fuzz/fuzzed_bytes.hpp"
 #include "tests/support/unit_model.hpp"

@@ -1,6 +1,5 @@
 // The screens as text: keys in, picture out, no terminal.
 #include <filesystem>
-#include <sstream>
 #include <thread>
 
 #include "app/screens/forms/rows.hpp"

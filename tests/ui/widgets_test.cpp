@@ -1,8 +1,6 @@
 // Messages, questions, texts and menus as they are drawn; what is copied.
 #include "app/ui/widgets.hpp"
 
-#include <filesystem>
-
 #include "app/ui/menu_screen.hpp"
 #include "app/ui/screen.hpp"
 #include "app/ui/screen_program.hpp"

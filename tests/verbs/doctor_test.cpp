@@ -1,7 +1,6 @@
 // Echoes and stored links, without a unit.
 #include "commissioning/link/doctor.hpp"
 
-#include "base/text.hpp"
 #include "commissioning/link/choice.hpp"
 #include "tests/support/verb_run.hpp"
 

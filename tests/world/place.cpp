@@ -1,6 +1,5 @@
 #include "tests/world/place.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "base/random.hpp"

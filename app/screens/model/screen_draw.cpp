@@ -1,6 +1,5 @@
 // How the model screen looks.
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>

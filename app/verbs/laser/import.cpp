@@ -1,7 +1,6 @@
 // `ecs laser import`: what an instrument wrote, as a measurement set in our CSV or as another instrument's file.
 // `ecs laser show`: conditions, measurement lines, and the means at every target.
 
-#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>

@@ -4,7 +4,6 @@
 #include "laser/map/build.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,5 @@
 // Part programs read, corrected, and run by the machine of the workshop.
 #include <map>
-#include <numbers>
 
 #include "base/file.hpp"
 #include "base/text.hpp"

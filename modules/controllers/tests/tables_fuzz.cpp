@@ -1,5 +1,4 @@
 // Tables of controls (tests/fuzz/import_fuzz.cpp says how).
-#include <cmath>
 
 #include "laser/map/csv.hpp"
 #include "modules/controllers/format.hpp"

@@ -1,8 +1,6 @@
 // Drift over time and distortion by a moving axis (ISO 230-3) against curves whose ranges a hand can compute.
 #include "modules/standards/warm_up.hpp"
 
-#include <fmt/format.h>
-
 #include "tests/support/test.hpp"
 
 using namespace ecs;

@@ -1,7 +1,5 @@
 // The verb `level`, which the module brings to the emulator: a cut surface surveyed with an electronic level.
 
-#include <fmt/format.h>
-
 #include "base/file.hpp"
 #include "ecs_emulator/verbs/module.hpp"
 #include "modules/standards/workshop/level_survey.hpp"

@@ -1,7 +1,6 @@
 #include "app/plot/gnuplot.hpp"
 #include "commissioning/plot/curves.hpp"
 #include "laser/groups.hpp"
-#include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
 namespace {

@@ -1,7 +1,6 @@
 // The rotary axes of a map from a file of their errors and the machine file.
 #include "commissioning/maps/rotary_part.hpp"
 
-#include "laser/map/rotary_map.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/test.hpp"
 

@@ -1,8 +1,6 @@
 // The columns of a table that no format describes: guessed, remembered by their headings, changed one by one.
 #include "commissioning/measurements/mapped_table.hpp"
 
-#include <filesystem>
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

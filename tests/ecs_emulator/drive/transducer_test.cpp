@@ -1,5 +1,3 @@
-#include <numbers>
-
 #include "base/units.hpp"
 #include "ecs_emulator/drive/servo_drive.hpp"
 #include "tests/support/test.hpp"

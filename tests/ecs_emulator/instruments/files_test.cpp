@@ -2,7 +2,6 @@
 // but what the format cannot hold. Plans as requests.
 #include "ecs_emulator/instruments/files.hpp"
 
-#include <filesystem>
 #include <map>
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,5 @@
 #include "ecs_emulator/machine/path.hpp"
 
-#include <chrono>
 #include <numbers>
 
 #include <rapidcheck.h>

@@ -1,6 +1,5 @@
 #include "ecs_emulator/part_programs/run.hpp"
 
-#include <fstream>
 #include <numbers>
 
 #include "base/file.hpp"

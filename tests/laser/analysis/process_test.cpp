@@ -1,8 +1,6 @@
 // What is done to curves, against numbers worked by hand.
 #include "laser/analysis/process.hpp"
 
-#include <random>
-
 #include <rapidcheck.h>
 
 #include "core/terms.hpp"

@@ -1,6 +1,5 @@
 // The error map: text form, bytes, completeness; maps as editors save them: UTF-16, code pages, a byte order mark; and
 // what is no text.
-#include <limits>
 
 #include <rapidcheck.h>
 

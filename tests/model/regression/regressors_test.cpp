@@ -1,7 +1,5 @@
 #include "model/regression/regressors.hpp"
 
-#include <numbers>
-
 #include "tests/model/support/measured_lines.hpp"
 #include "tests/support/test.hpp"
 

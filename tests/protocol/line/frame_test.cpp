@@ -1,6 +1,5 @@
 // Frames byte by byte: the check, the worked example of the documentation, exceptions, nonsense.
 #include <array>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <rapidcheck.h>

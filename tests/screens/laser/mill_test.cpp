@@ -1,8 +1,6 @@
 // Whole machines on the screen: what a map lacks, the very map of the verb for every sample, prepared files, work taken
 // up again, every size.
-#include <sstream>
 
-#include "app/verbs/registry.hpp"
 #include "tests/screens/support/laser_screen.hpp"
 
 namespace ecs::app {

@@ -1,6 +1,5 @@
 // The steps of PROCESS LASER DATA on the screen: files, answers that they lack, lines and where they were measured,
 // runs and readings left out, curves, values, what is remarked in header and map.
-#include "app/verbs/registry.hpp"
 #include "tests/screens/support/laser_screen.hpp"
 #include "tests/screens/support/laser_unit.hpp"
 

@@ -1,7 +1,6 @@
 // Memory access with the emulator's memory, and with dumps of it.
 #include "app/screens/memory/screen.hpp"
 
-#include "base/file.hpp"
 #include "tests/screens/support/unit_screen.hpp"
 
 namespace ecs::app {

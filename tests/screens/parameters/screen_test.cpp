@@ -1,5 +1,4 @@
 // The parameters screen without a unit: editing in place, undo, findings, comparison, files, drafts; keys in, text out.
-#include <cstring>
 
 #include "base/file.hpp"
 #include "tests/screens/support/parameters_screen.hpp"

@@ -1,14 +1,9 @@
 // The parameters screen with the real emulator at the far end of the line: receiving, sending, a lost line.
-#include <csignal>
 #include <cstdlib>
-#include <fstream>
 
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "app/verbs/registry.hpp"
-#include "base/file.hpp"
-#include "commissioning/link/emulator_process.hpp"
 #include "commissioning/link/not_armed.hpp"
 #include "tests/screens/support/parameters_screen.hpp"
 #include "tests/screens/support/unit_screen.hpp"

@@ -1,8 +1,6 @@
 // DISPLAY ECS STATUS on the emulated unit, and from files without one.
-#include <sstream>
 
 #include "app/screens/utility/screens.hpp"
-#include "app/verbs/registry.hpp"
 #include "base/file.hpp"
 #include "commissioning/memory/decode.hpp"
 #include "commissioning/unit/transfer.hpp"
