@@ -1,4 +1,6 @@
+// Files of an export: written together or not at all, also beside files of somebody else.
 #include <filesystem>
+#include <vector>
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -6,13 +8,21 @@
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "modules/controllers/export.hpp"
-#include "modules/controllers/tests/output_files.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/ordinary_user.hpp"
 #include "tests/support/test.hpp"
 
 namespace ecs::commissioning {
 namespace {
+
+std::vector<OutputFile> three(const Folder& folder) {
+  return {{folder / "x.comp", "new x"}, {folder / "y.comp", "new y"}, {folder / "z.comp", "new z"}};
+}
+
+std::size_t entries_in(const Folder& folder) {
+  const std::filesystem::directory_iterator all(folder / "");
+  return static_cast<std::size_t>(std::distance(begin(all), end(all)));
+}
 
 TEST_CASE("several files are written together, and each says whether it replaced one") {
   const Folder folder;
@@ -113,6 +123,26 @@ TEST_CASE("in a folder that may not be written, nothing is changed") {
   const OrdinaryUser user;
   CHECK(must_fail(write_together(three(folder))).message == "cannot write: Permission denied; no file was changed");
   CHECK(content_of(folder / "x.comp") == "old x");
+}
+
+TEST_CASE("a file of another user in a sticky folder fails in the middle, and the files before it are restored") {
+  SKIP_UNLESS(::geteuid() == 0, "only root can own files for two users");
+  const Folder folder;
+  ::chmod((folder / "").c_str(), 01777);
+  (void)folder.with("x.comp", "old x");
+  REQUIRE(::chown((folder / "x.comp").c_str(), 65534, 65534) == 0);
+  (void)folder.with("z.comp", "old z");  // root's: it can be read, not replaced
+  {
+    const OrdinaryUser user;
+    const auto written = must_fail(write_together(three(folder)));
+    CHECK(written.file == folder / "z.comp");
+    CHECK(written.message ==
+          "cannot write: Operation not permitted; the previous files were restored: no file has changed");
+  }
+  CHECK(content_of(folder / "x.comp") == "old x");
+  CHECK_FALSE(std::filesystem::exists(folder / "y.comp"));
+  CHECK(content_of(folder / "z.comp") == "old z");
+  CHECK(entries_in(folder) == 2);
 }
 
 }  // namespace

@@ -1,13 +1,16 @@
-// A clone that was moved, and signals at the end of the work.
+// A clone that was moved, signals at the end of the work, and output without control characters.
 #include "app/cli/program.hpp"
 
 #include <csignal>
+#include <sstream>
 
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "app/cli/console.hpp"
 #include "base/process.hpp"
 #include "tests/support/command_output.hpp"
+#include "tests/support/test.hpp"
 #include "tests/support/verb_run.hpp"
 
 namespace ecs::app {
@@ -60,6 +63,25 @@ TEST_CASE(
     "a signal that came when everything was done does not make the exit code, one that cut something short does") {
   CHECK(exit_code_after_signal(true) == 0);
   CHECK(exit_code_after_signal(false) == 128 + SIGINT);
+}
+
+TEST_CASE("results, notes, warnings and problems are printed without control characters") {
+  std::ostringstream out, messages;
+  Console console(out, messages);
+  console.answer("name \x1B]0;owned\x07", "");
+  console.print("\x1B[31m");
+  console.note("\x1B[1m");
+  console.warn("\xFF");
+  console.show({ProblemKind::link, "\x9B", "file\x1B", 1, 2, {}});
+  CHECK((out.str() + messages.str()).find_first_of("\x1B\x07\xFF\x9B") == std::string::npos);
+}
+
+TEST_CASE("a line of a message with a name of megabytes in it is cut, and its length is told") {
+  std::ostringstream out, messages;
+  Console console(out, messages);
+  console.show({ProblemKind::refused, "machine " + std::string(3'000'000, 'N') + "\nsecond line", {}, 0, 0, {}});
+  CHECK(messages.str().size() < 5'000);
+  CHECK(contains(messages.str(), "(cut: 3000008 bytes)\nsecond line\n"));
 }
 
 }  // namespace

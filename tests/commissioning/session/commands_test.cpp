@@ -1,10 +1,11 @@
-// What the screens did, as commands and as a script.
+// What the screens did, as commands and as a script; words as a shell takes them.
 #include "commissioning/session/commands.hpp"
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/command_output.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/test.hpp"
 
@@ -129,6 +130,18 @@ TEST_CASE("paths below the working folder are named from there") {
   CHECK(path_word("/tmp/x.csv") == "/tmp/x.csv");
   CHECK(path_word(here + "x/y.csv") == here + "x/y.csv");
   CHECK(path_word("") == "");
+}
+
+TEST_CASE("a shell gives every word back as it was") {
+  for (const std::string word :
+       {"plain.csv", "a b", "it's", "$HOME `x` \"y\" \\ * ? ; & | < > ( ) ~ # !", "", "Maß.csv"})
+    CHECK(output_of("printf %s " + shell_word(word)).text == word);
+}
+
+TEST_CASE("plain words stay unquoted, so that commands stay readable") {
+  CHECK(shell_command({"ecs", "map", "send", "a/b-1.csv", "--link", "rtu:/dev/ttyUSB0:115200"}) ==
+        "ecs map send a/b-1.csv --link rtu:/dev/ttyUSB0:115200");
+  CHECK(shell_command({"ecs", "map", "show", "my map.csv"}) == "ecs map show 'my map.csv'");
 }
 
 }  // namespace

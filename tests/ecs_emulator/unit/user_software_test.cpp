@@ -2,13 +2,30 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "tests/ecs_emulator/support/user_program.hpp"
+#include "core/address_map.hpp"
+#include "tests/ecs_emulator/support/emulated_unit.hpp"
 
 using namespace ecs;
 using namespace ecs::emulator;
 using namespace ecs::emulator::test;
 
 namespace {
+
+using Code = std::vector<std::uint8_t>;
+
+void put(Bench& bench, Address address, const Code& code) {
+  REQUIRE(bench.unit.write_memory(address, code) == protocol::UnitError::none);
+}
+
+protocol::CommandResult run_program(Bench& bench, std::uint32_t argument = 0, int periods = 2000) {
+  protocol::CommandResult result = bench.unit.begin(protocol::Command{
+      .code = protocol::CommandCode::run_user_software, .address = kUserPrograms, .argument = argument});
+  for (int i = 0; i < periods && result.state == protocol::CommandState::busy; ++i) {
+    bench.simulation.tick();
+    result = bench.unit.progress();
+  }
+  return result;
+}
 
 CommandResult run_code(const Code& code) {
   Bench bench;

@@ -1,11 +1,22 @@
 // Logs of real sensors, which may not be passed on.
+
+#include "commissioning/measurements/files.hpp"
 #include "laser/groups.hpp"
 #include "tests/support/real_data.hpp"
+#include "tests/support/test.hpp"
 #include "tests/support/verb_run.hpp"
-#include "tests/verbs/support/measured_log.hpp"
 
 using namespace ecs;
 using namespace ecs::app;
+
+namespace {
+
+laser::MeasurementSet read_log(const std::filesystem::path& file, const std::string& channel = {}) {
+  commissioning::ImportArguments arguments{.axis = "X", .channel = channel};
+  return must(commissioning::read_measurements(file.string(), arguments)).set;
+}
+
+}  // namespace
 
 TEST_CASE("a real sensor calibration: headings are the targets") {
   const auto folder = real_data("epics-pv-logs");
