@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "app/cli/verb.hpp"
+#include "app/cli/module.hpp"
 #include "base/answer_table.hpp"
 #include "base/clock.hpp"
 #include "base/file.hpp"
@@ -220,7 +220,7 @@ Result<Outcome> devices(VerbContext& context, const DevicesRequest& request) {
 
 }  // namespace
 
-extern const std::vector<Action> kLaserCapturing{
+const std::vector<Action> kLaserCapturing{
     action("laser capture", "guide through the targets of a measurement, forward and back, and record its readings",
            "ecs laser capture --axis X --sense EX --from 0 --to 500 --step 50 --runs 3 -o exx.csv\n  ecs laser capture "
            "--plan plan.toml --row EYX --trigger foot_switch.toml --gauge gauge.toml --environment temper -o EYX.csv\n "
@@ -230,5 +230,13 @@ extern const std::vector<Action> kLaserCapturing{
            "ecs laser devices\n  ecs laser devices --learn -o foot_switch.toml\n  ecs laser devices --try temper\n  "
            "ecs laser devices --udev foot_switch.toml",
            devices, {.live = true})};
+
+/// Readings taken with the machine, and sensors beside it.
+const Module& capture_module() {
+  static const Module module{.verbs = {{"laser", &kLaserCapturing}},
+                             .synonyms = {{"laser capture", "measure readings record interferometer"}},
+                             .surroundings = commissioning::environment_watch};
+  return module;
+}
 
 }  // namespace ecs::app

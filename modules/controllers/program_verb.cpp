@@ -1,7 +1,5 @@
 // `ecs export program`: from where the compensation of a part program comes, the program corrected by it, and what
 // becomes of the error of the part. Does not live here: the correction itself (corrected_program.hpp).
-#include "modules/controllers/program_verb.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -395,13 +393,10 @@ Result<Outcome> export_program(VerbContext& context, const ProgramRequest& reque
 
 }  // namespace
 
-const std::vector<Action>& export_of_programs() {
-  static const std::vector<Action> all{action(
-      "export program", "a part program corrected in advance, for a machine without a compensation unit",
-      "ecs export program part.nc map.csv --params mill.toml --work-offset x=-300,y=-200,z=-150 -o part_ecs.nc\n  ecs "
-      "export program part.nc --deviations measured.csv -o part_ecs.nc",
-      export_program, {.link = Link::reads, .logged = Logged::when_written, .kind = "export", .logged_as = "export"})};
-  return all;
-}
+extern const std::vector<Action> kProgramExport{action(
+    "export program", "a part program corrected in advance, for a machine without a compensation unit",
+    "ecs export program part.nc map.csv --params mill.toml --work-offset x=-300,y=-200,z=-150 -o part_ecs.nc\n  ecs "
+    "export program part.nc --deviations measured.csv -o part_ecs.nc",
+    export_program, {.link = Link::reads, .logged = Logged::when_written, .kind = "export", .logged_as = "export"})};
 
 }  // namespace ecs::app

@@ -24,7 +24,6 @@
 #include "laser/text_decoding.hpp"
 #include "modules/controllers/export.hpp"
 #include "modules/controllers/format.hpp"
-#include "modules/controllers/program_verb.hpp"
 #include "params/parameters_toml.hpp"
 
 namespace ecs::app {
@@ -393,11 +392,13 @@ const std::vector<Action> kExportReading{
 
 }  // namespace
 
+extern const std::vector<Action> kProgramExport;
+
 const Module& controllers_module() {
   static const Module module{
       .menus = {{"export",
                  "OTHER CONTROLS: the error map as their compensation tables, and back; corrected part programs"}},
-      .verbs = {{"volume", &export_writers()}, {"volume", &export_of_programs()}, {"volume", &kExportReading}},
+      .verbs = {{"volume", &export_writers()}, {"volume", &kProgramExport}, {"volume", &kExportReading}},
       .synonyms = {{"MORE", "export siemens heidenhain twincat linuxcnc part program G code"}},
       .advice = {{kTableOfControl, "`ecs export read` converts it to a map"}}};
   return module;

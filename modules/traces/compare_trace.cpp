@@ -1,11 +1,11 @@
-// A recorded step against the simulated servo, as text, JSON and figure.
-#include "modules/traces/compare_trace.hpp"
-
+// `ecs model compare` on a recorded step of a servo axis: its drive constants against the oscilloscope, as text, JSON
+// and figure; what the module brings.
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "app/cli/module.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
@@ -262,13 +262,14 @@ PlotFigure trace_figure(const model::DriveTrace& trace, const DriveDiagnosis& di
           true};
 }
 
-}  // namespace
-
+/// True for a file whose header row has time_s and dac_V; false for any other, also one that cannot be read.
 bool is_trace_file(const std::string& file) {
   const auto text = read_file(file);
   return text && model::is_drive_trace(*text);
 }
 
+/// The picture: recorded, simulated as given and simulated as mended.
+/// @param model  file with a [drive] table; without the table the constants are as printed in appendix A
 Result<DrawnOutcome> compare_trace(const std::string& model, const std::string& trace) {
   ECS_TRY(drive, model::read_drive(model));
   ECS_TRY(recorded, model::read_trace(trace));
@@ -276,4 +277,20 @@ Result<DrawnOutcome> compare_trace(const std::string& model, const std::string& 
   return DrawnOutcome{outcome_of(drive_diagnosis_cell(diagnosis, recorded, drive)), trace_figure(recorded, diagnosis)};
 }
 
+}  // namespace
 }  // namespace ecs::commissioning
+
+namespace ecs::app {
+
+extern const std::vector<Action> kDriveWorksheet;
+
+const Module& traces_module() {
+  static const Module module{
+      .verbs = {{"model", &kDriveWorksheet}},
+      .synonyms = {{"model drive", "servo tacho friction inertia worksheet appendix A spring balance"}},
+      .has_data_for = commissioning::is_trace_file,
+      .compare = commissioning::compare_trace};
+  return module;
+}
+
+}  // namespace ecs::app

@@ -1,6 +1,6 @@
 // Which constant of a servo axis is wrong, from one recorded step: every constant tried as a factor, constants that the
 // recording cannot tell apart as one group, and the signals that would tell them apart.
-// Does not live here: how it is shown (modules/traces/compare_trace.hpp).
+// Does not live here: how it is shown (modules/traces/compare_trace.cpp).
 #pragma once
 
 #include <cstddef>
