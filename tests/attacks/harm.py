@@ -37,7 +37,10 @@ class Bench:
     def unchanged(self):
         return self.place.held() == self.maps.images["small2"]
 
-    def close(self):
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
         for host in self.hosts:
             if host.fd is not None:
                 host.close()
@@ -48,11 +51,8 @@ class Harm(UploadRun):
 
     def trial(self, rng):
         function = PROBES[self.options.number % len(PROBES)]
-        bench = Bench(self)
-        try:
+        with Bench(self) as bench:
             right, what = function(bench)
-        finally:
-            bench.close()
         yield function.__doc__.rstrip("."), "refused" if right else "WRONG done", ending(what), {}
 
 

@@ -149,11 +149,8 @@ class Late(UploadRun):
         self.clean = [VARYING.sub("", self.place.run(*verb)[1]) for verb in self.verbs]
 
     def active_bank(self):
-        host = self.place.judge()
-        try:
+        with self.place.judge() as host:
             return host.active()[0]
-        finally:
-            host.close()
 
     def trial(self, rng):
         which = rng.randrange(len(self.verbs))

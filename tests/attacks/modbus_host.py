@@ -151,6 +151,12 @@ class Host:
         self.clock = [0, 0]
         self.echo = random.getrandbits(16)
 
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
     def close(self):
         if self.tcp:
             self.socket.close()

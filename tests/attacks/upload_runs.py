@@ -41,16 +41,13 @@ class UploadRun:
     def prepare(self, before, sent, beside):
         """@param beside  what the bank that is not active holds: zeros, another map, or a part of the one to be sent"""
         images = self.maps.images
-        host = self.place.judge()
-        try:
+        with self.place.judge() as host:
             if host.active()[1] != images[before]:
                 host.upload(images[before])
             part = images[sent][:480 * (len(images[sent]) // 960)]
             other = next(images[name] for name in self.maps.names if name not in (before, sent))
             token = host.stage({"zeros": b"", "part": part, "other": other}[beside])
             host.command(modbus.ABANDON, modbus.long(token))
-        finally:
-            host.close()
 
     def master(self, armed):
         """A second host on the line, with a session of its own, before the trial begins."""
@@ -68,13 +65,10 @@ class UploadRun:
                             self.options.pace, **more)
 
     def verdict(self, ending, before, sent):
-        host = self.place.judge()
-        try:
+        with self.place.judge() as host:
             now = self.maps.name_of(host.active()[1])
             if any(host.relays()):
                 return "WRONG a relay is closed"
-        finally:
-            host.close()
         return judged(ending.code, ending.said, before, sent, now, ending.line.commands[modbus.BEGIN] > 0)
 
 

@@ -97,10 +97,8 @@ class Place:
         code, said = self.run(*self.options.maps.send(name))
         if code:
             raise RuntimeError("clean upload of %s: %s" % (name, said))
-        host = self.host()
-        image = host.active()[1]
-        host.close()
-        return image
+        with self.host() as host:
+            return host.active()[1]
 
     def judge(self):
         """A host of the test's own, armed, on the clean line, in integration mode; it asks again where a fault is still
@@ -126,20 +124,14 @@ class Place:
 
     def held(self):
         """The image that the unit holds as active."""
-        host = self.judge()
-        try:
+        with self.judge() as host:
             return host.active()[1]
-        finally:
-            host.close()
 
     def holds(self, image):
         """Makes the image active, unless it is."""
-        host = self.judge()
-        try:
+        with self.judge() as host:
             if host.active()[1] != image:
                 host.upload(image)
-        finally:
-            host.close()
 
 
 MapForm = collections.namedtuple("MapForm", "points value")
