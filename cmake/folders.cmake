@@ -92,7 +92,7 @@ ecs_folder(app/plot app/names base commissioning/plot fmt::fmt)
 ecs_folder(app/screens app/cli app/screens/forms app/screens/laser app/screens/memory app/screens/model
            app/screens/parameters app/screens/unit app/screens/utility app/ui app/verbs base commissioning/files
            commissioning/link commissioning/session core fmt::fmt)
-ecs_folder(app/screens/files app/ui commissioning/files commissioning/link commissioning/session fmt::fmt)
+ecs_folder(app/screens/files app/ui base commissioning/files commissioning/link commissioning/session fmt::fmt)
 ecs_folder(app/screens/forms app/cli app/screens/files app/ui app/verbs base commissioning/files commissioning/link
            commissioning/plot commissioning/session commissioning/unit commissioning/utility commissioning/volume core
            protocol/client fmt::fmt)

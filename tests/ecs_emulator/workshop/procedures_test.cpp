@@ -1,4 +1,5 @@
 #include "ecs_emulator/workshop/procedures.hpp"
+
 #include "tests/ecs_emulator/support/emulated_unit.hpp"
 #include "tests/support/workshop_machines.hpp"
 
