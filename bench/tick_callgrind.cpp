@@ -1,7 +1,8 @@
 // Instructions of one tick (target: 400; with two rotary axes and thermal rows 600), counted by callgrind; docs/core.md
 // says how to read it. Run: valgrind --tool=callgrind --instr-atstart=no --callgrind-out-file=/dev/null tick_callgrind
 // [values] [rows] [ticks] [configuration] With thermal rows the tick adds their polynomial, and the slow loop runs once
-// in so many ticks (0: never). With a configuration, such as XYACTZ, the two rotary axes turn as well.
+// in so many ticks (0: never). With a configuration, such as XYACTZ, the two rotary axes turn as well; with
+// "machine", "tool" or "both" after it they bend.
 #include <cstdio>
 #include <vector>
 
@@ -26,7 +27,7 @@ int main(int argc, char** argv) {
   ecs::ThermalState thermal;
   (void)ecs::begin_thermal(map->thermal, thermal, inputs, datum_mm, nullptr, 0.0);
   const bool rotary_axes = argc > 4;
-  if (rotary_axes && !ecs::bench::add_rotary_axes(*map, argv[4])) return 1;
+  if (rotary_axes && !ecs::bench::add_rotary_axes(*map, argv[4], argc > 5 ? argv[5] : "")) return 1;
   ecs::RotaryTickState rotary;
   ecs::start_rotary(map->rotary, rotary, {}, {}, {});
   std::vector<ecs::PerRotary<std::int64_t>> turns;

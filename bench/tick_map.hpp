@@ -73,9 +73,13 @@ inline std::unique_ptr<CompiledMap> full_map(std::uint32_t values, const std::ve
 }
 
 /// Gives the map the two rotary axes of a configuration such as XYACTZ: all six curves every 10 deg for each approach,
-/// and all location errors. @return false: the configuration is not one of this machine
-inline bool add_rotary_axes(CompiledMap& map, std::string_view configuration) {
+/// and all location errors. @param bends  "machine", "tool", "both": in all directions
+/// @return false: the configuration is not one of this machine
+inline bool add_rotary_axes(CompiledMap& map, std::string_view configuration, std::string_view bends = {}) {
   RotarySetup machine;
+  const std::array<double, 6> sizes{5.0, -6.0, 7.0, 8.0, -9.0, 10.0};
+  if (bends == "machine" || bends == "both") machine.bending.of_machine = sizes;
+  if (bends == "tool" || bends == "both") machine.bending.of_tool = sizes;
   configuration.copy(machine.configuration.data(), machine.configuration.size() - 1);
   std::vector<std::uint8_t> values(12 * 36);
   std::size_t axis = 0;

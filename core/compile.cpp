@@ -206,11 +206,17 @@ RotaryFault compile_rotary(const RotarySetup& machine, const UnitParameters& par
 namespace {
 
 /// Takes the map to this tool, or part of the way. @param per_mm  um along X, Y, Z for each mm along x, y, z
-bool go_to_tool(CompiledMap& map, ThermalState& thermal, const PerAxis<Vector3>& per_mm, const Vector3& offset_mm,
-                double most_um) noexcept {
+/// @param of_length  um for each mm of length, which changes by no more than the way
+bool go_to_tool(CompiledMap& map, ThermalState& thermal, const PerAxis<Vector3>& per_mm, const Vector3& of_length,
+                const Vector3& offset_mm, double most_um) noexcept {
   Vector3 change_um{};
-  for (std::size_t l = 0; l < kAxes; ++l)
-    for (std::size_t o = 0; o < kAxes; ++o) change_um[o] += per_mm[l][o] * (offset_mm[l] - map.tool_offset_mm[l]);
+  double way_mm = 0.0;
+  for (std::size_t l = 0; l < kAxes; ++l) {
+    const double mm = offset_mm[l] - map.tool_offset_mm[l];
+    way_mm = std::hypot(way_mm, mm);
+    for (std::size_t o = 0; o < kAxes; ++o) change_um[o] += per_mm[l][o] * mm;
+  }
+  for (std::size_t o = 0; o < kAxes; ++o) change_um[o] = std::abs(change_um[o]) + std::abs(of_length[o]) * way_mm;
   const double share = share_within(change_um, most_um);
   const Vector3 next_mm = part_of_the_way(map.tool_offset_mm, offset_mm, share);
   set_levers(map, next_mm);
@@ -222,12 +228,13 @@ bool go_to_tool(CompiledMap& map, ThermalState& thermal, const PerAxis<Vector3>&
 
 bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal, const Vector3& offset_mm,
                  double most_um) noexcept {
-  return go_to_tool(map, thermal, tool_effect_um_per_mm(map, state, thermal), offset_mm, most_um);
+  return go_to_tool(map, thermal, tool_effect_um_per_mm(map, state, thermal), {}, offset_mm, most_um);
 }
 
 bool change_tool(CompiledMap& map, const TickState& state, ThermalState& thermal, RotaryTickState& rotary,
                  const Vector3& offset_mm, double most_um) noexcept {
-  return go_to_tool(map, thermal, tool_effect_um_per_mm(map, state, thermal, rotary), offset_mm, most_um);
+  return go_to_tool(map, thermal, tool_effect_um_per_mm(map, state, thermal, rotary), tool_bend_um_per_mm(map, rotary),
+                    offset_mm, most_um);
 }
 
 bool change_squareness(CompiledMap& map, const TickState& state, const Vector3& um_per_m, double most_um) noexcept {

@@ -108,6 +108,17 @@ auto numbers_of(AxisOfSetup& a, Curves& c) noexcept {
                     &c.resolution[3], &c.resolution[4], &c.resolution[5]};
 }
 
+/// The numbers of bending in the order of their bytes.
+template <class Bending>
+auto bending_numbers(Bending& bending) noexcept {
+  std::array<decltype(bending.of_machine.data()), kBendingBytes / 8> numbers{};
+  for (std::size_t i = 0; i < numbers.size() / 2; ++i) {
+    numbers[i] = &bending.of_machine[i];
+    numbers[numbers.size() / 2 + i] = &bending.of_tool[i];
+  }
+  return numbers;
+}
+
 /// Axes and curves by themselves; what the parameters ask of them is left to compile().
 ImageVerdict check_rotary(ByteView image, ImageVerdict verdict) noexcept {
   const RotarySetup setup = *ImageView(image).rotary();
@@ -139,7 +150,7 @@ void begin_image(Bytes image, const ImagePlan& plan) noexcept {
     store_big(image, prefix_at::thermal, thermal_offset(plan));
     store_big(image, prefix_at::thermal_count, plan.thermal_rows);
   }
-  if (plan.format != kFormatWithRotary) return;
+  if (plan.format < kFormatWithRotary) return;
   store_big(image, prefix_at::rotary, rotary_offset(plan));
   for (std::uint32_t i = 0; i < kRotaryInputs; ++i)
     store_big(image, prefix_at::rotary_count + 4 * i, plan.rotary_values[i]);
@@ -182,7 +193,8 @@ void write_thermal(Bytes image, const ThermalSettings& settings, std::span<const
 void write_rotary(Bytes image, const RotarySetup& setup) noexcept {
   const std::uint32_t first = prefix_word(image, prefix_at::rotary);
   std::copy(setup.configuration.begin(), setup.configuration.end(), image.begin() + first);
-  std::uint32_t curves_at = first + kRotaryBytes;
+  const auto format = load_big<std::uint16_t>(image, prefix_at::format);
+  std::uint32_t curves_at = first + rotary_bytes(format);
   for (std::uint32_t i = 0; i < kRotaryInputs; ++i) {
     const std::uint32_t at = first + kConfigurationBytes + i * kRotaryAxisBytes;
     image[at] = static_cast<std::uint8_t>(setup.axes[i].letter);
@@ -193,6 +205,9 @@ void write_rotary(Bytes image, const RotarySetup& setup) noexcept {
       curves_at += static_cast<std::uint32_t>(side.size());
     }
   }
+  if (format < kFormatWithBending) return;
+  const auto bending = bending_numbers(setup.bending);
+  for (std::uint32_t n = 0; n < bending.size(); ++n) store_double(image, first + kRotaryBytes + 8 * n, *bending[n]);
 }
 
 void write_value(Bytes image, std::uint32_t index, std::int16_t counts) noexcept {
@@ -223,7 +238,7 @@ ImagePlan plan_of(ByteView image) noexcept {
   ImagePlan plan{prefix_word(image, prefix_at::table_count), prefix_word(image, prefix_at::value_count),
                  prefix_word(image, prefix_at::header_bytes), load_big<std::uint16_t>(image, prefix_at::format)};
   if (plan.format >= kFormatWithThermal) plan.thermal_rows = prefix_word(image, prefix_at::thermal_count);
-  if (plan.format == kFormatWithRotary)
+  if (plan.format >= kFormatWithRotary)
     for (std::uint32_t i = 0; i < kRotaryInputs; ++i)
       plan.rotary_values[i] = prefix_word(image, prefix_at::rotary_count + 4 * i);
   return plan;
@@ -240,7 +255,7 @@ ImageVerdict check_image(ByteView bank) noexcept {
   if (bank.size() < kPrefixBytes || prefix_word(bank, prefix_at::magic) != kImageMagic)
     return with(ImageFault::no_image);
   const auto format = load_big<std::uint16_t>(bank, prefix_at::format);
-  if (format < kFormatWithoutIdentity || format > kFormatWithRotary) return with(ImageFault::wrong_format);
+  if (format < kFormatWithoutIdentity || format > kFormatWithBending) return with(ImageFault::wrong_format);
   verdict.total_bytes = prefix_word(bank, prefix_at::total_bytes);
   verdict.check_expected = prefix_word(bank, prefix_at::check);
   if (verdict.total_bytes > bank.size() || verdict.total_bytes < directory_offset(format))
@@ -250,7 +265,7 @@ ImageVerdict check_image(ByteView bank) noexcept {
   if (verdict.check_found != verdict.check_expected) return with(ImageFault::block_check);
 
   const ImagePlan plan = plan_of(image);
-  const bool thermal = format == kFormatWithThermal || plan.thermal_rows > 0, rotary = format == kFormatWithRotary;
+  const bool thermal = format == kFormatWithThermal || plan.thermal_rows > 0, rotary = format >= kFormatWithRotary;
   if (plan.table_count > kMostTables) return with(ImageFault::bad_directory);
   if (plan.thermal_rows > kMostThermalRows || (thermal && plan.thermal_rows == 0))
     return with(ImageFault::bad_thermal_row);
@@ -319,11 +334,11 @@ ThermalSettings ImageView::thermal_settings() const noexcept {
 }
 
 std::optional<RotarySetup> ImageView::rotary() const noexcept {
-  if (format() != kFormatWithRotary) return std::nullopt;
+  if (format() < kFormatWithRotary) return std::nullopt;
   RotarySetup setup;
   const std::uint32_t first = prefix_word(image_, prefix_at::rotary);
   std::copy_n(image_.begin() + first, setup.configuration.size(), setup.configuration.begin());
-  std::uint32_t curves_at = first + kRotaryBytes;
+  std::uint32_t curves_at = first + rotary_bytes(format());
   for (std::uint32_t i = 0; i < kRotaryInputs; ++i) {
     const std::uint32_t at = first + kConfigurationBytes + i * kRotaryAxisBytes;
     RotaryCurves& table = setup.tables[i];
@@ -336,6 +351,9 @@ std::optional<RotarySetup> ImageView::rotary() const noexcept {
       curves_at += table.count * kRotaryValueBytes / 2;
     }
   }
+  if (format() < kFormatWithBending) return setup;
+  const auto bending = bending_numbers(setup.bending);
+  for (std::uint32_t n = 0; n < bending.size(); ++n) *bending[n] = load_double(image_, first + kRotaryBytes + 8 * n);
   return setup;
 }
 

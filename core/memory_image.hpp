@@ -1,9 +1,10 @@
 // The bytes of one bank of axis memory: the one contract between the host that builds them and the unit that reads
 // them. prefix (64) | parameters (512) | identity (64) | table directory (40 each) | thermal settings (64) and rows (40
-// each) | rotary axes (400, then 24 for each value of a curve) | values (int16 each) | header text (UTF-8). The block
-// check is the CRC-32 of the whole image with its own four bytes taken as zero. A map with rotary axes is of format 4,
-// another one with thermal rows of format 3, every other of format 2. Format 1, which is read but no longer written,
-// has no identity. Settings, rows and axes that a map does not have take no bytes.
+// each) | rotary axes (400, with bending 96 more, then 24 for each value of a curve) | values (int16 each) | header
+// text (UTF-8). The block check is the CRC-32 of the whole image with its own four bytes taken as zero. A map with
+// bending is of format 5, another one with rotary axes of format 4, another one with thermal rows of format 3, every
+// other of format 2. Format 1, which is read but no longer written, has no identity. Settings, rows and axes that a map
+// does not have take no bytes.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +24,7 @@ inline constexpr std::uint16_t kImageFormat = 2;
 inline constexpr std::uint16_t kFormatWithoutIdentity = 1;
 inline constexpr std::uint16_t kFormatWithThermal = 3;
 inline constexpr std::uint16_t kFormatWithRotary = 4;
+inline constexpr std::uint16_t kFormatWithBending = 5;
 inline constexpr std::uint32_t kPrefixBytes = 64;
 inline constexpr std::uint32_t kParameterBytes = 512;
 inline constexpr std::uint32_t kIdentityBytes = 64;
@@ -30,7 +32,8 @@ inline constexpr std::uint32_t kEntryBytes = 40;
 inline constexpr std::uint32_t kThermalSettingsBytes = 64;
 inline constexpr std::uint32_t kThermalRowBytes = 40;
 inline constexpr std::uint32_t kRotaryAxisBytes = 192;
-inline constexpr std::uint32_t kRotaryBytes = 16 + kRotaryInputs * kRotaryAxisBytes;  ///< before the curves
+inline constexpr std::uint32_t kRotaryBytes = 16 + kRotaryInputs * kRotaryAxisBytes;  ///< before bending
+inline constexpr std::uint32_t kBendingBytes = 96;
 inline constexpr std::uint32_t kRotaryValueBytes = 24;  ///< six curves, reverse and forward
 inline constexpr std::uint32_t kMostTables = 36;        ///< 18 curves, forward and reverse
 
@@ -87,12 +90,15 @@ struct ImagePlan {
   std::uint32_t value_count = 0;
   std::uint32_t header_bytes = 0;
   std::uint16_t format = kImageFormat;
-  std::uint32_t thermal_rows = 0;            ///< format 3: 1 … kMostThermalRows, format 4: also 0
-  PerRotary<std::uint32_t> rotary_values{};  ///< format 4 alone: of each curve, at most RotaryAxisWorking::kMostCells
+  std::uint32_t thermal_rows = 0;            ///< format 3: 1 … kMostThermalRows, above: also 0
+  PerRotary<std::uint32_t> rotary_values{};  ///< format 4 and 5: of each curve, at most RotaryAxisWorking::kMostCells
 };
 /// The oldest format that can hold a map.
-[[nodiscard]] constexpr std::uint16_t format_for(bool thermal_rows, bool rotary_axes) noexcept {
-  return rotary_axes ? kFormatWithRotary : thermal_rows ? kFormatWithThermal : kImageFormat;
+[[nodiscard]] constexpr std::uint16_t format_for(bool thermal_rows, bool rotary_axes, bool bending = false) noexcept {
+  return bending        ? kFormatWithBending
+         : rotary_axes  ? kFormatWithRotary
+         : thermal_rows ? kFormatWithThermal
+                        : kImageFormat;
 }
 inline constexpr std::uint32_t kIdentityOffset = kPrefixBytes + kParameterBytes;
 [[nodiscard]] constexpr std::uint32_t directory_offset(std::uint16_t format = kImageFormat) noexcept {
@@ -105,9 +111,14 @@ inline constexpr std::uint32_t kIdentityOffset = kPrefixBytes + kParameterBytes;
   return thermal_offset(plan) +
          (plan.thermal_rows > 0 ? kThermalSettingsBytes + plan.thermal_rows * kThermalRowBytes : 0);
 }
+/// Of the rotary axes before their curves.
+[[nodiscard]] constexpr std::uint32_t rotary_bytes(std::uint16_t format) noexcept {
+  return kRotaryBytes + (format == kFormatWithBending ? kBendingBytes : 0);
+}
 [[nodiscard]] constexpr std::uint32_t values_offset(const ImagePlan& plan) noexcept {
-  if (plan.format != kFormatWithRotary) return rotary_offset(plan);
-  return rotary_offset(plan) + kRotaryBytes + (plan.rotary_values[0] + plan.rotary_values[1]) * kRotaryValueBytes;
+  if (plan.format < kFormatWithRotary) return rotary_offset(plan);
+  return rotary_offset(plan) + rotary_bytes(plan.format) +
+         (plan.rotary_values[0] + plan.rotary_values[1]) * kRotaryValueBytes;
 }
 [[nodiscard]] constexpr std::uint32_t header_offset(const ImagePlan& plan) noexcept {
   return values_offset(plan) + plan.value_count * 2;
@@ -124,7 +135,7 @@ void write_identity(Bytes image, const ImageIdentity& identity) noexcept;
 void write_entry(Bytes image, std::uint32_t index, const TableEntry& entry) noexcept;
 /// @pre the plan has as many rows, at least one
 void write_thermal(Bytes image, const ThermalSettings& settings, std::span<const ThermalRow> rows) noexcept;
-/// @pre the plan has format 4, and as many values of each curve as these axes
+/// @pre the plan has format 4 or, with its bending, 5, and as many values of each curve as these axes
 void write_rotary(Bytes image, const RotarySetup& setup) noexcept;
 void write_value(Bytes image, std::uint32_t index, std::int16_t counts) noexcept;
 void write_header(Bytes image, std::string_view text) noexcept;
@@ -176,12 +187,12 @@ class ImageView {
   [[nodiscard]] std::uint32_t table_count() const noexcept;
   [[nodiscard]] std::uint32_t value_count() const noexcept;
   [[nodiscard]] TableEntry entry(std::uint32_t index) const noexcept;
-  /// 0 but in formats 3 and 4.
+  /// 0 but from format 3 on.
   [[nodiscard]] std::uint32_t thermal_count() const noexcept;
   [[nodiscard]] ThermalRow thermal_row(std::uint32_t index) const noexcept;
   /// @pre thermal_count() > 0
   [[nodiscard]] ThermalSettings thermal_settings() const noexcept;
-  /// Its curves are views into the image; nothing but in format 4.
+  /// Its curves are views into the image; nothing but in formats 4 and 5.
   [[nodiscard]] std::optional<RotarySetup> rotary() const noexcept;
   /// Offset of a value from the start of the image.
   [[nodiscard]] std::uint32_t value_offset(std::uint32_t index) const noexcept;

@@ -29,6 +29,12 @@ bool sound(const RotaryAxis& axis) noexcept {
          all_small(axis.location, 1e6) && small(axis.zero_deg, 10.0 * kTurn_deg);
 }
 
+bool sound(const RotaryBending& bending) noexcept {
+  const auto small = [](double value) { return std::abs(value) <= 1e6; };
+  return std::all_of(bending.of_machine.begin(), bending.of_machine.end(), small) &&
+         std::all_of(bending.of_tool.begin(), bending.of_tool.end(), small);
+}
+
 /// The axes in their places.
 struct Places {
   PerRotary<const RotaryAxis*> axis{};
@@ -65,6 +71,7 @@ RotaryFault place(const RotarySetup& machine, const UnitParameters& parameters, 
     return RotaryFault::other_chain;
   using enum RotaryWorking::Arrangement;
   places.arrangement = on_tables == rotary ? tables : on_tables == 0 ? heads : table_and_head;
+  if (places.arrangement == heads && rotary == 1) std::swap(places.axis[0], places.axis[1]);
   return RotaryFault::none;
 }
 
@@ -178,7 +185,8 @@ void leave_free(RotaryAxisWorking& working) noexcept {
   }
 }
 
-/// Sets the direction of the inner axis, and the way of the tick. @return its sense
+/// Sets the direction of the inner axis, and the way of the tick. @pre arrangement and bending are set @return its
+/// sense
 double set_direction(const Vector3& direction, RotaryWorking& working) noexcept {
   std::size_t along = RotaryWorking::kOblique;
   double sense = 1.0;
@@ -188,22 +196,26 @@ double set_direction(const Vector3& direction, RotaryWorking& working) noexcept 
     sense = direction[d] > 0.0 ? 1.0 : -1.0;
   }
   working.inner_axis = sum({}, direction, sense);
-  const bool is_apart = working.arrangement == RotaryWorking::Arrangement::table_and_head;
-  working.way =
-      static_cast<std::uint32_t>(4 * (static_cast<std::size_t>(working.arrangement) - 1) + (is_apart ? 0 : along));
+  constexpr std::array<double, 6> kNone{};
+  const std::uint32_t bends =
+      (working.bending.of_machine != kNone ? 1U : 0U) + (working.bending.of_tool != kNone ? 2U : 0U);
+  working.way = static_cast<std::uint32_t>(along);
+  if (working.arrangement == RotaryWorking::Arrangement::heads) working.way += 4 + 4 * bends;
+  if (working.arrangement == RotaryWorking::Arrangement::table_and_head) working.way = bends == 0 ? 20 : 21;
   return sense;
 }
 
 }  // namespace
 
 std::string_view text_of(RotaryFault fault) noexcept {
-  return WordTable<RotaryFault, 8>{
+  return WordTable<RotaryFault, 9>{
       {"can be compensated", "have another configuration than the parameters",
        "move a linear axis: expected the linear axes of each side nearer to the base",
        "need the scope volumetric, the convention iso and linear interpolation",
-       "need a tool range along X, Y and Z, because a head turns the tool offset", "have an axis of impossible numbers",
-       "have a table of impossible numbers",
-       "have a table whose increment does not divide a turn: expected a multiple of 0.1 deg"}}
+       "need a tool range along X, Y and Z, because a head turns the tool offset",
+       "have an axis or bending of impossible numbers", "have a table of impossible numbers",
+       "have a table whose increment does not divide a turn: expected a multiple of 0.1 deg",
+       "have bending, but no head that tilts"}}
       .of(fault);
 }
 
@@ -214,6 +226,7 @@ std::uint64_t turn_of(double deg) noexcept {
 }
 
 RotaryFault own_fault_of(const RotarySetup& machine) noexcept {
+  if (!sound(machine.bending)) return RotaryFault::bad_axis;
   for (std::size_t i = 0; i < kRotaryInputs; ++i) {
     if (machine.axes[i].letter == '\0') continue;
     if (!sound(machine.axes[i])) return RotaryFault::bad_axis;
@@ -234,20 +247,25 @@ RotaryFault compile_rotary_axes(const RotarySetup& machine, const UnitParameters
   if (places.arrangement != RotaryWorking::Arrangement::tables && !(range_mm[0] * range_mm[1] * range_mm[2] > 0.0))
     return RotaryFault::no_tool_range;
   if (const RotaryFault fault = own_fault_of(machine); fault != RotaryFault::none) return fault;
-  const bool two = places.axis[1] != nullptr;
-  const RotaryAxis& inner = *places.axis[0];
-  const RotaryAxis& other = two ? *places.axis[1] : inner;
+  if (places.arrangement == RotaryWorking::Arrangement::tables && machine.bending != RotaryBending{})
+    return RotaryFault::no_head;
+  const RotaryAxis& inner = places.axis[0] != nullptr ? *places.axis[0] : *places.axis[1];
+  const RotaryAxis& other = places.axis[1] != nullptr ? *places.axis[1] : inner;
   const bool both_sides = places.arrangement == RotaryWorking::Arrangement::table_and_head;
   working.arrangement = places.arrangement;
+  working.bending = machine.bending;
   working.um_per_mm.fill(parameters.angular_scale * 1e-3);
   CellRule rule{&inner, working.um_per_mm[0], set_direction(inner.direction, working), {}};
   if (places.arrangement == RotaryWorking::Arrangement::tables) rule.sine = -rule.sine;
-  place_axis(machine, rule, working.axes[0]);
+  const auto fill = [&](std::size_t place) {
+    if (places.axis[place] != nullptr)
+      place_axis(machine, rule, working.axes[place]);
+    else
+      leave_free(working.axes[place]);
+  };
+  fill(0);
   rule = {&other, working.um_per_mm[0], 1.0, both_sides ? Vector3{} : sum(inner.pivot_mm, other.pivot_mm, -1.0)};
-  if (two)
-    place_axis(machine, rule, working.axes[1]);
-  else
-    leave_free(working.axes[1]);
+  fill(1);
   working.turned_from_mm = other.pivot_mm;
   working.turned_about = other.direction;
   working.arm_from_mm = both_sides ? other.pivot_mm : inner.pivot_mm;
@@ -256,12 +274,29 @@ RotaryFault compile_rotary_axes(const RotarySetup& machine, const UnitParameters
   return RotaryFault::none;
 }
 
+namespace {
+
+/// Compensation of bending. @param factor  of its sizes
+void add_bending(const std::array<double, 6>& sizes, double factor, TurnedLanes& lanes) noexcept {
+  for (std::size_t d = 0; d < kAxes; ++d) {
+    lanes[0][d] -= factor * sizes[kAxes + d];
+    lanes[1][d] += factor * sizes[kAxes + d];
+    lanes[2][d] -= factor * sizes[d];
+  }
+}
+
+}  // namespace
+
 void set_rotary_tool(RotaryWorking& working, const Vector3& tool_offset_mm) noexcept {
   const auto lanes = [](const Vector3& v) { return Lanes{v[0], v[1], v[2], 0.0}; };
   if (!working.turns_tool()) {
     working.arm_mm = {lanes(sum(tool_offset_mm, working.arm_from_mm, -1.0))};
     return;
   }
+  const bool is_apart = working.arrangement == RotaryWorking::Arrangement::table_and_head;
+  working.machine_bend_um = working.tool_bend_um = {};
+  add_bending(working.bending.of_machine, 1.0, is_apart ? working.tool_bend_um : working.machine_bend_um);
+  add_bending(working.bending.of_tool, std::sqrt(dot(tool_offset_mm, tool_offset_mm)) * 1e-3, working.tool_bend_um);
   const Vector3& n = working.turned_about;
   const Vector3 v = sum(tool_offset_mm, working.turned_from_mm, -1.0);
   const Vector3 along = sum({}, n, dot(n, v));

@@ -2,6 +2,7 @@
 // linear axis of its side. The unit corrects X, Y, Z, so all is reckoned in the frame of the linear axes: with the axis
 // next to them (`inner`, turned by R), the one beyond it (`outer`) and arms counted from the pivots
 //   E = δ_inner + Q δ_outer + (ε_inner + Q ε_outer) × arm      Q = R of a head, R⁻¹ of a table
+// A head that bends as its axis next to the tool tilts adds to δ_inner (the machine) and to δ_outer (the tool).
 // A head also turns the tool offset, at which the rotations of the linear axes act. Directions may be oblique.
 // Does not live here: the bytes (memory_image.hpp), the tick (tick.hpp), chains in general (kinematics/).
 #pragma once
@@ -45,11 +46,20 @@ struct RotaryCurves {
   std::array<ByteView, 2> values{};
 };
 
+/// How a machine bends while the axis next to the tool tilts a head by b: *errors* s sin b + c (1 - cos b), s along X,
+/// Y, Z, then c.
+struct RotaryBending {
+  std::array<double, 6> of_machine{};  ///< um, in directions that no rotary axis turns
+  std::array<double, 6> of_tool{};     ///< um for each metre of tool offset, in directions that the axis beneath turns
+  friend bool operator==(const RotaryBending&, const RotaryBending&) = default;
+};
+
 /// What a unit with rotary axes has beyond its parameters.
 struct RotarySetup {
   std::array<char, 8> configuration{};  ///< with the rotary axes: "XYACTZ", zero-terminated
   PerRotary<RotaryAxis> axes{};         ///< in any order
   PerRotary<RotaryCurves> tables{};     ///< in the same
+  RotaryBending bending{};
 };
 
 /// Why rotary axes cannot be compensated.
@@ -61,7 +71,8 @@ enum class RotaryFault : std::uint8_t {
   no_tool_range,  ///< a head turns the tool, but the map need not hold what only a tool levers
   bad_axis,
   bad_table,
-  uneven_table  ///< no number of cells fits its increment
+  uneven_table,  ///< no number of cells fits its increment
+  no_head        ///< bending without a head that could tilt
 };
 [[nodiscard]] std::string_view text_of(RotaryFault fault) noexcept;
 
@@ -84,27 +95,37 @@ struct RotaryAxisWorking {
   std::array<std::array<RotaryCell, 2>, kMostCells> cell{};  ///< while the counts fall, and rise
 };
 
-/// The working form, in places: 0 the inner axis, or the table where a head is there as well; 1 the other one.
+/// A vector that follows the angle of an axis: constant, and what comes for its cosine and sine.
+using TurnedLanes = std::array<Lanes, 3>;
+
+/// The working form, in places: 0 the inner axis, or the table where a head is there as well; 1 the other one, and a
+/// head of one axis.
 struct RotaryWorking {
   enum class Arrangement : std::uint8_t { none, tables, heads, table_and_head };
   static constexpr std::size_t kOblique = 3;
+  static constexpr std::uint32_t kWays = 22;
 
   Arrangement arrangement = Arrangement::none;
-  /// Of the tick: 4 × (arrangement − 1) + direction of the inner axis, X, Y or Z or kOblique; of table and head 8.
+  /// Of the tick: direction of the inner axis, X, Y or Z or kOblique, and 0 of tables, 4 of heads, and of heads 4 more
+  /// if the machine bends and 8 more if the tool does; 20 of table and head, 21 if it bends.
   std::uint32_t way = 0;
   alignas(16) std::array<double, 2> um_per_mm{};  ///< twice: of a linear axis's rotation of 1 um/m
   Vector3 inner_axis{0.0, 0.0, 1.0};              ///< the sine of the inner cells is that of Q about this direction
-  alignas(16) std::array<Lanes, 3> arm_mm{};  ///< of the tool: constant, and for cosine and sine of the axis at place 1
-  Vector3 table_arm_mm{};                     ///< of the table beside a head: without the arm of the tool
-  Vector3 turned_from_mm{};                   ///< pivot from which that axis turns the tool
-  Vector3 turned_about{0.0, 0.0, 1.0};        ///< its direction
-  Vector3 arm_from_mm{};                      ///< pivot from which arms count
-  PerRotary<RotaryAxisWorking> axes{};        ///< by place
+  alignas(16) TurnedLanes arm_mm{};               ///< of the tool, by the axis at place 1
+  alignas(16) TurnedLanes machine_bend_um{};      ///< compensation of bending, by the same; beside a table 0
+  alignas(16) TurnedLanes tool_bend_um{};         ///< the same as the inner axis turns it; beside a table all bending
+  RotaryBending bending{};                        ///< that they compensate
+  Vector3 table_arm_mm{};                         ///< of the table beside a head: without the arm of the tool
+  Vector3 turned_from_mm{};                       ///< pivot from which that axis turns the tool
+  Vector3 turned_about{0.0, 0.0, 1.0};            ///< its direction
+  Vector3 arm_from_mm{};                          ///< pivot from which arms count
+  PerRotary<RotaryAxisWorking> axes{};            ///< by place
 
   [[nodiscard]] bool turns_tool() const noexcept { return arrangement >= Arrangement::heads; }
 };
 
-/// What is impossible in axes and tables whatever the parameters are: bad_axis, bad_table, uneven_table; else none.
+/// What is impossible in axes, bending and tables whatever the parameters are: bad_axis, bad_table, uneven_table; else
+/// none.
 [[nodiscard]] RotaryFault own_fault_of(const RotarySetup& machine) noexcept;
 
 /// An angle of any size in 2^-64 of a turn.

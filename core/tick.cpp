@@ -215,6 +215,13 @@ inline Vector3 turned_arm(const RotaryWorking& working, const Vector3& v, Pair t
   }
 }
 
+/// X and Y, Z and 0 at an angle. @param turn  its cosine and sine
+inline std::array<Pair, 2> at_turn(const TurnedLanes& of, Pair turn) noexcept {
+  const Pair c = twice(turn[0]), s = twice(turn[1]);
+  const auto at = [&](std::size_t k) { return pair_at(&of[0][k]) + c * pair_at(&of[1][k]) + s * pair_at(&of[2][k]); };
+  return {at(0), at(2)};
+}
+
 /// Both axes of one side, as the inner one carries them.
 template <std::size_t direction>
 inline Twist both(const RotaryWorking& working, const PerRotary<RotaryValues>& values) noexcept {
@@ -239,13 +246,15 @@ inline Compensation shift_of(const Twist& twist) noexcept { return {lows(twist[0
 
 /// Arm of the tool with the axis at place 1 turned.
 inline Vector3 arm_of_tool_mm(const RotaryWorking& working, Pair turn) noexcept {
-  const std::array<Lanes, 3>& arm = working.arm_mm;
-  const Pair c = twice(turn[0]), s = twice(turn[1]);
-  const auto at = [&](std::size_t k) {
-    return pair_at(&arm[0][k]) + c * pair_at(&arm[1][k]) + s * pair_at(&arm[2][k]);
-  };
-  const Pair xy = at(0), z = at(2);
-  return {xy[0], xy[1], z[0]};
+  const auto [xy_mm, z_mm] = at_turn(working.arm_mm, turn);
+  return {xy_mm[0], xy_mm[1], z_mm[0]};
+}
+
+/// With the bending that a head turns.
+inline Twist bent(const RotaryWorking& working, const RotaryValues& head) noexcept {
+  const auto [xy_um, z_um] = at_turn(working.tool_bend_um, head.turned);
+  const Pair none{};
+  return {head.twist[0] + lows(xy_um, none), head.twist[1] + highs(xy_um, none), head.twist[2] + z_um};
 }
 
 inline Vector3 plus(const Vector3& a, const Vector3& b) noexcept { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
@@ -258,8 +267,11 @@ inline Turns turns_at_tool(const RotaryWorking& working, const RotaryTickState& 
                   scale * (linear[0].bc + linear[1].bc + linear[2].bc + pair_at(&state.thermal_turn[2])));
 }
 
+/// What bends beneath the tilting axis of a head; beside a table all of it is Bends::tool.
+enum class Bends : std::uint8_t { nothing, machine, tool, both };
+
 /// What the rotary axes add.
-template <RotaryWorking::Arrangement arrangement, std::size_t direction>
+template <RotaryWorking::Arrangement arrangement, std::size_t direction, Bends bends>
 inline Compensation rotary_um(const RotaryWorking& working, const RotaryTickState& state, const Vector3& position_mm,
                               const PerAxis<CurveValues>& linear, const PerRotary<RotaryValues>& values) noexcept {
   using enum RotaryWorking::Arrangement;
@@ -269,12 +281,19 @@ inline Compensation rotary_um(const RotaryWorking& working, const RotaryTickStat
     return plus_cross(shift_of(twist), turns_of(twist),
                       {position_mm[0] + arm[0], position_mm[1] + arm[1], position_mm[2] + arm[2]});
   } else if constexpr (arrangement == heads) {
-    const Twist twist = both<direction>(working, values);
-    const Vector3 arm_mm = turned_arm<direction>(working, arm_of_tool_mm(working, values[1].turned), values[0].turned);
-    return plus_cross(shift_of(twist), turns_at_tool(working, state, linear, twist), arm_mm);
+    const Pair tilt = values[1].turned;
+    const Twist twist = both<direction>(
+        working, {values[0], {bends >= Bends::tool ? bent(working, values[1]) : values[1].twist, tilt}});
+    const Vector3 arm_mm = turned_arm<direction>(working, arm_of_tool_mm(working, tilt), values[0].turned);
+    Compensation shift_um = shift_of(twist);
+    if constexpr (bends == Bends::machine || bends == Bends::both) {
+      const auto [xy_um, z_um] = at_turn(working.machine_bend_um, tilt);
+      shift_um = {shift_um.xy_um + xy_um, shift_um.z_um + z_um[0]};
+    }
+    return plus_cross(shift_um, turns_at_tool(working, state, linear, twist), arm_mm);
   } else {
     const Twist& table = values[0].twist;
-    const Twist& head = values[1].twist;
+    const Twist head = bends >= Bends::tool ? bent(working, values[1]) : values[1].twist;
     const Vector3 arm_mm = arm_of_tool_mm(working, values[1].turned);
     const Twist twist{table[0] + head[0], table[1] + head[1], table[2] + head[2]};
     return plus_cross(plus_cross(shift_of(twist), turns_of(table), plus(position_mm, working.table_arm_mm)),
@@ -284,16 +303,16 @@ inline Compensation rotary_um(const RotaryWorking& working, const RotaryTickStat
 
 /// A period of one arrangement and direction of the inner axis. A function for each, so that its numbers stay in
 /// registers.
-template <RotaryWorking::Arrangement arrangement, std::size_t direction>
+template <RotaryWorking::Arrangement arrangement, std::size_t direction, Bends bends>
 [[gnu::flatten]] void tick_on_way(const CompiledMap& map, TickState& state, const PerAxis<std::int64_t>& counts,
                                   const ThermalPolynomial& thermal, RotaryTickState& rotary,
                                   const PerRotary<std::int64_t>& rotary_counts) noexcept {
   const PerAxis<CurveValues> values = read_axes(map, state, counts);
   const Compensation linear_um = combine(map, values, state.position_mm);
   const Compensation turned_um =
-      rotary_um<arrangement, direction>(map.rotary, rotary, state.position_mm, values,
-                                        {read_rotary(map.rotary.axes[0], rotary, rotary_counts[0], 0),
-                                         read_rotary(map.rotary.axes[1], rotary, rotary_counts[1], 1)});
+      rotary_um<arrangement, direction, bends>(map.rotary, rotary, state.position_mm, values,
+                                               {read_rotary(map.rotary.axes[0], rotary, rotary_counts[0], 0),
+                                                read_rotary(map.rotary.axes[1], rotary, rotary_counts[1], 1)});
   const Lanes warm_um = value_um(thermal, state.position_mm);
   const Pair xy_um = linear_um.xy_um + turned_um.xy_um + Pair{warm_um[0], warm_um[1]};
   state.compensation_um = {xy_um[0], xy_um[1], linear_um.z_um + turned_um.z_um + warm_um[2]};
@@ -301,16 +320,27 @@ template <RotaryWorking::Arrangement arrangement, std::size_t direction>
   ++state.ticks;
 }
 
+using TickOnWay = decltype(&tick_on_way<RotaryWorking::Arrangement::tables, 0, Bends::nothing>);
+
+/// Of X, Y, Z and oblique.
+template <RotaryWorking::Arrangement arrangement, Bends bends>
+constexpr std::array<TickOnWay, 4> kDirections{&tick_on_way<arrangement, 0, bends>, &tick_on_way<arrangement, 1, bends>,
+                                               &tick_on_way<arrangement, 2, bends>,
+                                               &tick_on_way<arrangement, RotaryWorking::kOblique, bends>};
+
 /// By RotaryWorking::way.
-constexpr std::array kWays{&tick_on_way<RotaryWorking::Arrangement::tables, 0>,
-                           &tick_on_way<RotaryWorking::Arrangement::tables, 1>,
-                           &tick_on_way<RotaryWorking::Arrangement::tables, 2>,
-                           &tick_on_way<RotaryWorking::Arrangement::tables, RotaryWorking::kOblique>,
-                           &tick_on_way<RotaryWorking::Arrangement::heads, 0>,
-                           &tick_on_way<RotaryWorking::Arrangement::heads, 1>,
-                           &tick_on_way<RotaryWorking::Arrangement::heads, 2>,
-                           &tick_on_way<RotaryWorking::Arrangement::heads, RotaryWorking::kOblique>,
-                           &tick_on_way<RotaryWorking::Arrangement::table_and_head, 0>};
+constexpr std::array kWays = [] {
+  using enum RotaryWorking::Arrangement;
+  std::array<TickOnWay, RotaryWorking::kWays> ways{};
+  std::size_t next = 0;
+  for (const auto& directions :
+       {kDirections<tables, Bends::nothing>, kDirections<heads, Bends::nothing>, kDirections<heads, Bends::machine>,
+        kDirections<heads, Bends::tool>, kDirections<heads, Bends::both>})
+    for (const TickOnWay way : directions) ways[next++] = way;
+  ways[next++] = &tick_on_way<table_and_head, 0, Bends::nothing>;
+  ways[next] = &tick_on_way<table_and_head, 0, Bends::tool>;
+  return ways;
+}();
 
 }  // namespace
 
@@ -374,9 +404,9 @@ Vector3 rotary_compensation_um(const CompiledMap& map, const TickState& state, c
     const Compensation um = of_arrangement(working, alone, state.position_mm, PerAxis<CurveValues>{}, values);
     return Vector3{um.xy_um[0], um.xy_um[1], um.z_um};
   };
-  if (working.arrangement == tables) return added(rotary_um<tables, RotaryWorking::kOblique>);
-  if (working.arrangement == heads) return added(rotary_um<heads, RotaryWorking::kOblique>);
-  return added(rotary_um<table_and_head, RotaryWorking::kOblique>);
+  if (working.arrangement == tables) return added(rotary_um<tables, RotaryWorking::kOblique, Bends::nothing>);
+  if (working.arrangement == heads) return added(rotary_um<heads, RotaryWorking::kOblique, Bends::both>);
+  return added(rotary_um<table_and_head, RotaryWorking::kOblique, Bends::tool>);
 }
 
 void follow_thermal(const CompiledMap& map, const ThermalState& thermal, RotaryTickState& rotary) noexcept {
@@ -439,6 +469,18 @@ PerAxis<Vector3> tool_effect_um_per_mm(const CompiledMap& map, const TickState& 
     }
   }
   return effect;
+}
+
+Vector3 tool_bend_um_per_mm(const CompiledMap& map, const RotaryTickState& rotary) noexcept {
+  const RotaryWorking& working = map.rotary;
+  const auto [inner, head] = values_at(working, rotary);
+  const std::array<double, 6>& of_tool = working.bending.of_tool;
+  Vector3 um{};
+  for (std::size_t d = 0; d < kAxes; ++d)
+    um[d] = -1e-3 * (of_tool[d] * head.turned[1] + of_tool[kAxes + d] * (1.0 - head.turned[0]));
+  return working.arrangement == RotaryWorking::Arrangement::heads
+             ? turned_about(working.inner_axis, um, inner.turned[0], inner.turned[1])
+             : um;
 }
 
 std::optional<SelectedValue> selected_value(const CompiledMap& map, const TickState& state, Axis moving,

@@ -167,6 +167,10 @@ void follow_thermal(const CompiledMap& map, const ThermalState& thermal, RotaryT
                                                      const ThermalState& thermal,
                                                      const RotaryTickState& rotary) noexcept;
 
+/// What bending of the head adds at the angles of the last tick: um of compensation along X, Y, Z for each mm of length
+/// of the tool.
+[[nodiscard]] Vector3 tool_bend_um_per_mm(const CompiledMap& map, const RotaryTickState& rotary) noexcept;
+
 /// Takes the levers of every rotation, of the map and of its thermal rows, to another tool offset, between two ticks.
 /// No axis is corrected by more than `most_um` more or less than before at the place of the last tick.
 /// @pre            the map was compiled with a tool range or offset: without one, components that only a tool levers

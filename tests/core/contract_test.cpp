@@ -96,6 +96,8 @@ TEST_CASE("an image has its numbers at the offsets of docs/core.md") {
   CHECK(kFormatWithoutIdentity == 1);
   CHECK(kFormatWithThermal == 3);
   CHECK(kFormatWithRotary == 4);
+  CHECK(kFormatWithBending == 5);
+  CHECK(kBendingBytes == 96);
   CHECK(directory_offset(1) == 576);
   CHECK(kMostTables == 36);
 }
@@ -125,7 +127,7 @@ TEST_CASE("an image of format 3 has thermal settings and rows behind its directo
   CHECK(load_double(image, 776) == -250.0);
 }
 
-TEST_CASE("an image of format 4 has rotary axes before its values, at the offsets of docs/core.md") {
+TEST_CASE("an image of format 4 has rotary axes before its values, with bending of format 5, as in docs/core.md") {
   UnitParameters parameters;
   set_configuration(parameters, "TX");
   std::vector<std::uint8_t> reverse(12 * 2), forward(12 * 2);
@@ -152,6 +154,14 @@ TEST_CASE("an image of format 4 has rotary axes before its values, at the offset
   CHECK(load_big<std::uint16_t>(image, 1080) == 0x1234);
   CHECK(load_big<std::uint16_t>(image, 1126) == 0x5678);
   CHECK(load_big<std::int16_t>(image, 1128) == 5);
+  setup.bending = {{1.5, 2.5, 3.5, 4.5, 5.5, 6.5}, {7.5, 8.5, 9.5, 10.5, 11.5, 12.5}};
+  const auto bent =
+      image_of(parameters, {{Component::EXX, Approach::unknown, 0.0, 1.0, 0.01, {5, -6}}}, "words", {}, {}, &setup);
+  REQUIRE(bent.size() == image.size() + 96);
+  CHECK(std::memcmp(bent.data(), "ECSI\0\5", 6) == 0);
+  CHECK(std::memcmp(bent.data() + 680, image.data() + 680, 400) == 0);
+  for (std::size_t i = 0; i < 12; ++i) CHECK(load_double(bent, 1080 + 8 * i) == 1.5 + static_cast<double>(i));
+  CHECK(load_big<std::uint16_t>(bent, 1176) == 0x1234);
 }
 
 TEST_CASE("an identity is cut at 16 and 40 bytes") {

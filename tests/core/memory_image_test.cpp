@@ -371,7 +371,7 @@ TEST_CASE("the largest map leaves room for its header in the banks of its module
 
 TEST_CASE("an image of another format or with impossible parameters says so") {
   Image image = small_image();
-  store_big(image, prefix_at::format, std::uint16_t{5});
+  store_big(image, prefix_at::format, std::uint16_t{kFormatWithBending + 1});
   CHECK(fault_of(image) == ImageFault::wrong_format);
   image = small_image();
   image[64] = 'Q';
@@ -387,7 +387,7 @@ UnitParameters machine_of(const char* chain) {
   return parameters;
 }
 
-/// A tilting rotary table with one curve of C.
+/// A tilting rotary table with one curve of C; as a head B that C carries it can bend.
 struct TableOfTwo {
   std::vector<std::uint8_t> side = std::vector<std::uint8_t>(12 * 36);
   RotarySetup setup{{'X', 'Y', 'A', 'C', 'T', 'Z'}, {}, {}};
@@ -398,6 +398,19 @@ struct TableOfTwo {
   }
   [[nodiscard]] std::vector<std::uint8_t> image() const {
     return image_of(machine_of("XYTZ"), with_zeros({}), "", {}, {}, &setup);
+  }
+};
+
+struct BentHead : TableOfTwo {
+  BentHead() {
+    setup.configuration = {'X', 'Y', 'T', 'Z', 'C', 'A'};
+    setup.bending = {{1.5, -2.0, 3.0, 4.0, -5.0, 6.0}, {70.0, 80.0, -90.0, 0.0, 11.0, -12.0}};
+  }
+  [[nodiscard]] std::vector<std::uint8_t> image() const {
+    UnitParameters parameters = machine_of("XYTZ");
+    parameters.tool_offset_mm = {10.0, -20.0, 150.0};
+    parameters.tool_range_mm = {300.0, 300.0, 300.0};
+    return image_of(parameters, with_zeros({}), "", {}, {}, &setup);
   }
 };
 
@@ -423,6 +436,42 @@ TEST_CASE("rotary axes come back from an image of format 4, with and without the
     CHECK(std::ranges::equal(back->tables[1].values[1], table.side));
   }
   CHECK(!ImageView(image_of(machine_of("XYTZ"), with_zeros({}))).rotary());
+}
+
+TEST_CASE("bending of a head comes back from an image of format 5, with the curves behind it") {
+  BentHead head;
+  head.side[7] = 42;
+  head.setup.tables[1].values = {head.side, head.side};
+  const auto image = head.image();
+  REQUIRE(text_of(check_image(image).fault) == "sound");
+  const ImageView view(image);
+  CHECK(view.format() == kFormatWithBending);
+  CHECK(image.size() == TableOfTwo().image().size() + kBendingBytes);
+  const auto back = view.rotary();
+  REQUIRE(back);
+  CHECK(back->bending == head.setup.bending);
+  CHECK(back->axes == head.setup.axes);
+  CHECK(std::ranges::equal(back->tables[1].values[0], head.side));
+  CHECK(ImageView(TableOfTwo().image()).rotary()->bending == RotaryBending{});
+}
+
+TEST_CASE("bending of impossible numbers is refused, whichever number it is") {
+  for (std::size_t i = 0; i < 12; ++i)
+    for (const double wrong :
+         {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity(), 1e7}) {
+      BentHead head;
+      (i < 6 ? head.setup.bending.of_machine[i] : head.setup.bending.of_tool[i - 6]) = wrong;
+      CHECK(check_image(head.image()).fault == ImageFault::bad_rotary_axis);
+    }
+}
+
+TEST_CASE("an image with bending does not pass as one of format 4, nor one without as format 5") {
+  for (auto [image, format] :
+       {std::pair(BentHead().image(), kFormatWithRotary), std::pair(TableOfTwo().image(), kFormatWithBending)}) {
+    store_big(image, prefix_at::format, format);
+    seal_image(image);
+    CHECK(check_image(image).fault == ImageFault::wrong_length);
+  }
 }
 
 TEST_CASE("a rotary axis of impossible numbers is refused, whichever number it is") {
@@ -480,14 +529,15 @@ TEST_CASE("wrong offsets and counts of rotary axes are refused, and no changed b
 TEST_CASE("a resealed image of random numbers in its rotary axes is refused, or a map without a number that is none") {
   std::mt19937_64 random(45);
   const auto map = std::make_unique<CompiledMap>();
-  int compiled = 0;
+  int compiled = 0, bent = 0;
   for (int n = 0; n < 3000; ++n) {
-    TableOfTwo table;
-    auto image = table.image();
+    const bool bends = n % 2 == 0;
+    auto image = bends ? BentHead().image() : TableOfTwo().image();
     const std::uint32_t first = load_big<std::uint32_t>(image, prefix_at::rotary);
     for (int k = 0; k < 2; ++k) {
-      const auto number = static_cast<std::uint32_t>(random() % 46);
-      const std::uint32_t at = first + 16 + (number / 23) * kRotaryAxisBytes + 8 + 8 * (number % 23);
+      const auto number = static_cast<std::uint32_t>(random() % (bends ? 46 + kBendingBytes / 8 : 46));
+      const std::uint32_t at = number < 46 ? first + 16 + (number / 23) * kRotaryAxisBytes + 8 + 8 * (number % 23)
+                                           : first + kRotaryBytes + 8 * (number - 46);
       if (random() % 2 == 0)
         store_big(image, at, random());
       else
@@ -502,8 +552,10 @@ TEST_CASE("a resealed image of random numbers in its rotary axes is refused, or 
     start_rotary(map->rotary, rotary, {}, {}, {Approach::forward, Approach::forward});
     tick(*map, state, {1000, 2000, 3000}, ThermalPolynomial{}, rotary, {12'345, -54'321});
     for (const double um : state.compensation_um) REQUIRE(std::isfinite(um));
+    bent += bends ? 1 : 0;
   }
   CHECK(compiled > 100);
+  CHECK(bent > 100);
 }
 
 TEST_CASE("rotary axes that do not go with the parameters are refused when the map is made, with the reason") {
@@ -529,6 +581,8 @@ TEST_CASE("rotary axes that do not go with the parameters are refused when the m
   const auto head =
       verdict_with([](auto&, RotarySetup& setup) { setup.configuration = {'X', 'Y', 'C', 'T', 'Z', 'A'}; });
   CHECK(head.rotary == RotaryFault::no_tool_range);
+  const auto stiff = verdict_with([](auto&, RotarySetup& setup) { setup.bending.of_machine[0] = 1.0; });
+  CHECK(stiff.rotary == RotaryFault::no_head);
 }
 
 TEST_CASE("every image fault has its words") {

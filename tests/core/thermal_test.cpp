@@ -380,7 +380,7 @@ TEST_CASE("rows and settings of impossible numbers are refused, and so is a form
   auto image = image_of({}, with_zeros({}), "", {good});
   CHECK(ImageView(image).thermal_row(0) == good);
   CHECK(ImageView(image).thermal_settings() == ThermalSettings{});
-  store_big<std::uint16_t>(image, prefix_at::format, 5);
+  store_big<std::uint16_t>(image, prefix_at::format, kFormatWithBending + 1);
   seal_image(image);
   CHECK(check_image(image).fault == ImageFault::wrong_format);
 }

@@ -23,7 +23,8 @@ inline std::vector<std::uint8_t> image_of(const UnitParameters& parameters, cons
                                           std::string_view header = "", const std::vector<ThermalRow>& thermal = {},
                                           const ThermalSettings& settings = {}, const RotarySetup* rotary = nullptr) {
   ImagePlan plan;
-  plan.format = format_for(!thermal.empty(), rotary != nullptr);
+  plan.format =
+      format_for(!thermal.empty(), rotary != nullptr, rotary != nullptr && rotary->bending != RotaryBending{});
   if (rotary != nullptr) plan.rotary_values = {rotary->tables[0].count, rotary->tables[1].count};
   plan.thermal_rows = static_cast<std::uint32_t>(thermal.size());
   plan.table_count = static_cast<std::uint32_t>(tables.size());

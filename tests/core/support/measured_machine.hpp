@@ -64,6 +64,7 @@ struct MeasuredMachine {
   std::array<std::array<ShownCurve, 2>, kCurves> curves;  ///< reverse, forward
   std::vector<ThermalRow> rows;                           ///< rotations, law shift
   PerAxis<TurningAxis> turning;                           ///< A, B, C
+  RotaryBending bending{};
 };
 
 /// Of one carriage, tool against workpiece.
@@ -173,8 +174,17 @@ inline CarriageError carriage_error(const MeasuredMachine& m, const Standing& at
           turn_rad + thermal_rad};
 }
 
-/// The rotary axes with their errors. @param sign  0: without
-inline PerAxis<Turned> turned_axes(const MeasuredMachine& m, const Standing& at, double sign) {
+/// Shift by bending at an angle, mm.
+inline Eigen::Vector3d bent_mm(const std::array<double, 6>& sizes, double angle_deg) {
+  const double b = angle_deg * M_PI / 180.0;
+  return (Eigen::Vector3d{sizes[0], sizes[1], sizes[2]} * std::sin(b) +
+          Eigen::Vector3d{sizes[3], sizes[4], sizes[5]} * (1.0 - std::cos(b))) /
+         1e3;
+}
+
+/// The rotary axes with their errors. Of a head the machine bends where it carries the axis next to it, the tool where
+/// the axis next to the tool begins. @param sign  0: without
+inline PerAxis<Turned> turned_axes(const MeasuredMachine& m, const Standing& at, double sign, const Vector3& tool_mm) {
   PerAxis<Turned> turned;
   for (std::size_t r = 0; r < kAxes; ++r) {
     const TurningAxis& axis = m.turning[r];
@@ -192,6 +202,13 @@ inline PerAxis<Turned> turned_axes(const MeasuredMachine& m, const Standing& at,
         turned[r].error.turn_rad[d] = error / 1e6;
     }
   }
+  const std::size_t first = m.chain.find_first_of("ABC", m.chain.find('T'));
+  if (first == std::string::npos) return turned;
+  const auto tilting = static_cast<std::size_t>(m.chain[m.chain.find_last_of("ABC")] - 'A');
+  turned[static_cast<std::size_t>(m.chain[first] - 'A')].error.shift_mm +=
+      sign * bent_mm(m.bending.of_machine, at.angle_deg[tilting]);
+  turned[tilting].error.shift_mm +=
+      sign * eigen_of(tool_mm).norm() / 1e3 * bent_mm(m.bending.of_tool, at.angle_deg[tilting]);
   return turned;
 }
 
@@ -202,10 +219,10 @@ inline Eigen::Vector3d matrix_error_um(const MeasuredMachine& m, const Standing&
   for (const Axis a : kAllAxes) errors[index_of(a)] = carriage_error(m, at, a, sign);
   const UnitParameters& p = m.parameters;
   const double rad = sign / 1e6;
-  const PerAxis<Turned> nominal = turned_axes(m, at, 0.0);
+  const PerAxis<Turned> nominal = turned_axes(m, at, 0.0, tool_mm);
   const Eigen::Vector3d point_mm =
       tool_point_mm(m.chain, at.position_mm, errors, {p.C0Y_um_per_m * rad, p.B0Z_um_per_m * rad, p.A0Z_um_per_m * rad},
-                    tool_mm, turned_axes(m, at, sign));
+                    tool_mm, turned_axes(m, at, sign, tool_mm));
   Eigen::Matrix3d back = Eigen::Matrix3d::Identity();
   for (const char letter : m.chain.substr(0, m.chain.find('T')))
     if (!axis_of(letter)) back = back * nominal[static_cast<std::size_t>(letter - 'A')].turn.transpose();
