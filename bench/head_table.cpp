@@ -70,12 +70,12 @@ struct Cause {
   double sine = 0.0, cosine = 0.0, period_deg = 0.0, phase_rad = 0.0, size = 10.0;
 
   /// Shift along one direction with the angle of B: text for the emulator.
-  [[nodiscard]] std::string bent(double scale) const {
+  [[nodiscard]] std::string bent() const {
     return fmt::format(
         "[[contribution]]\ncomponent = \"E{}B\"\nformula = \"{:.9f}*sin(p*pi/180)+{:.9f}*(1-cos(p*pi/180))\"\n", along,
-        scale * size * sine, scale * size * cosine);
+        size * sine, size * cosine);
   }
-  [[nodiscard]] std::string errors(double tool_mm) const {
+  [[nodiscard]] std::string errors() const {
     if (kind == "cyclic")
       return fmt::format(
           "[[effect]]\nid = \"cyclic\"\naxis = \"C\"\nsense = \"{}\"\nparameters = {{ period_deg = {:.1f}, "
@@ -90,15 +90,9 @@ struct Cause {
     if (kind == "linear_axes")
       return fmt::format("[[effect]]\nid = \"squareness\"\ncode = \"{}\"\nparameters = {{ um_per_m = {:.6f} }}\n",
                          linear, size);
-    if (kind == "head_bending") return bent(1.0);
-    if (kind == "tool_bending") return bent(tool_mm / 1000.0);
-    return {};
-  }
-  /// Of bending in the frame of the machine, which the emulator does not have.
-  [[nodiscard]] double added(const laser::Reading& r) const {
-    if (kind != "machine_bending" || name_of(r.sense) != "E" + along) return 0.0;
-    const double b = r.angle_deg[1] * std::numbers::pi / 180.0;
-    return size * (sine * std::sin(b) + cosine * (1.0 - std::cos(b)));
+    if (kind == "head_bending") return bent();
+    if (kind == "tool_bending") return bent() + "bends = \"tool\"\n";
+    return bent() + "bends = \"machine\"\n";
   }
 };
 
@@ -197,7 +191,7 @@ class Head {
 
   laser::MeasurementSet measured(BallPlan plan, const std::vector<Cause>& causes, double noise_um, bool whole) {
     std::string errors = whole ? base_ : "[location]\nXOC = 0.0\n";
-    for (const Cause& one : causes) errors += one.errors(-plan.tool_offset_mm[2]);
+    for (const Cause& one : causes) errors += one.errors();
     plan.noise_um = noise_um;
     if (whole) {  // a vector of its own of each place and each tool
       Draws of_place(seed_ * 1000 + static_cast<std::uint64_t>(std::abs(plan.ball_mm[0] + 3.0 * plan.ball_mm[1])));
@@ -210,8 +204,6 @@ class Head {
     written(folder_ / "errors.toml", errors);
     auto simulation = checked(simulation_for(folder_ / "machine.toml", folder_ / "errors.toml", seed_ * 10 + ++sets_));
     laser::MeasurementSet set = checked(ball_readings(simulation, plan));
-    for (laser::Reading& r : set.readings)
-      for (const Cause& one : causes) r.error += one.added(r);
     stand_ = stand_after(set, plan.stand);
     return set;
   }

@@ -151,6 +151,11 @@ void add_rotary_changes(const laser::MapHeader& first, const laser::MapHeader& s
     for (std::size_t s = 0; s < 6; ++s)
       if (auto curve = rotary_curve_change(*in_first, *in_second, s)) change.rotary.push_back(std::move(*curve));
   }
+  const auto before = laser::parts_of(first.bending), after = laser::parts_of(second.bending);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (before[i].largest != 0.0 || after[i].largest != 0.0)
+      change.rotary.push_back(
+          {after[i].name, after[i].unit, after[i].largest - before[i].largest, {}, Approach::unknown});
 }
 
 }  // namespace

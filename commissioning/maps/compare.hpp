@@ -36,9 +36,9 @@ struct ChangeFigures {
 };
 [[nodiscard]] ChangeFigures figures_of(const CurveChange& change);
 
-/// A location error or a curve of a rotary axis: error by the second map less error by the first.
+/// A location error or a curve of a rotary axis, or a size of bending: error by the second map less error by the first.
 struct RotaryChange {
-  std::string name;                       ///< "XOC", "EXC"
+  std::string name;                       ///< "XOC", "EXC", "machine_bending x_sin"
   std::string unit;                       ///< um, um/m
   double largest = 0.0;                   ///< with its sign
   std::optional<double> at_deg;           ///< of a curve

@@ -249,6 +249,7 @@ Cell header_cell(const laser::MapHeader& header) {
             text.empty() ? "no header\n" : text};
   if (!header.thermal.empty()) cell.json["thermal"] = thermal_cell(header).json;
   if (!header.rotary.empty()) cell.json["rotary"] = rotary_cell(header).json;
+  if (header.bending != RotaryBending{}) cell.json["bending"] = bending_cell(header.bending).json;
   return cell;
 }
 

@@ -135,9 +135,10 @@ void trace(MapFromModel& built, const Model& model, const std::vector<model::Own
       built.effects[component].push_back(name);
     }
     if (places.empty()) continue;
-    const std::string_view unit = !components.empty() ? unit_of(components.front())
-                                  : effect.sense      ? laser::unit_of(*effect.sense)
-                                                      : "um";
+    const std::string_view unit = !components.empty()                      ? unit_of(components.front())
+                                  : effect.definition().bending != nullptr ? effect.definition().parameters.front().unit
+                                  : effect.sense                           ? laser::unit_of(*effect.sense)
+                                                                           : "um";
     if (const std::string tied = name_with_alternatives(effect); tied != place_text(effect)) {
       built.notes.push_back(tied + ": the data could not distinguish them");
       built.compiled.map.header.processing.push_back(built.notes.back());

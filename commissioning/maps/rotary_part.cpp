@@ -160,8 +160,21 @@ Cell rotary_cell(const laser::MapHeader& header) {
                        "values"_is(one.compensation[0][0].size()), "largest"_shown(largest_text(one)));
   });
   if (!header.rotary.empty())
-    list.text = fmt::format("rotary axes ({}), um and um/m:\n", header.rotary_configuration) + list.text;
+    list.text = fmt::format("rotary axes ({}), um and um/m:\n", header.rotary_configuration) + list.text +
+                bending_cell(header.bending).text;
   return list;
+}
+
+Cell bending_cell(const RotaryBending& bending) {
+  Cell cell{Json::object(), {}};
+  for (const laser::RotaryPart& part : laser::parts_of(bending)) {
+    cell.json[part.name] = number_or_null(part.largest);
+    if (part.largest != 0.0)
+      cell.text += fmt::format("{}{} {:.2f} {}", cell.text.empty() ? "  bending of the head: " : ", ", part.name,
+                               part.largest, part.unit);
+  }
+  if (!cell.text.empty()) cell.text += "\n";
+  return cell;
 }
 
 }  // namespace ecs::commissioning

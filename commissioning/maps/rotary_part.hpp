@@ -24,8 +24,10 @@ namespace ecs::commissioning {
 [[nodiscard]] Result<void> add_rotary(laser::MapHeader& header, const std::string& rotary_file,
                                       const std::string& machine_file, std::vector<std::string>& notes);
 
-/// The rotary axes of a map: location errors, increment, and the largest compensation of each curve. No text where
-/// there are none.
+/// The rotary axes of a map: location errors, increment, and the largest compensation of each curve; as text bending
+/// too. No text where there are none.
 [[nodiscard]] Cell rotary_cell(const laser::MapHeader& header);
+/// Every size of bending by its name, as text those that are not zero.
+[[nodiscard]] Cell bending_cell(const RotaryBending& bending);
 
 }  // namespace ecs::commissioning

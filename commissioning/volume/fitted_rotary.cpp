@@ -123,6 +123,12 @@ Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& 
           fmt::format("{}: the table of an axis that turns fully is the same again after a turn", place_text(effect)));
       continue;
     }
+    if (effect.definition().bending != nullptr) {
+      out.left_out.push_back(
+          fmt::format("{}: no error motion of an axis; `ecs map build --from-model` without --rotary compensates it",
+                      place_text(effect)));
+      continue;
+    }
     any = true;
     if (effect.definition().place == model::Place::location) {
       const auto [r, s] = place_of(effect);

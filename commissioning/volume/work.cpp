@@ -51,6 +51,13 @@ Result<void> take_model(const model::Model& model, const params::Machine& machin
       components_of_model(compiled, evaluated_machine.parameters, machine, evaluated_machine.tool_offset_mm);
   for (const std::string& left_out : compiled.not_carried)
     work.notes.push_back(fmt::format("not included in the volume: {}", left_out));
+  for (const model::EffectInstance& effect : model.effects) {
+    if (effect.definition().bending == nullptr) continue;
+    for (auto& [letter, effects] : compiled.rotary)
+      if (std::erase(effects, to_text(effect)) > 0)
+        work.notes.push_back(
+            fmt::format("not included in the volume: {}: no error motion of an axis", to_text(effect)));
+  }
   for (const auto& [letter, effects] : compiled.rotary)
     if (rotary_file.empty() && !effects.empty())
       work.notes.push_back(
@@ -117,6 +124,8 @@ void note_rotary(VolumeWork& work) {
         "the map also compensates the errors of rotary axes, which are at 0 here: give the machine file that has them "
         "(--machine)");
   if (!rotary) return;
+  if (work.prepared.machine.map.header.bending != RotaryBending{})
+    work.notes.emplace_back("the map also compensates bending of the head, which is not included in the volume");
   work.notes.emplace_back(
       !in_map ? "the unit compensates X, Y and Z as if the rotary axes were at 0. The errors of the rotary axes "
                 "remain, and so do the effects of angular errors of X, Y and Z at other angles"

@@ -271,11 +271,19 @@ bool read_rotary_contribution(ErrorsReading& reading, const toml::table& table) 
   const std::size_t axis = component.size() == 3 ? rotary_axis_in(component.substr(2)) : kAxes;
   const auto sense = component.size() == 3 ? sense_named(component.substr(0, 2)) : std::nullopt;
   if (axis == kAxes || !sense) return false;
-  reading.reader.only(table, {"component", "formula", "points", "csv", "cause"}, "contribution");
+  reading.reader.only(table, {"component", "formula", "points", "csv", "cause", "bends"}, "contribution");
   RotaryMotion motion;
   motion.axis = axis;
   motion.sense = *sense;
   motion.curve = curve_in(reading, table, "contribution");
+  if (table.contains("bends")) {
+    const auto what = reading.reader.word(table, "bends");
+    if (what && ((*what != "machine" && *what != "tool") || is_rotation(*sense)))
+      reading.reader.complain(
+          table, fmt::format("bends: expected \"machine\" or \"tool\" of EX, EY or EZ, got \"{}\" of {}", *what,
+                             name_of(*sense)));
+    motion.bends = what == "machine" ? Bends::machine : Bends::tool;
+  }
   motion.line = reading.parts.rotary.line[axis] = static_cast<int>(table.source().begin.line);
   if (motion.curve) reading.parts.rotary.motions.push_back(std::move(motion));
   return true;

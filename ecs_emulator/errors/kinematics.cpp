@@ -99,7 +99,7 @@ Isometry3d through_machine(const TurningGeometry& geometry, const ComponentValue
                            const Vector3& position_mm, const Vector3& angle_deg) {
   const std::string& letters = geometry.configuration;
   const std::size_t t = letters.find('T');
-  Isometry3d tool = Isometry3d::Identity(), table = Isometry3d::Identity();
+  Isometry3d tool = moved_by(rotary.of_machine, Vector3d::Zero()), table = Isometry3d::Identity();
   for (std::size_t i = t + 1; i < letters.size(); ++i)
     tool = tool * motion_of(geometry, letters[i], false, errors, rotary, position_mm, angle_deg);
   for (std::size_t i = 0; i < t; ++i)
@@ -132,8 +132,12 @@ TurningPose turning_pose(const TurningGeometry& geometry, const ComponentValues&
   const Vector3d offset = eigen(geometry.linear.tool_offset_mm);
   const Isometry3d should = through_machine(geometry, {}, {}, position_mm, angle_deg);
   const Vector3d nominal = should * offset;
+  RotaryValues with_tool = rotary;
+  for (std::size_t r = 0; r < kAxes; ++r)
+    for (std::size_t s = 0; s < 2 * kAxes; ++s)
+      with_tool.motion[r][s] += rotary.of_tool[r][s] * offset.norm() / kMmPerM;
   const Vector3d error_um =
-      (through_machine(geometry, errors, rotary, position_mm, angle_deg) * offset - nominal) / kMmPerUm;
+      (through_machine(geometry, errors, with_tool, position_mm, angle_deg) * offset - nominal) / kMmPerUm;
   TurningGeometry bed = geometry;
   bed.configuration = geometry.configuration.substr(0, geometry.configuration.find('T') + 1);
   return {{nominal[0], nominal[1], nominal[2]},
@@ -193,8 +197,12 @@ RotaryValues values_of(const RotaryParts& parts, Variables& variables, const Rot
   RotaryValues values;
   values.location = parts.location;
   variables.t = state.time_s;
-  for (const RotaryMotion& one : parts.motions)
-    values.motion[one.axis][static_cast<std::size_t>(one.sense)] += value_of_motion(one, variables, state);
+  for (const RotaryMotion& one : parts.motions) {
+    SixOfAxis& motion = one.bends == Bends::machine ? values.of_machine
+                        : one.bends == Bends::tool  ? values.of_tool[one.axis]
+                                                    : values.motion[one.axis];
+    motion[static_cast<std::size_t>(one.sense)] += value_of_motion(one, variables, state);
+  }
   return values;
 }
 

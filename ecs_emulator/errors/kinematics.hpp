@@ -28,6 +28,15 @@ using SixOfAxis = std::array<double, 6>;  ///< by sense: EX EY EZ [um], EA EB EC
 struct RotaryValues {
   PerAxis<SixOfAxis> motion{};    ///< of A, B, C at their angles
   PerAxis<SixOfAxis> location{};  ///< XO., YO., ZO., AO., BO., CO.
+  PerAxis<SixOfAxis> of_tool{};   ///< as `motion`, for each metre of the tool's length
+  SixOfAxis of_machine{};         ///< shift of what carries a head, along X, Y, Z of the bed
+};
+
+/// What an error motion follows besides the angle.
+enum class Bends : std::uint8_t {
+  nothing,
+  machine,  ///< along X, Y, Z of the bed, whatever carries the axis
+  tool      ///< in proportion to the length of the tool
 };
 
 /// One error motion: a curve over the angle, or an effect of the emulator's list with degrees in place of mm.
@@ -37,6 +46,7 @@ struct RotaryMotion {
   std::optional<ErrorCurve> curve;
   std::optional<PlacedEffect> effect;
   int line = 0;  ///< of its table
+  Bends bends = Bends::nothing;
 };
 
 struct RotaryParts {
@@ -92,7 +102,9 @@ struct ToolPose {
                                  const Vector3& position_mm);
 
 /// Linear carriages as above; a rotary axis r with its pivot c, its angle a about n:
-/// Tool side:       T_r = Λ_r Δ_r R(a n), about c        Λ_r: shift and turn of its axis line, Δ_r: of its error motion
+/// Tool side:       T_r = Λ_r Δ_r R(a n), about c        Λ_r: shift and turn of its axis line, Δ_r: of its error
+/// motion;
+///                  before the first T the shift of a machine that bends
 /// Workpiece side:  M_r = R(a n) Λ_r Δ_r
 /// @param errors  of the linear carriages at this position
 [[nodiscard]] TurningPose turning_pose(const TurningGeometry& geometry, const ComponentValues& errors,

@@ -177,6 +177,17 @@ Result<void> TrueErrors::checked_for(const params::Machine& machine) const {
                           line,
                           0,
                           {}});
+  for (const RotaryMotion& one : parts_->rotary.motions) {
+    const std::string& letters = machine.rotary_configuration;
+    if (one.bends != Bends::nothing && letters.find("ABC"[one.axis]) < letters.find('T'))
+      problems.push_back(
+          {ProblemKind::bad_input,
+           fmt::format("bends: expected an axis on the tool side, {} is on the workpiece side", "ABC"[one.axis]),
+           parts_->file,
+           one.line,
+           0,
+           {}});
+  }
   const auto judge = [&](const std::string& what, Axis axis, bool from_datum, const ErrorCurve& curve, int line) {
     const auto& facts = machine.axes[index_of(axis)];
     if (!facts) return;

@@ -429,11 +429,17 @@ void Unit::report_unknown_tool() {
 double Unit::unknown_input_um() const {
   Vector3 most_um{};
   if (!tool_known_) {
+    double way_mm = 0.0;
     const PerAxis<Vector3> effect = has_rotary() ? tool_effect_um_per_mm(*map_, tick_, thermal_, rotary_)
                                                  : tool_effect_um_per_mm(*map_, tick_, thermal_);
     for (std::size_t l = 0; l < kAxes; ++l) {
       const double furthest_mm = parameters_.tool_range_mm[l] + std::abs(map_->tool_offset_mm[l]);
       for (std::size_t o = 0; o < kAxes; ++o) most_um[o] += std::abs(effect[l][o]) * furthest_mm;
+      way_mm = std::hypot(way_mm, furthest_mm);
+    }
+    if (has_rotary()) {
+      const Vector3 bend = tool_bend_um_per_mm(*map_, rotary_);
+      for (std::size_t o = 0; o < kAxes; ++o) most_um[o] += std::abs(bend[o]) * way_mm;
     }
   }
   for (std::size_t k = 0; k < map_->thermal.count; ++k) {

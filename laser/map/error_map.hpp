@@ -82,6 +82,7 @@ struct MapHeader {
   ThermalSettings thermal_settings{};
   std::string rotary_configuration;     ///< with the rotary axes, "XYACTZ"; of the image, not of its header text
   std::vector<MapRotaryAxis> rotary;    ///< in the order of that string; likewise
+  RotaryBending bending{};              ///< of the head; likewise
   std::vector<std::string> processing;  ///< one sentence per step: slope removed, smoothing, runs left out
   friend bool operator==(const MapHeader&, const MapHeader&) = default;
 };

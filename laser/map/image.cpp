@@ -86,13 +86,14 @@ std::vector<std::uint8_t> assemble(const UnitParameters& parameters, const std::
                                    const std::vector<std::int16_t>& counts, const MapHeader& of_map) {
   MapHeader words = of_map;
   words.thermal.clear();
-  words.rotary.clear();
+  words.rotary.clear();  // and with them their bending
   const std::string header = header_text(words);
   const PackedRotary rotary(of_map);
   const ImagePlan plan{static_cast<std::uint32_t>(entries.size()),
                        static_cast<std::uint32_t>(counts.size()),
                        static_cast<std::uint32_t>(header.size()),
-                       format_for(!of_map.thermal.empty(), !of_map.rotary.empty()),
+                       format_for(!of_map.thermal.empty(), !of_map.rotary.empty(),
+                                  !of_map.rotary.empty() && of_map.bending != RotaryBending{}),
                        static_cast<std::uint32_t>(of_map.thermal.size()),
                        {rotary.setup().tables[0].count, rotary.setup().tables[1].count}};
   std::vector<std::uint8_t> bytes(image_bytes(plan));

@@ -35,6 +35,7 @@ PackedRotary::PackedRotary(const MapHeader& header) {
   std::copy_n(header.rotary_configuration.begin(),
               std::min(header.rotary_configuration.size(), setup_.configuration.size() - 1),
               setup_.configuration.begin());
+  setup_.bending = header.bending;
   for (std::size_t i = 0; i < std::min(header.rotary.size(), kRotaryInputs); ++i) {
     const MapRotaryAxis& from = header.rotary[i];
     setup_.axes[i] = from.axis;
@@ -56,6 +57,7 @@ PackedRotary::PackedRotary(const MapHeader& header) {
 
 void take_rotary(MapHeader& header, const RotarySetup& setup) {
   header.rotary_configuration = setup.configuration.data();
+  header.bending = setup.bending;
   for (std::size_t i = 0; i < kRotaryInputs; ++i) {
     if (setup.axes[i].letter == '\0') continue;
     const RotaryCurves& table = setup.tables[i];
@@ -92,6 +94,16 @@ std::vector<RotaryPart> parts_of(const MapRotaryAxis& one) {
   return parts;
 }
 
+std::vector<RotaryPart> parts_of(const RotaryBending& bending) {
+  constexpr std::array<std::string_view, 6> kSizes{"x_sin", "y_sin", "z_sin", "x_cos", "y_cos", "z_cos"};
+  std::vector<RotaryPart> parts;
+  for (std::size_t i = 0; i < kSizes.size(); ++i)
+    parts.push_back({fmt::format("machine_bending {}", kSizes[i]), bending.of_machine[i], "um"});
+  for (std::size_t i = 0; i < kSizes.size(); ++i)
+    parts.push_back({fmt::format("tool_bending {}", kSizes[i]), bending.of_tool[i], "um/m"});
+  return parts;
+}
+
 std::optional<double> rotary_error_at(const MapRotaryAxis& one, std::size_t side, std::size_t sense, double angle_deg) {
   constexpr double kTurn_deg = 360.0, kSamePlace = 1e-6;
   const std::vector<double>& values = one.compensation[side][sense];
@@ -110,21 +122,25 @@ std::optional<double> rotary_error_at(const MapRotaryAxis& one, std::size_t side
 namespace {
 
 constexpr std::string_view kConfigurationKey = "rotary_configuration", kAxisKey = "rotary_axis",
-                           kCurveKey = "rotary_curve";
+                           kCurveKey = "rotary_curve", kBendingKey = "rotary_bending";
 
 /// Far beyond every fact of an axis, and as in a table of the map.
 constexpr double kMostOfAxis = 1e9, kMostOfCurve = 32'000.0;
 
+/// Places of several numbers.
+template <class Values>
+auto all(Values& numbers) {
+  std::vector<decltype(numbers.data())> places;
+  for (auto& number : numbers) places.push_back(&number);
+  return places;
+}
+
 /// Key and number or numbers of each fact of an axis.
 template <class One>
+requires requires(One& one) { one.axis; }
 auto facts_of(One& one) {
   using Numbers = std::vector<decltype(&one.start_deg)>;
   auto& axis = one.axis;
-  const auto all = [](auto& numbers) {
-    Numbers places;
-    for (auto& number : numbers) places.push_back(&number);
-    return places;
-  };
   return std::array{std::pair<std::string_view, Numbers>{"deg_per_count", {&axis.deg_per_count}},
                     std::pair<std::string_view, Numbers>{"deadband_deg", {&axis.deadband_deg}},
                     std::pair<std::string_view, Numbers>{"zero_deg", {&axis.zero_deg}},
@@ -133,6 +149,14 @@ auto facts_of(One& one) {
                     std::pair<std::string_view, Numbers>{"location", all(axis.location)},
                     std::pair<std::string_view, Numbers>{"start_deg", {&one.start_deg}},
                     std::pair<std::string_view, Numbers>{"increment_deg", {&one.increment_deg}}};
+}
+
+/// The same of bending.
+template <class Bending>
+requires requires(Bending& bending) { bending.of_tool; }
+auto facts_of(Bending& bending) {
+  using Fact = std::pair<std::string_view, decltype(all(bending.of_tool))>;
+  return std::array{Fact{"machine_um", all(bending.of_machine)}, Fact{"tool_um_per_m", all(bending.of_tool)}};
 }
 
 /// "0.6,1.99,2.84"
@@ -152,11 +176,10 @@ std::optional<std::vector<double>> numbers_in(std::string_view text, double most
   return numbers;
 }
 
-std::string take_axis(MapHeader& header, std::string_view value) {
-  const auto words = split(value, ' ');
-  MapRotaryAxis one;
-  bool whole = !words.empty() && words.front().size() == 1 && header.rotary.size() < kRotaryInputs;
-  if (whole) one.axis.letter = words.front().front();
+/// Whether every fact is among the words.
+template <class One>
+bool take_facts(const std::vector<std::string_view>& words, One& one) {
+  bool whole = true;
   for (const auto& [key, places] : facts_of(one)) {
     const auto word = std::ranges::find_if(words, [key = key](std::string_view each) {
       return each.starts_with(key) && each.substr(key.size()).starts_with('=');
@@ -165,13 +188,41 @@ std::string take_axis(MapHeader& header, std::string_view value) {
     whole = whole && numbers && numbers->size() == places.size();
     for (std::size_t i = 0; whole && i < places.size(); ++i) *places[i] = (*numbers)[i];
   }
-  if (!whole)
+  return whole;
+}
+
+/// " key=0.6,1.99" of each fact.
+template <class One>
+std::string facts_text(const One& one) {
+  std::string text;
+  for (const auto& [key, places] : facts_of(one)) {
+    std::vector<double> values;
+    for (const double* place : places) values.push_back(*place);
+    text += fmt::format(" {}={}", key, listed(values));
+  }
+  return text;
+}
+
+std::string take_axis(MapHeader& header, std::string_view value) {
+  const auto words = split(value, ' ');
+  MapRotaryAxis one;
+  const bool named = !words.empty() && words.front().size() == 1 && header.rotary.size() < kRotaryInputs;
+  if (named) one.axis.letter = words.front().front();
+  if (!named || !take_facts(words, one))
     return fmt::format(
         "rotary_axis: expected a letter and deg_per_count, deadband_deg, zero_deg, direction, pivot_mm, location, "
         "start_deg, increment_deg, for two axes at most, found {}",
         in_quotes(value));
   header.rotary.push_back(std::move(one));
   return {};
+}
+
+std::string take_bending(MapHeader& header, std::string_view value) {
+  if (!header.rotary.empty() && take_facts(split(value, ' '), header.bending)) return {};
+  return fmt::format(
+      "rotary_bending: expected machine_um and tool_um_per_m of x_sin, y_sin, z_sin, x_cos, y_cos, z_cos, below the "
+      "lines rotary_axis, found {}",
+      in_quotes(value));
 }
 
 /// `EXC 1 0.6,1.99`: of both approaches with 0. Curves without a line are zero.
@@ -207,13 +258,7 @@ std::string rotary_lines(const MapHeader& header) {
   if (header.rotary.empty()) return {};
   std::string text = fmt::format("{}: {}\n", kConfigurationKey, header.rotary_configuration);
   for (const MapRotaryAxis& one : header.rotary) {
-    text += fmt::format("{}: {}", kAxisKey, one.axis.letter);
-    for (const auto& [key, places] : facts_of(one)) {
-      std::vector<double> values;
-      for (const double* place : places) values.push_back(*place);
-      text += fmt::format(" {}={}", key, listed(values));
-    }
-    text += "\n";
+    text += fmt::format("{}: {}{}\n", kAxisKey, one.axis.letter, facts_text(one));
     for (std::size_t s = 0; s < 6; ++s) {
       const auto& [reverse, forward] = one.compensation;
       const auto line = [&](int approach, const std::vector<double>& values) {
@@ -228,14 +273,18 @@ std::string rotary_lines(const MapHeader& header) {
       }
     }
   }
+  if (header.bending != RotaryBending{}) text += fmt::format("{}:{}\n", kBendingKey, facts_text(header.bending));
   return text;
 }
 
-bool is_rotary_key(std::string_view key) { return key == kConfigurationKey || key == kAxisKey || key == kCurveKey; }
+bool is_rotary_key(std::string_view key) {
+  return key == kConfigurationKey || key == kAxisKey || key == kCurveKey || key == kBendingKey;
+}
 
 std::string take_rotary_line(MapHeader& header, std::string_view key, std::string_view value) {
   if (key == kAxisKey) return take_axis(header, value);
   if (key == kCurveKey) return take_curve(header, value);
+  if (key == kBendingKey) return take_bending(header, value);
   if (value.size() >= RotarySetup{}.configuration.size())
     return fmt::format("rotary_configuration: expected letters such as XYACTZ, found {}", in_quotes(value));
   header.rotary_configuration = value;

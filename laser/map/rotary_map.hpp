@@ -35,14 +35,16 @@ void take_rotary(MapHeader& header, const RotarySetup& setup);
 /// "XOC"
 [[nodiscard]] std::string rotary_location_name(char letter, std::size_t place);
 
-/// A location error or a curve of a rotary axis.
+/// A location error or a curve of a rotary axis, or a size of bending.
 struct RotaryPart {
-  std::string name;      ///< "XOC", "EXC"
+  std::string name;      ///< "XOC", "EXC", "machine_bending x_sin"
   double largest = 0.0;  ///< |value|
   std::string unit;      ///< um, um/m
 };
 /// Every one that is not zero, by axis, location errors first.
 [[nodiscard]] std::vector<RotaryPart> parts_of(const MapRotaryAxis& one);
+/// Sizes with their signs, also those that are zero, by effect and as the model has them.
+[[nodiscard]] std::vector<RotaryPart> parts_of(const RotaryBending& bending);
 
 /// The error (actual - target) of a curve between the values of its table, as the unit takes it; nothing beyond the
 /// ends of a table that is no whole turn. @param side  0 reverse, 1 forward

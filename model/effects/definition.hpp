@@ -372,6 +372,8 @@ struct EffectDefinition {
   Carrier carrier = Carrier::none;
   std::vector<LiveTerm> live{};  ///< of Carrier::inputs
   std::vector<MotionTerm> motions{};
+  /// Its parameters in their order are the sizes of bending that a map has beside its curves.
+  std::array<double, 6> RotaryBending::*bending = nullptr;
   std::string_view how{};  ///< how the unit compensates it, or why it cannot
   SeparatingMeasurement separated_by{};
   std::vector<Becomes> turns_into{};
@@ -426,7 +428,8 @@ struct EffectDefinition {
 /// The effect at places of this kind. @pre one effect of the library is
 [[nodiscard]] EffectId effect_at(Place place);
 
-/// A location error, an error motion of a rotary axis or a sum of such: what the rotary axes of a map can hold.
+/// A location error, an error motion of a rotary axis, a sum of such or bending of a head: what the rotary axes of a
+/// map can hold.
 [[nodiscard]] bool is_rotary_error(const EffectInstance& effect);
 /// Why a unit at that machine compensates no error of a rotary axis; empty: it can.
 [[nodiscard]] std::string rotary_axes_refused(const params::Machine& machine);

@@ -120,9 +120,9 @@ EffectDefinition machine_bending() {
   EffectDefinition machine = bending({"machine_bending", "Bending of the machine under its head",
                                       "s sin b + c (1 - cos b), in the frame of the machine",
                                       "slide or column bent by the weight of the head, which the tilting axis turns",
-                                      "Machine bent as its head tilts: {sizes}",
-                                      "it follows the angle of the tilting axis in directions that do not turn with "
-                                      "the axis beneath; the curves of a map turn with it"});
+                                      "Machine bent as its head tilts: {sizes}", "bending of the machine in the map"});
+  machine.carrier = Carrier::error_map;
+  machine.bending = &RotaryBending::of_machine;
   machine.preference = 66;
   machine.columns = bending_columns<in_machine>;
   machine.of_sense = [](const Site& site) {
@@ -136,8 +136,9 @@ EffectDefinition tool_bending() {
       bending({"tool_bending", "Bending in proportion to the length of the tool",
                "L (s sin b + c (1 - cos b)), in the frame that carries the tilting axis",
                "tool, holder or spindle bearing that gives way to the weight, with the length of the tool as lever",
-               "Tool tilted by its weight as the head tilts: {sizes}",
-               "it grows with the length of the tool, and a curve of the map is the same for all tools"});
+               "Tool tilted by its weight as the head tilts: {sizes}", "bending of the tool in the map"});
+  tool.carrier = Carrier::error_map;
+  tool.bending = &RotaryBending::of_tool;
   for (ParameterDefinition& parameter : tool.parameters) parameter.unit = "um/m";
   constexpr std::array<std::string_view, 2 * kAxes> kNames{"x_sin_um_per_m", "y_sin_um_per_m", "z_sin_um_per_m",
                                                            "x_cos_um_per_m", "y_cos_um_per_m", "z_cos_um_per_m"};

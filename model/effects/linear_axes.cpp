@@ -17,7 +17,9 @@ constexpr std::array<ComponentTerm, 6> kLinearAxes{{{"x_um_per_m", Component::EX
 }  // namespace
 
 std::span<const ComponentTerm> components_of(const EffectDefinition& effect) {
-  if (effect.place != Place::artefact || effect.carrier != Carrier::error_map || !effect.motions.empty()) return {};
+  if (effect.place != Place::artefact || effect.carrier != Carrier::error_map || !effect.motions.empty() ||
+      effect.bending != nullptr)
+    return {};
   return kLinearAxes;
 }
 

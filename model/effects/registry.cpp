@@ -126,7 +126,7 @@ bool is_rotary_error(const EffectInstance& effect) {
   const EffectDefinition& definition = effect.definition();
   return acts_on_rotary_axes(effect) && definition.carrier == Carrier::error_map &&
          (definition.place == Place::location || definition.place == Place::axis_and_sense ||
-          !definition.motions.empty());
+          !definition.motions.empty() || definition.bending != nullptr);
 }
 
 std::string rotary_axes_refused(const params::Machine& machine) {

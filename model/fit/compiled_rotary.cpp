@@ -23,9 +23,12 @@ constexpr double kStepsPerPeriod = 32.0;  ///< straight between them, a wave is 
 constexpr double kOfJump_deg = 1.0;       ///< a jump becomes a ramp of one step
 constexpr double kStepsPerKnot = 2.0;
 
-/// The axis that an effect belongs to; of a sum of error motions the one next to the tool.
+/// The axis that an effect belongs to; of a sum of error motions and of bending the one next to the tool.
 std::optional<Axis> axis_of(const EffectInstance& effect, const params::Machine& machine) {
-  return effect.definition().motions.empty() ? effect.axis : effects::tilting_axis(machine.rotary_configuration);
+  const EffectDefinition& definition = effect.definition();
+  return definition.motions.empty() && definition.bending == nullptr
+             ? effect.axis
+             : effects::tilting_axis(machine.rotary_configuration);
 }
 
 /// The widest step that follows the effect.
@@ -54,6 +57,16 @@ void note_largest(CompiledModel& out, const EffectInstance& effect, const std::v
   for (const double value : values) largest = std::max(largest, std::abs(value));
 }
 
+void add_bending(CompiledModel& out, const EffectInstance& effect) {
+  const EffectDefinition& definition = effect.definition();
+  std::array<double, 6>& sizes = out.map.header.bending.*definition.bending;
+  std::vector<double> added;
+  for (const ParameterDefinition& parameter : definition.parameters)
+    added.push_back(given_or_fitted(effect, parameter.name).value_or(0.0));
+  for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] += added[i];
+  note_largest(out, effect, added);
+}
+
 /// Adds the error motions of the effect to the curves of the axis. @return whether it has any
 Result<bool> add_motions(CompiledModel& out, laser::MapRotaryAxis& one, const std::vector<double>& angles_deg,
                          const Model& fitted, const EffectInstance& effect, const params::Machine& machine, Axis axis) {
@@ -80,6 +93,9 @@ std::string places_text(const EffectInstance& effect, Axis axis, const CompiledM
   if (effect.definition().place == Place::location)
     return fmt::format("location error {}O{} of the rotary axes in the map",
                        "XYZABC"[static_cast<std::size_t>(*effect.sense)], letter);
+  if (effect.definition().bending != nullptr)
+    return fmt::format("{}, up to {:.3g} {}", effect.definition().how, largest,
+                       effect.definition().parameters.front().unit);
   std::vector<std::string> curves;
   if (effect.sense) curves.push_back(laser::rotary_curve_name(letter, static_cast<std::size_t>(*effect.sense)));
   for (const MotionTerm& term : effect.definition().motions) {
@@ -125,7 +141,8 @@ Result<std::vector<AddedMotion>> motions_of(const Model& fitted, const EffectIns
                                             const std::vector<double>& angles_deg, Approach side) {
   std::vector<AddedMotion> motions;
   const EffectDefinition& definition = effect.definition();
-  if (definition.place == Place::location || axis_of(effect, machine) != axis) return motions;
+  if (definition.place == Place::location || definition.bending != nullptr || axis_of(effect, machine) != axis)
+    return motions;
   for (const MotionTerm& term : definition.motions) {
     const double size = given_or_fitted(effect, term.parameter).value_or(0.0);
     if (size == 0.0) continue;
@@ -171,6 +188,8 @@ Result<void> add_rotary_axes(CompiledModel& out, const Model& fitted, const para
         const double size = given_or_fitted(*effect, effect->definition().parameters.front().name).value_or(0.0);
         one.axis.location[static_cast<std::size_t>(*effect->sense)] += size;
         note_largest(out, *effect, {size});
+      } else if (effect->definition().bending != nullptr) {
+        add_bending(out, *effect);
       } else {
         ECS_TRY(any, add_motions(out, one, angles_deg, fitted, *effect, machine, axis));
         if (!any) continue;

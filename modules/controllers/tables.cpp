@@ -205,6 +205,10 @@ void leave_behind(ControllerExport& made, const ExportSource& source, const std:
     for (const laser::RotaryPart& part : laser::parts_of(axis))
       made.not_carried.push_back(
           {part.name, part.largest, part.unit, "a table follows X, Y or Z, not the angle of a rotary axis"});
+  for (const laser::RotaryPart& part : laser::parts_of(source.map.header.bending))
+    if (part.largest != 0.0)
+      made.not_carried.push_back(
+          {part.name, std::abs(part.largest), part.unit, "a table follows X, Y or Z, not the tilt of a head"});
 }
 
 }  // namespace ecs::controllers

@@ -376,16 +376,10 @@ Shown location_by_ball() {
                         errors, kTrunnion, {});
 }
 
-Shown head_bending_by_ball() {
-  const std::string errors = "[[contribution]]\ncomponent = \"EXB\"\nformula = \"20*sin(p*pi/180)\"\n";
-  return by_rotary_axes(ball_of(kHead, errors, under_head()), table_of_effect("head_bending", ""), errors, kHead,
-                        under_head().tool_offset_mm);
-}
-
-Shown bent(const std::string& id, const std::string& contribution, bool turned) {
-  BallPlan plan = under_head();
-  if (!turned) plan.sweeps.resize(1);
-  return left_out(ball_of(kHead, contribution, plan), table_of_effect(id, ""), kHead);
+/// @param tool_mm  with which the machine then works
+Shown bending_by_ball(const std::string& id, const std::string& contribution, const Vector3& tool_mm) {
+  const std::string errors = "[[contribution]]\ncomponent = \"EXB\"\n" + contribution;
+  return by_rotary_axes(ball_of(kHead, errors, under_head()), table_of_effect(id, ""), errors, kHead, tool_mm);
 }
 
 /// Errors of the linear axes that a ball on the table of a machine with rotary axes has shown, compensated by the map
@@ -438,6 +432,7 @@ struct Row {
 };
 
 const char* const kTable = "the output has steps of 0.1 µm, and a table is linear between its values";
+const char* const kSteps = "the output has steps of 0.1 µm";
 const char* const kJump = "the table has a ramp of one increment in place of the jump";
 const char* const kLate = "the sensor lags behind the machine by 20 to 60 s";
 const char* const kDuty =
@@ -567,19 +562,23 @@ const std::map<std::string, Row, std::less<>>& rows() {
       {"location", {"XOC 20 µm, found with a ball", 0.1, kTable, location_by_ball}},
       {"linear_axes", {"scale of X 40 µm/m and C0Y 25 µm/m, found with a ball", 0.1, kTable, linear_axes_by_ball}},
       {"tilt_scale", {"EA of A 0.4 µm/m per degree", 0.1, kTable, scale_of_tilting_axis}},
-      {"head_bending", {"EX of B 20 µm x sin b, frame of C, found with a ball", 0.1, kTable, head_bending_by_ball}},
-      not_by_unit(
-          "machine_bending", "EX of B 20 µm x sin b, with C at 0",
-          [] {
-            return bent("machine_bending", "[[contribution]]\ncomponent = \"EXB\"\nformula = \"20*sin(p*pi/180)\"\n",
-                        false);
-          },
-          "the emulator has no bending in the frame of the machine: with C at 0 both frames are the same"),
-      not_by_unit("tool_bending", "EB of B 100 µm/m x sin b, tool of 150 mm",
-                  [] {
-                    return bent("tool_bending",
-                                "[[contribution]]\ncomponent = \"EXB\"\nformula = \"0.15*100*sin(p*pi/180)\"\n", true);
-                  }),
+      {"head_bending",
+       {"EX of B 20 µm x sin b, frame of C, found with a ball", 0.1, kTable,
+        [] {
+          return bending_by_ball("head_bending", "formula = \"20*sin(p*pi/180)\"\n", under_head().tool_offset_mm);
+        }}},
+      {"machine_bending",
+       {"EX of B 20 µm x sin b, frame of the machine, found with a ball", 0.1, kSteps,
+        [] {
+          return bending_by_ball("machine_bending", "formula = \"20*sin(p*pi/180)\"\nbends = \"machine\"\n",
+                                 under_head().tool_offset_mm);
+        }}},
+      {"tool_bending",
+       {"EX of B 100 µm/m x sin b, found with a ball at 150 mm of tool, then a tool of 190 mm", 0.1, kSteps,
+        [] {
+          return bending_by_ball("tool_bending", "formula = \"100*sin(p*pi/180)\"\nbends = \"tool\"\n",
+                                 {30.0, 0.0, -187.6});
+        }}},
       not_by_unit(
           "reversal_spike", "X 6 µm after each reversal, decay length 40 mm",
           [] {

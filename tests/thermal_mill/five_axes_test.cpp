@@ -289,13 +289,13 @@ TEST_CASE("effects of rotary axes become location errors and curves of the map, 
   CHECK(c.start_deg == -180.0);
   REQUIRE(c.compensation[1][5].size() == 144);
   CHECK(c.compensation[0][5][72 + 9] == Approx(-4.0));  // ECC at 22.5 deg
-  CHECK(built.compiled.rotary.at('B') == std::vector<std::string>{"location:B:XOB", "head_bending", "tilt_scale:B:EB"});
-  REQUIRE(built.compiled.not_carried.size() == 2);
-  CHECK(contains(built.compiled.not_carried[0], "tool_bending: it grows with the length of the tool"));
-  CHECK(contains(built.compiled.not_carried[1], "offset:B:EX: a constant in readings of a rotary axis is the zero"));
+  CHECK(built.compiled.rotary.at('B') ==
+        std::vector<std::string>{"location:B:XOB", "head_bending", "tilt_scale:B:EB", "tool_bending"});
+  CHECK(built.compiled.map.header.bending == RotaryBending{{}, {100.0}});
+  CHECK(contains(only(built.compiled.not_carried), "offset:B:EX: a constant in readings of a rotary axis is the zero"));
   const std::string text = from_model_cell(built, {}).text;
-  CHECK(contains(text, "B from location:B:XOB + head_bending + tilt_scale:B:EB"));
-  CHECK(contains(text, "NOT COMPENSATED: tool_bending"));
+  check_holds(text, {"B from location:B:XOB + head_bending + tilt_scale:B:EB + tool_bending",
+                     "bending of the head: tool_bending x_sin 100.00 um/m"});
 }
 
 TEST_CASE("without an input for an angle a map from a model compensates no rotary axis, and says why") {

@@ -103,18 +103,22 @@ TEST_CASE("every controller format lists the errors of rotary axes that it does 
   for (auto& side : axis.compensation) side.fill({0.0, 0.0});
   axis.compensation[0][5] = {0.0, 7.5};
   source.map.header.rotary = {axis};
+  source.map.header.bending.of_tool[4] = -30.0;
   for (const ControllerFormat* format : controller_formats()) {
     if (!format->write) continue;
     CAPTURE(format->id);
     const auto left = must(format->write(source, usual(format->write_options))).not_carried;
-    REQUIRE(left.size() >= 2);
-    const LeftBehind &location = left[left.size() - 2], &curve = left.back();
+    REQUIRE(left.size() >= 3);
+    const LeftBehind &location = left[left.size() - 3], &curve = left[left.size() - 2], &bending = left.back();
     CHECK(location.what == "AOC");
     CHECK(location.largest == 12.0);
     CHECK(location.unit == "um/m");
     CHECK(curve.what == "ECC");
     CHECK(curve.largest == 7.5);
     CHECK(contains(curve.why, "not the angle of a rotary axis"));
+    CHECK(bending.what == "tool_bending y_cos");
+    CHECK(bending.largest == 30.0);
+    CHECK(contains(bending.why, "not the tilt of a head"));
   }
 }
 

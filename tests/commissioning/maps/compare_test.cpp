@@ -110,8 +110,9 @@ TEST_CASE("rotary axes are compared by location error and curve, on different po
   second.header.rotary = {turning_axis(5.0, 5.0, 0.5)};
   first.header.rotary[0].axis.location = {8.0, 0.0, 0.0, -4.0, 0.0, 0.0};
   second.header.rotary[0].axis.location = {6.5, 0.0, 0.0, -4.0, 0.0, 0.0};
+  second.header.bending.of_machine[0] = 20.0;
   const MapChange change = change_between(first, second);
-  REQUIRE(change.rotary.size() == 3);
+  REQUIRE(change.rotary.size() == 4);
   CHECK(change.rotary[0].name == "XOC");
   CHECK(change.rotary[0].largest == -1.5);
   CHECK(change.rotary[1].name == "AOC");
@@ -125,7 +126,8 @@ TEST_CASE("rotary axes are compared by location error and curve, on different po
   CHECK(change.rotary[2].approach == Approach::forward);
   CHECK_FALSE(is_without_change(change));
   CHECK(is_without_change(change_between(first, first)));
-  check_holds(rotary_change_cell(change).text, {"XOC  um      -1.50", "EXC  um       2.50         5 forward"});
+  check_holds(rotary_change_cell(change).text,
+              {"XOC  um      -1.50", "EXC  um       2.50         5 forward", "machine_bending x_sin um      20.00"});
 }
 
 TEST_CASE("a rotary axis that one map lacks or that lies elsewhere is named") {

@@ -158,6 +158,48 @@ TEST_CASE("what no rotary axis can have is refused by its line") {
   CHECK(contains(refusal("[[effect]]\nid = \"location\"\ncode = \"BOC\"\nparameters = { um = 1 }\n"),
                  "expected parameters = { um_per_m = … }"));
   CHECK(contains(refusal("[[effect]]\nid = \"cyclic\"\naxis = \"C\"\nparameters = { period_mm = 10 }\n"), "period_mm"));
+  const auto bends = [](const std::string& component, const std::string& what) {
+    return refusal("[[contribution]]\ncomponent = \"" + component + "\"\nformula = \"p\"\nbends = \"" + what + "\"\n");
+  };
+  CHECK(contains(bends("EXA", "column"),
+                 "bends: expected \"machine\" or \"tool\" of EX, EY or EZ, got \"column\" of EX"));
+  CHECK(contains(bends("EBA", "tool"), "got \"tool\" of EB"));
+  CHECK(contains(bends("EXA", "machine"), "bends: expected an axis on the tool side, A is on the workpiece side"));
+}
+
+TEST_CASE("a machine bends along its own axes, a tool by its length and in directions that the axis beneath turns") {
+  const WorkshopMachine head = machine_of(R"(
+name = "head"
+configuration = "XTYZCB"
+[axis.X]
+travel_mm = [0.0, 100.0]
+[axis.Y]
+travel_mm = [0.0, 100.0]
+[axis.Z]
+travel_mm = [0.0, 100.0]
+[axis.B]
+travel_deg = [-100.0, 100.0]
+pivot_mm = [0.0, 0.0, 300.0]
+[axis.C]
+travel_deg = [-180.0, 180.0]
+pivot_mm = [0.0, 0.0, 300.0]
+)");
+  const auto error_um = [&](const std::string& bends, double tool_mm) {
+    const TrueErrors errors =
+        errors_of("[[contribution]]\ncomponent = \"EXB\"\nformula = \"20*sin(p*pi/180)\"\nbends = \"" + bends + "\"\n");
+    RotaryState state;
+    state.angle_deg = {0.0, 30.0, 90.0};
+    return turning_pose(turning_geometry_of(head.machine, {0.0, 0.0, -tool_mm}), {}, errors.rotary_at(state), {},
+                        state.angle_deg)
+        .error_um;
+  };
+  for (const double tool_mm : {0.0, 200.0}) {
+    const Vector3 of_machine = error_um("machine", tool_mm), of_tool = error_um("tool", tool_mm);
+    CHECK(of_machine[0] == Approx(10.0));
+    CHECK(of_machine[1] == Approx(0.0));
+    CHECK(of_tool[0] == Approx(0.0));
+    CHECK(of_tool[1] == Approx(10.0 * tool_mm / 1000.0));
+  }
 }
 
 TEST_CASE("a sweep may be a list of angles; a set that follows begins from where the last one left the axes") {

@@ -1,6 +1,7 @@
 // The error map: text form, bytes, completeness; maps as editors save them: UTF-16, code pages, a byte order mark; and
 // what is no text.
 
+#include <fmt/format.h>
 #include <rapidcheck.h>
 
 #include "core/memory_image.hpp"
@@ -151,6 +152,36 @@ TEST_CASE("rotary axes are lines of the text, numbers of the image, and come bac
   CHECK(rounded.header.rotary[1].compensation[0][5] == std::vector{1.5, -2.3, 400.0});  // 400 um/m: counts of 0.1
   rounded.header.rotary[1].compensation[0][5][1] = -2.25;
   CHECK(rounded == map);
+}
+
+TEST_CASE("bending of a head is a line of the text and part of an image of format 5, and comes back from both") {
+  ErrorMap map = map_of_five_axes();
+  map.header.rotary_configuration = "XYTZCA";
+  map.header.bending = {{1.5, 0.0, -0.1, 0.0, 0.0, 2.0}, {0.0, 100.0 / 3.0, 0.0, 0.0, -7.0, 0.0}};
+  const std::string text = to_map_csv(map);
+  check_holds(text, {"# rotary_bending: machine_um=1.5,0,-0.1,0,0,2 tool_um_per_m=0,33.333333333333336,0,0,-7,0\n"});
+  CHECK(must(parse_map_csv(text, "map.csv")) == map);
+  for (std::size_t c = 1; c < kComponents; ++c) map.header.declared_zero.push_back({static_cast<Component>(c), "test"});
+  UnitParameters parameters = parameters_of_table();
+  parameters.tool_range_mm = {10.0, 10.0, 200.0};
+  map.tables.clear();
+  const MapImage image = must(image_of(map, parameters));
+  CHECK(ImageView(image.bytes).format() == kFormatWithBending);
+  CHECK_FALSE(contains(ImageView(image.bytes).header(), "bending"));
+  CHECK(must(content_of(image.bytes)).map.header.bending == map.header.bending);
+  map.header.rotary_configuration = "XYACTZ";
+  check_holds(to_text(must_fail(image_of(map, parameters))),
+              {"the rotary axes (XYACTZ) have bending, but no head that tilts"});
+  const std::size_t line = text.find("# rotary_bending");
+  for (const std::string_view wrong : {"machine_um=1,2,3,4,5,6", "machine_um=1 tool_um_per_m=1,2,3,4,5,6",
+                                       "machine_um=1,2,3,4,5,6 tool_um_per_m=1,2,3,4,5,x"}) {
+    std::string changed = text;
+    changed.replace(line, changed.find('\n', line) - line, fmt::format("# rotary_bending: {}", wrong));
+    CHECK(contains(to_text(must_fail(parse_map_csv(changed, "map.csv"))), "rotary_bending: expected machine_um and"));
+  }
+  const std::string alone = "# rotary_bending: machine_um=1,2,3,4,5,6 tool_um_per_m=1,2,3,4,5,6\n";
+  CHECK(contains(to_text(must_fail(parse_map_csv(alone + to_map_csv(small_map()), "map.csv"))),
+                 "below the lines rotary_axis"));
 }
 
 TEST_CASE("a line of rotary axes that is none is refused with its line") {
