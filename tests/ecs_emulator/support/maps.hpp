@@ -33,8 +33,10 @@ inline std::vector<std::uint8_t> image_of(const UnitParameters& parameters, cons
       values += count;
     }
   }
-  ImagePlan plan{static_cast<std::uint32_t>(entries.size()), values, 4, format_for(!thermal.empty(), rotary != nullptr),
-                 static_cast<std::uint32_t>(thermal.size())};
+  ImagePlan plan{
+      static_cast<std::uint32_t>(entries.size()), values, 4,
+      format_for(!thermal.empty(), rotary != nullptr, rotary != nullptr && rotary->bending != RotaryBending{}),
+      static_cast<std::uint32_t>(thermal.size())};
   if (rotary != nullptr) plan.rotary_values = {rotary->tables[0].count, rotary->tables[1].count};
   std::vector<std::uint8_t> image(image_bytes(plan));
   begin_image(image, plan);

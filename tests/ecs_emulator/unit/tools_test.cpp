@@ -242,6 +242,37 @@ TEST_CASE("the unit takes away what an instrument on the machine shows, and lets
   CHECK(b.unit.mode() == UnitMode::compensating);
 }
 
+TEST_CASE("a longer tool under a tilted head that bends is compensated without a step") {
+  Bench b("", ideal_machine("XYTZCB") +
+                  "[axis.B]\ntravel_deg = [-100.0, 100.0]\npivot_mm = [0.0, 0.0, 200.0]\n"
+                  "resolution_deg = 0.001\n[axis.C]\ntravel_deg = [-180.0, 180.0]\n"
+                  "pivot_mm = [0.0, 0.0, 200.0]\nresolution_deg = 0.001\n");
+  RotarySetup setup{{'X', 'Y', 'T', 'Z', 'C', 'B'}, {}, {}, {{}, {100.0}}};
+  setup.axes[0] = {'C', 0.001, 0.005, {0.0, 0.0, 1.0}, {0.0, 0.0, 200.0}};
+  setup.axes[1] = {'B', 0.001, 0.005, {0.0, 1.0, 0.0}, {0.0, 0.0, 200.0}};
+  b.rotary = &setup;
+  b.parameters.tool_range_mm = {100.0, 100.0, 300.0};
+  b.compensate();
+  REQUIRE(put_into_table(b, 1, {0.0, 0.0, -80.0}).state == CommandState::done);
+  REQUIRE(put_into_table(b, 2, {0.0, 0.0, -250.0}).state == CommandState::done);
+  REQUIRE(select_tool(b, 1).state == CommandState::done);
+  b.simulation.machine().turn_to({0.0, 90.0, 90.0});
+  REQUIRE(b.simulation.move_to(b.simulation.machine().command_mm(), 0.0));
+  REQUIRE(b.simulation.dwell(2.0));
+  const auto compensation_um = [&] { return b.unit.monitor().axes[1].compensation_um; };
+  CHECK(compensation_um() == Approx(-8.0).epsilon(1e-4));  // along X of the head, which C has turned to Y
+  REQUIRE(select_tool(b, 2).state == CommandState::done);
+  double largest_um = 0.0;
+  for (int k = 0; k < 3000; ++k) {
+    const double before_um = compensation_um();
+    b.simulation.tick();
+    largest_um = std::max(largest_um, std::abs(compensation_um() - before_um));
+  }
+  CHECK(largest_um <= 1.05 * b.parameters.tool_rate_um_per_s * b.unit.period_s());
+  CHECK(compensation_um() == Approx(-25.0).epsilon(1e-4));
+  CHECK(b.unit.fault() == Fault::none);
+}
+
 TEST_CASE("squareness is tried while the unit compensates, without a step, and is forgotten with the mode") {
   ToolBench b;
   const auto tried = [&](double C0Y) {
