@@ -153,6 +153,8 @@ namespace {
 std::string rotary_error_refused(const EffectInstance& effect, const params::Machine& machine) {
   constexpr double kWholeTurn_deg = 360.0;
   if (std::string refused = rotary_axes_refused(machine); !refused.empty()) return refused;
+  if (effect.definition().place == Place::artefact && !effects::tilting_axis(machine.rotary_configuration))
+    return "no rotary axis carries the tool";
   const auto& axis = effect.axis ? machine.rotary[index_of(*effect.axis)] : std::nullopt;
   if (!effect.traits().adds_up || !axis || axis->travel_deg[1] - axis->travel_deg[0] < kWholeTurn_deg) return "";
   return "the curve of an axis that turns fully is the same again after a turn: correct its ratio in the control";
