@@ -69,7 +69,9 @@ constexpr GlossaryRow kGlossary[] = {
     {"reversal error|reversal", "difference between the two approaches at the same target; backlash is one cause"},
     {"rms", "root mean square: an average size, for example of the residual"},
     {"rival|rivals", "an effect that these data cannot distinguish from the one named"},
-    {"scope", "the errors that the unit compensates: linear (each axis alone), planar or volumetric"},
+    {"scope",
+     "the errors that the unit compensates: linear (only the positioning error of each axis), planar (all errors in "
+     "one plane) or volumetric (all errors of three axes)"},
     {"sense", "which error is measured, not the direction of travel: EX, EY, EZ translations; EA, EB, EC rotations"},
     {"sigma", "standard deviation of the number that it belongs to, for example of one reading or of a fitted value"},
     {"slope", "the part of a curve that is proportional to the position, in um/m"},

@@ -188,7 +188,7 @@ AnswerFields set_fields(const laser::MeasurementSet& set, std::size_t most_lines
   }
   return described("readings"_is(set.readings.size()), "axes"_is(axes), "senses"_is(senses), "runs"_is(runs),
                    "targets"_is(targets), "metadata"_is(metadata_cell(set)),
-                   "notes"_is(lines_cell(set.notes, "  assumed: ")), "lines"_is(table_cell(lines, most_lines)),
+                   "notes"_is(lines_cell(set.notes, "  note: ")), "lines"_is(table_cell(lines, most_lines)),
                    "sensors"_is(laser::sensor_names_of(set)));
 }
 

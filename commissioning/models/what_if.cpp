@@ -130,21 +130,22 @@ void add_parts(const Observations& after, const std::vector<std::size_t>& rows, 
   const double variance = squares / std::max(1.0, static_cast<double>(rows.size()) - kFitted);
   const std::string_view unit = laser::unit_of(sense);
   const std::string of = model::readings_word(sense, axis, after.rotary);
-  const auto add = [&](const char* shape, const TakenOut& taken, const std::string& text) {
-    if (taken.squares > kFarFromZero * kFarFromZero * variance)
-      parts.push_back({shape, sense, axis, taken.size, root_mean(taken.squares, after.size()), text});
+  const auto add = [&](const char* shape, const TakenOut& taken, const std::string& part, std::string_view cause) {
+    if (taken.squares <= kFarFromZero * kFarFromZero * variance) return;
+    const double rms_um = root_mean(taken.squares, after.size());
+    parts.push_back({shape, sense, axis, taken.size, rms_um,
+                     fmt::format("{} ({} of the {} readings) contributes {:.2g} {} to this rms: {}.", part, rows.size(),
+                                 after.size(), rms_um, after.reading_unit(), cause)});
   };
-  add("constant", constant,
-      fmt::format("a constant shift of {} by {:+.2g} {}: the zero of the laser or the datum has changed", of,
-                  constant.size, unit));
-  add("slope", slope,
-      fmt::format("a slope of {:+.2g} {}/{} of {}: {}", slope.size, unit, after.rotary ? "deg" : "m", of,
-                  !after.rotary && !is_rotation(sense) && direction_of(sense) != axis
-                      ? "alignment of the straight edge or optics, or squareness"
-                      : "scale or temperature"));
+  add("constant", constant, fmt::format("A constant shift of {} by {:+.2g} {}", of, constant.size, unit),
+      "the zero of the laser or the datum has changed");
+  add("slope", slope, fmt::format("A slope of {:+.2g} {}/{} of {}", slope.size, unit, after.rotary ? "deg" : "m", of),
+      !after.rotary && !is_rotation(sense) && direction_of(sense) != axis
+          ? "alignment of the straight edge or optics, or squareness"
+          : "scale or temperature");
   add("reversal", reversal,
-      fmt::format("a difference of {:+.2g} {} between forward and reverse of {}: lost motion", reversal.size, unit,
-                  of));
+      fmt::format("A difference of {:+.2g} {} between forward and reverse of {}", reversal.size, unit, of),
+      "lost motion");
 }
 
 }  // namespace
@@ -222,17 +223,15 @@ Cell directions_cell(const WhatIfAnswer& answer) {
   return directions;
 }
 
-/// "Part of it, over all readings: 0.33 um rms from a constant shift of Z positions by -0.5 um: the zero …"
+/// "A constant shift of Z positions by -0.5 um (126 of the 426 readings) contributes 0.33 um to this rms: the zero …"
 Cell rest_cell(const WhatIfAnswer& answer) {
   Cell list{Json::array(), ""};
-  std::vector<std::string> parts;
   for (const RestPart& part : parts_of_rest(answer.achieved->data)) {
-    parts.push_back(fmt::format("{:.2g} {} rms come from {}", part.rms_um, answer.unit, part.text));
+    list.text += " " + part.text;
     list.json.push_back(object_of("shape"_is(part.shape), "sense"_is(name_of(part.sense)),
                                   "axis"_is(axis_json(part.axis, answer.rotary)), "size"_is(part.size),
                                   "rms_um"_is(part.rms_um)));
   }
-  if (!parts.empty()) list.text = fmt::format(" Over all readings, {}.", fmt::join(parts, "; "));
   return list;
 }
 
@@ -321,14 +320,15 @@ std::string what_if_summary(const model::WhatIf& what, const model::Model& model
   for (const model::WhatIf::Share& share : what.shares)
     if (!share.carried)
       (share.of_measurement ? measurement : machine).push_back(name_with_alternatives(model, share.effect));
-  text += fmt::format(
-      " The remaining {:.3f} {} rms would consist of {}noise and errors of the machine that the model does not "
-      "explain.",
-      what.machine_um, unit, machine.empty() ? "" : fmt::format("{}, ", fmt::join(machine, ", ")));
-  if (!measurement.empty())
-    text += fmt::format(" {:.3f} {} rms belong to the measurement, not to the machine: {}.", what.measurement_um, unit,
-                        fmt::join(measurement, ", "));
-  return text;
+  const std::string rest =
+      fmt::format("{}noise and errors of the machine that the model does not explain",
+                  machine.empty() ? "" : fmt::format("{}, ", fmt::join(machine, ", ")));
+  if (measurement.empty())
+    return text + fmt::format(" The remaining {:.3f} {} rms would consist of {}.", what.machine_um, unit, rest);
+  return text + fmt::format(" Of the remaining {:.3f} {} rms, {:.3f} {} belong to the measurement, not to the "
+                            "machine: {}. Without them {:.3f} {} rms remain: {}.",
+                            what.rms_after_um, unit, what.measurement_um, unit, fmt::join(measurement, ", "),
+                            what.machine_um, unit, rest);
 }
 
 Cell what_if_cell(const WhatIfAnswer& answer) {

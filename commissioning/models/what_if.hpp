@@ -39,7 +39,7 @@ struct RestPart {
   Axis axis = Axis::X;
   double size = 0.0;    ///< um, um/m; of a slope by metre, of an axis that turns by degree
   double rms_um = 0.0;  ///< of it, over all readings
-  std::string text;     ///< "a constant -0.5 um of Z positions: the zero of the laser or the datum has changed"
+  std::string text;     ///< a sentence: the part, its readings, its share of the rms, and its cause
 };
 /// Largest first; those that stand out of the scatter of their line and are a twentieth of the squares at least.
 [[nodiscard]] std::vector<RestPart> parts_of_rest(const model::Observations& after);

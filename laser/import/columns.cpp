@@ -336,8 +336,8 @@ void note_left_out(MeasurementSet& set, const ImportOptions& options, const Tabl
   const ColumnMapping& mapping = *options.mapping;
   const auto note = [&](std::string text) { set.notes.push_back(std::move(text)); };
   if (table.skipped > 0)
-    note(fmt::format("{} rows of numbers above line {} are skipped, as requested", table.skipped,
-                     mapping.skip_lines + 1));
+    note(fmt::format("{} {} of numbers above line {} {} skipped, as requested", table.skipped,
+                     table.skipped == 1 ? "row" : "rows", mapping.skip_lines + 1, table.skipped == 1 ? "is" : "are"));
   if (table.left > 0)
     note(fmt::format("{} rows below line {} are not read, as requested", table.left, table.rows.back().number));
   if (table.comments > 0) note(fmt::format("{} comments between the rows are ignored", table.comments));

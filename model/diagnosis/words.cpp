@@ -376,7 +376,10 @@ std::optional<std::string> hidden_pitches(const Observations& data, const EvenTa
 std::optional<std::string> undetected(const Observations& data, const EvenTargets& targets) {
   if (data.rotary) {
     const auto steps = steps_a_turn(targets.step_mm);
-    return steps ? fmt::format(", where N waves a turn look like {0} - N, and {0} like none", *steps) : "";
+    return steps ? fmt::format(", where a wave with N periods per turn looks like one with {0} - N periods, and a wave "
+                               "with {0} periods does not show",
+                               *steps)
+                 : "";
   }
   const auto hidden = hidden_pitches(data, targets);
   if (!hidden) return ", and no machine file gives the pitch of its screw or scale";
@@ -483,11 +486,11 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
   };
   switch (d.verdict) {
     case Verdict::adequate:
-      add(d.reservation);
       add(fmt::format("{}: {}{} is noise.",
                       d.reservation.empty() ? "The model is adequate" : "No detectable effect is missing",
                       d.outliers.empty() ? "" : "apart from outliers ",
                       d.reservation.empty() ? "its residual" : "the residual of the model"));
+      add(d.reservation);
       break;
     case Verdict::missing_effect:
     case Verdict::partly_explained:

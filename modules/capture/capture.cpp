@@ -504,11 +504,11 @@ cli::Fields<CaptureChoice> CaptureChoice::fields() {
       {"--display", &A::display, "read from a shell command that prints the displayed value"},
       {"--shows", &A::shows, "quantity shown: the error, or the position of the axis [mm]",
        cli::Words{"error", "position"}},
-      {"--scale", &A::scale, "factor that converts the reading to um (um/m), or a position to mm (1)"},
+      {"--scale", &A::scale, "factor that converts the reading to um (um/m), or a position to mm; default 1"},
       {"--environment", &A::environment, "thermometer to record with every reading: temper, or DEVICE.toml[@SERIAL]"},
       {"--environment-every", &A::environment_every_s, "time between the values of --environment [s]",
        cli::Range{0.1, 3600.0}},
-      {"--min-interval", &A::min_interval_s, "shortest time between triggers; an earlier one is ignored [s] (0.5)"},
+      {"--min-interval", &A::min_interval_s, "shortest time between triggers; an earlier one is ignored [s]; default 0.5"},
       {"--force", &A::force, "overwrite an existing output file"}};
 }
 

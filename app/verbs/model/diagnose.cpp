@@ -140,8 +140,11 @@ Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
 }
 
 /// Those of an adequate model are in a note below, with their size.
-std::string rivals_text(const std::vector<std::string>& rivals, const model::Diagnosis& diagnosis) {
-  if (rivals.empty() || diagnosis.verdict == model::Verdict::adequate) return {};
+std::string rivals_text(const model::NextMeasurement& next, const model::Diagnosis& diagnosis) {
+  const std::vector<std::string>& rivals = next.rivals;
+  if (diagnosis.verdict == model::Verdict::adequate)
+    return next.proposals.empty() ? "" : "No measurement is needed. To exclude small effects:\n";
+  if (rivals.empty()) return {};
   if (diagnosis.verdict == model::Verdict::unexplained_structure)
     return diagnosis.different_run ? "Before another run, check the event named above.\n" : "";
   return paragraph(
@@ -155,7 +158,7 @@ Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& 
     proposals.text += "\nProposal 1 distinguishes these causes best per minute.\n";
   return record_cell("{verdict}{rivals}{proposals}{notes}",
                      "verdict"_is(name_of(diagnosis.verdict), paragraph(diagnosis.headline)),
-                     "rivals"_is(next.rivals, rivals_text(next.rivals, diagnosis)),
+                     "rivals"_is(next.rivals, rivals_text(next, diagnosis)),
                      "proposals"_is(std::move(proposals)), "program"_is(text_cell(request.program)),
                      "targets"_is(text_cell(request.targets)), "notes"_is(next.notes, notes_text(next.notes)));
 }

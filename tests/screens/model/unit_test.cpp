@@ -189,10 +189,9 @@ TEST_CASE("what was measured again is told by its shapes on the page of what com
   // -0.5, and of measured_csv the mean of runs 1 to 3, half of 2 um in reverse and about 0.25 of its pattern
   CHECK_MESSAGE(
       reads(page,
-            "Over all readings, 2.8 um rms come from a constant shift of X positions by +2.8 um: the zero of the "
-            "laser or the datum "
-            "has changed; 1 um rms come from a difference of -2 um between forward and reverse of X "
-            "positions: lost motion."),
+            "contributes 2.8 um to this rms: the zero of the laser or the datum has changed. A difference of -2 um "
+            "between forward and reverse of X positions (36 of the 72 readings) contributes 1 um to this rms: lost "
+            "motion."),
       page);
 }
 
