@@ -442,7 +442,7 @@ cli::Fields<PrepareRequest> PrepareRequest::fields() {
   using R = PrepareRequest;
   return {{"FILE", &R::files, "measurement files of the line; they are joined", cli::Need::required},
           {"--line", &R::line, "line to use if the files contain several: \"EX along X at Y -1400, Z 0\""},
-          {"--place", &R::place, "position of the other axes, instead of that in the files: y=-1400,z=0"},
+          {"--place", &R::place, "position of the other axes; overrides --parked and the files: y=-1400,z=0"},
           {"--leave-out-run", &R::runs, "run to exclude, with the reason: 3=vibration"},
           {"--leave-out-reading", &R::readings, "reading of the line to exclude, counted from 1: \"17=beam broken\""},
           {"-o,--output", &R::output, "measurement CSV to write", cli::Is::output, cli::Need::required},

@@ -76,8 +76,8 @@ std::string coverage_text(const laser::ErrorMap& map) {
   for (const auto& row : map.header.thermal) live.insert(row.component);
   const auto has_row = [&](const auto& one) { return live.contains(one.component); };
   const bool one_reason = std::ranges::all_of(zero, [&](const auto& one) { return one.reason == zero.front().reason; });
-  return fmt::format("{} component{} with values, {} declared zero{}. The unit does not correct {}{}.",
-                     with_values.size(), with_values.size() == 1 ? "" : "s", zero.size(),
+  return fmt::format("{} curve{} with values, {} declared zero{}. The unit does not correct {}{}.", with_values.size(),
+                     with_values.size() == 1 ? "" : "s", zero.size(),
                      one_reason ? fmt::format(" ({})", zero.front().reason) : "",
                      zero.size() == 1 ? "that one" : "those",
                      std::ranges::any_of(zero, has_row) ? ", except by the thermal rows of the map" : "");

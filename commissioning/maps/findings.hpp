@@ -30,8 +30,8 @@ namespace ecs::commissioning {
 [[nodiscard]] bool has_objections(const std::vector<laser::MapFinding>& findings);
 /// What to do where tables are unevenly spaced.
 inline constexpr const char* kEvenly =
-    "space the points evenly (in step 4 of PROCESS LASER DATA: choose a grid), or give `ecs map send` "
-    "--accept-resampling";
+    "space the points evenly (in step 4 of PROCESS LASER DATA: choose a grid), or give --accept-resampling to `ecs map "
+    "send` and to `ecs map build MAP --image`";
 
 /// Messages of the findings that are no objections.
 [[nodiscard]] std::vector<std::string> remarks_in(const std::vector<laser::MapFinding>& findings);

@@ -202,7 +202,7 @@ Result<void> with_environment(MeasurementSet& set, const ImportArguments& argume
 /// The option that a problem of usage asks for.
 std::string_view option_that_helps(const Problem& wrong) {
   const auto says = [&](std::string_view word) { return wrong.message.find(word) != std::string::npos; };
-  if (says("give --channels")) return "";
+  if (says("give --channels") || says("--parked")) return "";
   if (wrong.message.starts_with("channels:")) return " (--channels)";
   if (says("channel")) return " (--channel NAME)";
   if (says("across the axis")) return " (--axis X, --sense EY)";

@@ -103,7 +103,9 @@ void compare_parameters(const DecodedImage& a, const DecodedImage& b, List& out)
 
 std::string text_of(const std::optional<DecodedIdentity>& identity) {
   if (!identity) return "none";
-  return fmt::format("unit {}, machine {}, configuration {:08X}", identity->serial_number, identity->machine,
+  return fmt::format("{}, {}, configuration {:08X}",
+                     identity->serial_number.empty() ? "no unit in particular" : "unit " + identity->serial_number,
+                     identity->machine.empty() ? "no machine in particular" : "machine " + identity->machine,
                      identity->configuration);
 }
 

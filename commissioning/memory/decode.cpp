@@ -39,9 +39,10 @@ void decode_commits(const DumpRegion& region, DecodedMemory& memory) {
       memory.faults.push_back(fmt::format("commit record {} at {} is corrupt", i, hex_address(slot.address)));
   }
   if (active) return;
-  memory.faults.push_back(std::ranges::all_of(memory.commits, &CommitSlot::blank)
-                              ? "no map has been sent yet: both commit records are blank"
-                              : "no commit record is valid: the unit has no active map");
+  if (std::ranges::all_of(memory.commits, &CommitSlot::blank))
+    memory.notes.emplace_back("no map has been sent yet: both commit records are blank");
+  else
+    memory.faults.emplace_back("no commit record is valid: the unit has no active map");
 }
 
 const Commit* active_commit_of(const DecodedMemory& memory) {
@@ -335,11 +336,12 @@ Cell status_when_taken(const MemoryDump& dump) {
 Cell memory_cell(const MemoryDump& dump, const DecodedMemory& memory, bool with_bytes) {
   return record_cell(
       dump.taken.empty()
-          ? "{faults}{regions}{commits}{images}{status}"
-          : "dump of unit {serial_number}, taken {taken}\nover {link}\n{faults}{regions}{commits}{images}{status}",
+          ? "{faults}{notes}{regions}{commits}{images}{status}"
+          : "dump of unit {serial_number}, taken {taken}\nover {link}\n{faults}{notes}{regions}{commits}{images}{status}",
       "taken"_is(text_cell(dump.taken)), "link"_is(text_cell(dump.link)),
       "serial_number"_is(text_cell(dump.serial_number)), "sound"_is(memory.sound()),
-      "faults"_is(lines_cell(memory.faults, "FAULT: ")), "regions"_is(regions_cell(dump)),
+      "faults"_is(lines_cell(memory.faults, "FAULT: ")), "notes"_is(lines_cell(memory.notes, "note: ")),
+      "regions"_is(regions_cell(dump)),
       "commits"_is(commits_cell(memory)), "images"_is(images_cell(dump, memory, with_bytes)),
       "status"_is(status_when_taken(dump)));
 }

@@ -65,8 +65,8 @@ struct DecodedMemory {
   std::array<CommitSlot, 2> commits{};
   bool has_commits = false;  ///< the dump holds the commit records
   std::vector<DecodedImage> images;
-  std::vector<std::string>
-      faults;  ///< of the whole: damage of the file, no map committed, the commit names other bytes
+  std::vector<std::string> faults;  ///< of the whole: damage of the file, the commit names other bytes
+  std::vector<std::string> notes;   ///< that no map has been sent yet
   [[nodiscard]] bool sound() const;
   /// The active image, else the only one; nullptr if neither.
   [[nodiscard]] const DecodedImage* main_image() const;

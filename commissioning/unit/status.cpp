@@ -372,7 +372,7 @@ constexpr std::array<std::string_view, protocol::kUnitErrorCount> kErrorNames{"n
                                                                               "other version",
                                                                               "not armed",
                                                                               "wrong code",
-                                                                              "too many codes"};
+                                                                              "a wrong code just before"};
 
 Cell event_cell(const protocol::HostEvent& event) {
   const bool writes = event.code == protocol::CommandCode::none;

@@ -35,7 +35,8 @@ Result<void> begin_compensation(protocol::UnitClient& client) {
   auto entered = client.enter_compensation();
   if (entered) return {};
   Problem failure = std::move(entered.error());
-  if (client.link().last_failure() == protocol::LinkFailure::none && !client.link().cancelled())
+  if (client.link().last_failure() == protocol::LinkFailure::none && !client.link().cancelled() &&
+      failure.message.find(protocol::text_of(protocol::UnitError::not_armed)) == std::string::npos)
     if (const auto status = client.status(); status && status->fault != Fault::none)
       failure.message = "the unit cannot compensate: " + fault_sentence(*status);
   return tl::unexpected(std::move(failure));

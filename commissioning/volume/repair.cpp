@@ -213,6 +213,15 @@ double largest_cost_um(const CauseCost& cost) {
   return most;
 }
 
+/// The chosen remedy alone increases a figure by more than its own uncertainty would be worth a word.
+bool makes_worse(const CauseCost& cost) {
+  constexpr double kWorse = 1.05;  // as of a line that compensation makes worse (what_if.cpp)
+  return std::ranges::any_of(kQuantities, [&](const auto quantity) {
+    const Remaining& one = cost.*quantity;
+    return (cost.remedy == Remedy::repair ? one.repaired : one.compensated).um > kWorse * one.left.um;
+  });
+}
+
 std::string_view remedy_text(Remedy remedy) {
   switch (remedy) {
     case Remedy::compensate:
@@ -419,6 +428,16 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
         fmt::format("{}: these readings do not determine them, and the prediction may be far off. First make the "
                     "measurement that separates them (ecs model next)",
                     fmt::join(fit.undetermined, "; ")));
+  for (const CauseCost& cost : answer.causes) {
+    if (cost.remedy == Remedy::compensate && !measurement_alternatives(cost.effect).empty())
+      answer.notes.push_back(
+          cost_if_of_measurement(cost.effect, fmt::format("{:.3g} um rms", cost.readings_rms.left.um)));
+    if ((cost.remedy == Remedy::compensate || cost.remedy == Remedy::repair) && makes_worse(cost))
+      answer.notes.push_back(fmt::format(
+          "{}: {} makes one of the figures worse, because this cause and another one partly cancel each other there. "
+          "Apply the remedies of all causes together",
+          name_with_alternatives(cost.effect), cost.remedy == Remedy::repair ? "repair" : "compensation"));
+  }
   note_doubts(answer, steps);
   if (unseen)
     answer.notes.emplace_back(

@@ -254,7 +254,27 @@ std::string take_units(Plan& plan, const ImportOptions& options) {
   return {};
 }
 
+namespace {
+
+/// A field that differs from a known one by underscores only is a typing error; any other is kept as a column.
+std::string misspelt(const std::vector<Field>& fields) {
+  const auto bare = [](std::string_view name) {
+    std::string letters = lower(std::string(name));
+    std::erase(letters, '_');
+    return letters;
+  };
+  for (const Field& field : fields)
+    for (const auto* known : {&kPositionColumns, &kAngleColumns})
+      for (const std::string_view name : *known)
+        if (field.rule.field != name && bare(field.rule.field) == bare(name))
+          return fmt::format("columns: there is no field {}; {} is the target", field.rule.field, name);
+  return {};
+}
+
+}  // namespace
+
 std::string plan_fault(const Plan& plan) {
+  if (std::string fault = misspelt(plan.fields); !fault.empty()) return fault;
   if (std::ranges::none_of(plan.fields, [](const Field& f) { return is_value(f.role); }))
     return "columns: expected one of reading, EX, EY, EZ, EA, EB, EC, forwardN, reverseN or measured_x_mm, found none";
   if (std::string fault = measured_fault(plan.fields); !fault.empty()) return fault;

@@ -194,12 +194,14 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
   if (fit.effects.back().readings == 0 || fit.effects.back().rms_um == 0.0) {
     const bool is_there =
         std::ranges::any_of(model.effects, [&](const EffectInstance& one) { return same_candidate(one, *effect); });
+    const std::string why = note_of_no_reading(*effect, data, regressors.acting(*effect));
     return problem(
         ProblemKind::usage,
         fmt::format("{}: {}", to_text(*effect),
-                    is_there ? "it is in the model already"
-                             : "no reading of these data depends on it (`ecs laser show` lists their axes, senses and "
-                               "columns)"));
+                    is_there        ? "it is in the model already"
+                    : !why.empty()  ? why
+                                    : "no reading of these data depends on it (`ecs laser show` lists their axes, "
+                                      "senses and columns)"));
   }
   added.effect = fit.effects.back();
   added.effect.effect.tied_with = added.model.effects.back().tied_with;

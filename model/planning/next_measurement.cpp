@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -552,6 +553,13 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
   return "No further measurement is needed to find the cause: it is proved" + odds_of_others(diagnosis) + ".";
 }
 
+/// Of a cause that follows a sensor, where others are possible: the cause is proved, its sensor only likelier.
+std::string odds_of_sensor(const Candidate& candidate) {
+  if (candidate.effect.sensor.empty() || candidate.set.size() < 2) return {};
+  return fmt::format(" Which sensor it follows is not proved: {} has a probability of {:.3g} %.", candidate.effect.sensor,
+                     kPercent * candidate.set.front().probability);
+}
+
 NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis,
                              const MeasuringTimes& times) {
   const bool may_be_waves = std::ranges::any_of(
@@ -562,7 +570,7 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
     bool is_said = diagnosis.headline.ends_with(diagnosis.reservation);
     for (Candidate& candidate : diagnosis.candidates) {
       if (!candidate.in_answer()) continue;
-      candidate.next_measurement = *settled + step_after_proof(candidate.effect, data.machine) +
+      candidate.next_measurement = *settled + odds_of_sensor(candidate) + step_after_proof(candidate.effect, data.machine) +
                                    (is_said || diagnosis.reservation.empty() ? "" : " " + diagnosis.reservation);
       is_said = true;
       if (next.notes.empty()) next.notes.push_back(candidate.next_measurement);
@@ -585,7 +593,15 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
                return pair.sigma >= kSeparates && (pair.truth == name || pair.rival == name);
              });
     });
-    if (tells != next.proposals.end()) candidate.next_measurement = tells->sentence;
+    if (tells == next.proposals.end()) continue;
+    candidate.next_measurement = tells->sentence;
+    std::set<std::string> together;
+    for (const PairSeparation& pair : tells->pairs)
+      if (pair.sigma < std::min(kSeparates, tells->separation_sigma) && !pair.rival.empty() &&
+          (pair.truth == name || pair.rival == name))
+        together.insert(pair.truth == name ? pair.rival : pair.truth);
+    if (!together.empty())
+      candidate.next_measurement += fmt::format(" It does not distinguish {} from {}.", name, fmt::join(together, ", "));
   }
   return next;
 }

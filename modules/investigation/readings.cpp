@@ -304,7 +304,7 @@ std::string ledger_numbers(std::size_t number, const InvestigationStep& step, do
                      step.set.size());
 }
 
-std::string ledger_head() { return ledger_numbers_head() + "  measured"; }
+std::string ledger_head() { return ledger_numbers_head() + "  measured; below: causes (# each), probability"; }
 
 std::string ledger_line(std::size_t number, const InvestigationStep& step, double total_minutes) {
   const std::string head = ledger_numbers(number, step, total_minutes) + "  ";

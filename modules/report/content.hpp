@@ -187,6 +187,10 @@ enum class RowVerdict {
   missing,      ///< planned, and a file is missing or unfit
 };
 [[nodiscard]] RowVerdict verdict_of(const TableRow& row);
+/// Only of a positioning error ISO 230-2 states conditions.
+[[nodiscard]] inline bool is_positioning(const TableRow& row) {
+  return !is_rotation(row.planned.sense) && direction_of(row.planned.sense) == row.planned.axis;
+}
 /// "within", "above", "no limit", "before only", "missing"
 [[nodiscard]] std::string_view word_for(RowVerdict verdict);
 

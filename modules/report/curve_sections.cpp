@@ -142,7 +142,7 @@ Markup notes_of(const std::vector<TableRow>& rows) {
   std::vector<std::pair<std::string, std::vector<std::string>>> notes;
   for (const TableRow& row : rows)
     for (const auto* phase : {&row.before, &row.after}) {
-      if (!*phase) continue;
+      if (!*phase || !is_positioning(row)) continue;
       for (const std::string& note : (*phase)->iso.notes) {
         auto at = std::find_if(notes.begin(), notes.end(), [&](const auto& n) { return n.first == note; });
         if (at == notes.end()) at = notes.insert(notes.end(), {note, {}});

@@ -301,7 +301,7 @@ void gaps_to_do(const ReportContent& content, std::vector<std::string>& next) {
   std::vector<std::string> few, unlimited;
   for (const TableRow& row : content.rows) {
     const auto has_notes = [](const auto& phase) { return phase && !phase->iso.notes.empty(); };
-    if (has_notes(row.before) || has_notes(row.after)) few.push_back(row.planned.name);
+    if (is_positioning(row) && (has_notes(row.before) || has_notes(row.after))) few.push_back(row.planned.name);
     if (verdict_of(row) == RowVerdict::no_limit) unlimited.push_back(row.planned.name);
   }
   if (!few.empty())

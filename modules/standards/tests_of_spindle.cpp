@@ -83,9 +83,10 @@ std::string further_words(const laser::SpindleTest& test) {
     const std::string_view unit = unit_of(motion);
     text += fmt::format("  {:<27} {}\n", motion.title, once_words(motion));
     text += fmt::format(
-        "    asynchronous {0:.3f} {1} with the drift. For comparison, random noise of the same rms, {2:.3f} {1}, "
-        "alone\n"
-        "    gives {3:.3f} {1} asynchronous and {4:.3f} {1} synchronous in {5} turns\n",
+        "    the asynchronous value is {0:.3f} {1} if the drift is included. Random noise with the rms of the\n"
+        "    asynchronous motion, {2:.3f} {1}, would alone give {3:.3f} {1} asynchronous and {4:.3f} {1} synchronous in "
+        "{5} turns:\n"
+        "    compare these two with the columns asynchronous and synchronous of the table\n",
         motion.asynchronous_drift, unit, motion.asynchronous_rms, motion.if_noise.asynchronous,
         motion.if_noise.synchronous, test.turns);
     if (motion.of_sensor)

@@ -75,7 +75,7 @@ Result<Outcome> rotary_errors_built(VerbContext& context, const std::vector<std:
 /// With what the map of a model takes as well.
 struct BuildRequest : FromModelArguments {
   std::vector<std::string> files;
-  bool shrink = false;
+  bool shrink = false, accept_resampling = false;
   ImportArguments import;
   static Fields<BuildRequest> fields() {
     using R = BuildRequest;
@@ -93,6 +93,8 @@ struct BuildRequest : FromModelArguments {
             {"-o,--output", &R::output, "map CSV to write", Is::output},
             {"--params-out", &R::params_out, "parameter file to write, with the measured squareness", Is::output},
             {"--image", &R::image, "memory image to write: the bytes that `map send` would transmit", Is::output},
+            {"--accept-resampling", &R::accept_resampling,
+             "make the image of a map CSV even if resampling changes a table by more than its resolution"},
             {"--zero", &R::zero, "declare a component zero, with a reason: EBY=\"too small to measure\""},
             {"--zero-missing", &R::zero_missing,
              "declare every component that the model lacks zero, with this reason (needs --from-model)"},
@@ -300,7 +302,8 @@ Result<Outcome> image_of_map(VerbContext& context, const BuildRequest& request) 
   ECS_DO(add_rotary(whole.header, request.rotary, request.machine, notes));
   for (const std::string& note : notes) context.console.note(note);
   ECS_TRY(parameters, params::read_parameters(request.params));
-  ECS_TRY(prepared, prepared_map(whole, map, parameters, request.params));
+  ECS_TRY(prepared, prepared_map(whole, map, parameters, request.params,
+                                 {.accept_resampling = request.accept_resampling}));
   for (const std::string& note : prepared.image.notes) context.console.note(note);
   for (const std::string& remark : prepared.remarks) context.console.warn(remark);
   ECS_TRY(image, image_for_file(prepared));

@@ -103,7 +103,11 @@ Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
   }
   constexpr std::string_view kSigns =
       "values: compensation, which the unit adds to the position (the sign is opposite to that of the error)\n";
-  return outcome_of(record_cell("{header}\n{tables}{signs}{findings}{plot}", "map"_is(found.name),
+  constexpr std::string_view kUncertainty =
+      "uncertainty: standard uncertainties (k = 1), um or um/m; value: of each value alone; pass: common to a whole "
+      "pass\n";
+  return outcome_of(record_cell("{header}\n{tables}{signs}{uncertainty}{findings}{plot}", "map"_is(found.name),
+                                "uncertainty"_shown(found.map.header.uncertainty.empty() ? "" : kUncertainty),
                                 "signs"_shown(tables.empty() ? "" : kSigns), "header"_is(header_cell(found.map.header)),
                                 "tables"_is(tables_cell(tables, only.has_value())),
                                 "findings"_is(judged_cell(findings)), "plot"_is(written_cell("plot", request.plot))));

@@ -64,6 +64,21 @@ Result<Outcome> one_effect(const std::string& name) {
                  like.empty() ? "." : fmt::format("; did you mean \"{}\"?", like), fmt::join(names, ", "));
 }
 
+/// A formula that is wider than its column continues below.
+std::string row_of(const EffectDefinition& effect) {
+  constexpr std::size_t kFormula = 42;
+  std::string text, formula(effect.formula);
+  for (bool is_first = true; is_first || !formula.empty(); is_first = false) {
+    const std::size_t end = formula.size() <= kFormula ? formula.size() : formula.rfind(' ', kFormula);
+    const std::string carrier(commissioning::carrier_text(effect.carrier));
+    text += is_first ? fmt::format("{:<19} {:<42} {}\n", effect.id, formula.substr(0, end),
+                                   effect.is_carried() ? carrier : "not by the unit")
+                     : fmt::format("{:<20}  {}\n", "", formula.substr(0, end));
+    formula = end < formula.size() ? formula.substr(end + 1) : "";
+  }
+  return text;
+}
+
 struct EffectsRequest {
   std::string name, machine;
   static Fields<EffectsRequest> fields() {
@@ -77,8 +92,7 @@ Result<Outcome> effects(VerbContext&, const EffectsRequest& request) {
   if (!request.name.empty()) return one_effect(request.name);
   Cell all{Json::array(), fmt::format("{:<19} {:<42} {}\n", "effect", "contribution to a reading", "compensated by")};
   for (const EffectDefinition& effect : model::effect_library())
-    all.add({object_of(fields_of(effect)), fmt::format("{:<19} {:<42} {}\n", effect.id, effect.formula,
-                                                       commissioning::carrier_text(effect.carrier))});
+    all.add({object_of(fields_of(effect)), row_of(effect)});
   return outcome_of(
       record_cell("{effects}`ecs model effects NAME` explains one. Thermal rows are the part of a map that follows\n"
                   "temperatures and load; `ecs utility inputs` shows them\n",

@@ -30,6 +30,8 @@ using model::EffectFit;
 using model::Fit;
 
 constexpr double kStrongCorrelation = 0.9;
+/// Condition number from which collinearity seriously degrades estimates (Belsley, Kuh and Welsch 1980).
+constexpr double kPoorlySeparated = 30.0;
 constexpr double kDistinguished = 2.0;  // sigmas: zero lies outside 95 % of what the readings allow
 
 struct FitRequest {
@@ -139,8 +141,11 @@ Cell fit_cell(const Fit& fit, const model::Observations& data, bool rotary, cons
       "noise_from_repeats"_is(fit.noise.from_repeats), "lack_of_fit"_is(lack_of_fit),
       "fitted_parameters"_is(fit.fitted_parameters),
       "condition"_is(fit.condition,
-                     paragraph(fmt::format("noise of one reading {}; lack-of-fit test: {}; condition number {}",
-                                           noise_text(fit.noise), lack_of_fit.text, few_digits(fit.condition)))),
+                     paragraph(fmt::format("noise of one reading {}; lack-of-fit test: {}; parameters {} separated "
+                                           "(condition number {})",
+                                           noise_text(fit.noise), lack_of_fit.text,
+                                           fit.condition < kPoorlySeparated ? "well" : "poorly",
+                                           few_digits(fit.condition)))),
       "effects"_is(effects_cell(fit)), "correlations"_is(correlations_cell(fit)),
       "not_distinguished"_is(zero, not_distinguished_text(zero)), "undetermined"_is(fit.undetermined, undetermined),
       "outliers"_is(fit.outliers, outliers_text(fit)), "noise"_is(noise_cell(fit, rotary, !data.time_s.empty())),
@@ -187,7 +192,7 @@ Result<Outcome> fit(VerbContext& context, const FitRequest& request) {
     ECS_DO(write_file(request.rotary, text));
     for (const std::string& one : found.not_told) answer.text += paragraph(one, 0, 2);
     for (const std::string& one : found.left_out)
-      answer.text += paragraph(fmt::format("not written to {}: {}", request.rotary, one), 0, 2);
+      answer.text += paragraph(fmt::format("{} does not contain {}", request.rotary, one), 0, 2);
     answer.text += fmt::format("errors of rotary axes written to {}\n", request.rotary);
   }
   if (!request.plot.empty()) answer.text += fmt::format("plot written to {}\n", request.plot);

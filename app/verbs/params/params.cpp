@@ -57,8 +57,11 @@ Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
   ECS_TRY(file, params::read_parameters(request.file));
   const auto& [machine, serial_number] = file.identity;
   const bool named = !machine.empty() || !serial_number.empty();
-  const Cell identity = record_cell(named ? "machine {machine}, serial number {serial_number}\n\n" : "",
-                                    "machine"_is(text_cell(machine)), "serial_number"_is(text_cell(serial_number)));
+  const Cell identity = record_cell(named ? "{of_machine}, {of_unit}\n\n" : "", "machine"_is(text_cell(machine)),
+                                    "serial_number"_is(text_cell(serial_number)),
+                                    "of_machine"_shown(machine.empty() ? "no machine" : "machine " + machine),
+                                    "of_unit"_shown(serial_number.empty() ? "no serial number"
+                                                                          : "serial number " + serial_number));
   return outcome_of(record_cell("{identity}{parameters}", "file"_is(request.file), "identity"_is(identity),
                                 "parameters"_is(parameters_cell(file.parameters)), "defaulted"_is(file.defaulted)));
 }
@@ -334,7 +337,9 @@ Result<Outcome> adjust(VerbContext& context, const AdjustRequest& request) {
   Vector3 values = stored;
   if (status.mode == UnitMode::compensating) {
     ECS_TRY(lines, unit.client().control_lines());
-    values = lines.squareness_um_per_m;
+    for (std::size_t i = 0; i < kAxes; ++i)  // a trial is sent in steps: less than a step is rounding
+      if (std::abs(lines.squareness_um_per_m[i] - stored[i]) > protocol::kSquarenessStep_um_per_m)
+        values[i] = lines.squareness_um_per_m[i];
   }
   double& value = values[static_cast<std::size_t>(component) - static_cast<std::size_t>(Component::C0Y)];
   const double before = value;

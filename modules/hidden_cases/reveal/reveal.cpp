@@ -279,19 +279,23 @@ Judged judged(const HiddenTruth& truth, const FoundAnswer& answer) {
                       answer.verdict, first_name(answer))};
 }
 
-/// Phases count modulo one turn.
+/// Phases count modulo one turn: within half a turn of zero, as a diagnosis states them.
+double without_turns(const std::string& name, double value) {
+  return name.ends_with("_rad") ? std::remainder(value, 2.0 * std::numbers::pi) : value;
+}
+
 double nearest_value(const std::string& name, double found, double hidden) {
-  if (!name.ends_with("_rad")) return found;
-  return hidden + std::remainder(found - hidden, 2.0 * std::numbers::pi);
+  return name.ends_with("_rad") ? hidden + without_turns(name, found - hidden) : found;
 }
 
 /// The numbers of an effect that was hidden beside those found.
 void add_scores(Cell& list, const HiddenEffect& hidden, const FoundEffect& found) {
   // The other order of a pair of sensors turns the sign of their difference.
   const double sign = !hidden.sensor2.empty() && hidden.sensor != found.effect.sensor ? -1.0 : 1.0;
-  for (const auto& [name, truth] : hidden.parameters) {
+  for (const auto& [name, stated] : hidden.parameters) {
     const auto estimate = found.parameters.find(name);
     if (estimate == found.parameters.end()) continue;
+    const double truth = without_turns(name, stated);
     const double value = nearest_value(name, sign * estimate->second, truth);
     const auto given = found.sigma.find(name);
     const auto sigma = given != found.sigma.end() ? std::optional(given->second) : std::nullopt;
@@ -349,8 +353,7 @@ std::vector<std::string> found_names(const FoundAnswer& answer) {
 
 std::string found_text(const FoundAnswer& answer) {
   const auto names = found_names(answer);
-  std::string text = "Found: " + answer.verdict;
-  if (!names.empty()) text += fmt::format(": {}", fmt::join(names, "; "));
+  std::string text = names.empty() ? "Found: " + answer.verdict : fmt::format("Found: {}", fmt::join(names, "; "));
   if (answer.verdict == "unexplained_structure" && !answer.where.empty())
     text += fmt::format("; it depends on {}", fmt::join(answer.where, ", "));
   return paragraph(text, 0, 2);

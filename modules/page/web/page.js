@@ -277,7 +277,7 @@ function rivalsOf({ indistinguishable_from, set }) {
   const rivals = (indistinguishable_from || []).map((one) => one.name || one);
   if (!rivals.length) return null;
   return element("div", { class: "rivals" }, element("p", {}, element("strong", {}, "cannot be distinguished from: "), rivals.join(", ")),
-    set && set.length > 1 ? element("p", {}, "one of these (99 %): ", set.map((one) => `${one.name} ${percent(one.probability)}`).join(", ")) : null);
+    set && set.length > 1 ? element("p", {}, "one of these (more than 99 % together): ", set.map((one) => `${one.name} ${percent(one.probability)}`).join(", ")) : null);
 }
 
 /** What `ecs model add` takes beside the name of a candidate. */

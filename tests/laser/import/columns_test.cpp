@@ -62,6 +62,11 @@ TEST_CASE("columns by heading, units in brackets, lines skipped, decimal commas"
   CHECK(set.readings[1].sensors_degC.at("t_material_degC") == Approx(25.0));
 }
 
+TEST_CASE("a field that differs from a target only by an underscore is refused, not kept as a column") {
+  const auto wrong = must_fail(parse_any("0 1\n10 2\n", "t.txt", by_columns("xmm=1,x_mm=1,reading=2")));
+  CHECK(contains(to_text(wrong), "columns: there is no field xmm; x_mm is the target"));
+}
+
 TEST_CASE("a table with a column for each pass") {
   const auto set = read_table("target,f1,b1,f2,b2\n0,1,2,3,4\n50,5,6,,8\n",
                               by_columns("z_mm=1,forward1=2,reverse1=3,forward2=4,reverse2=5"));
