@@ -166,13 +166,11 @@ Cell rotary_cell(const laser::MapHeader& header) {
 }
 
 Cell bending_cell(const RotaryBending& bending) {
-  Cell cell{Json::object(), {}};
-  for (const laser::RotaryPart& part : laser::parts_of(bending)) {
-    cell.json[part.name] = number_or_null(part.largest);
+  Cell cell{{{"machine_um", bending.of_machine}, {"tool_um_per_m", bending.of_tool}}, {}};
+  for (const laser::RotaryPart& part : laser::parts_of(bending))
     if (part.largest != 0.0)
       cell.text += fmt::format("{}{} {:.2f} {}", cell.text.empty() ? "  bending of the head: " : ", ", part.name,
                                part.largest, part.unit);
-  }
   if (!cell.text.empty()) cell.text += "\n";
   return cell;
 }

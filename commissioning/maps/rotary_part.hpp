@@ -27,7 +27,7 @@ namespace ecs::commissioning {
 /// The rotary axes of a map: location errors, increment, and the largest compensation of each curve; as text bending
 /// too. No text where there are none.
 [[nodiscard]] Cell rotary_cell(const laser::MapHeader& header);
-/// Every size of bending by its name, as text those that are not zero.
+/// Sizes of bending as a map file has them, as text by their names those that are not zero.
 [[nodiscard]] Cell bending_cell(const RotaryBending& bending);
 
 }  // namespace ecs::commissioning

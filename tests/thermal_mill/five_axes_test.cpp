@@ -293,13 +293,14 @@ TEST_CASE("effects of rotary axes become location errors and curves of the map, 
         std::vector<std::string>{"location:B:XOB", "head_bending", "tilt_scale:B:EB", "tool_bending"});
   CHECK(built.compiled.map.header.bending == RotaryBending{{}, {100.0}});
   CHECK(contains(only(built.compiled.not_carried), "offset:B:EX: a constant in readings of a rotary axis is the zero"));
-  const std::string text = from_model_cell(built, {}).text;
-  const auto on_table = must(
-      model::parse_model("[[effect]]\nid = \"machine_bending\"\nparameters = { x_sin_um = 9.0 }\n", "model.toml", "."));
+  const auto on_table =
+      must(model::parse_model("[[effect]]\nid = \"machine_bending\"\nparameters = { x_sin_um = 9.0 }\n"
+                              "[[effect]]\nid = \"location\"\ncode = \"YOA\"\nparameters = { um = 5.0 }\n",
+                              "model.toml", "."));
   CHECK(contains(only(map_of(kTiltingTable, on_table).compiled.not_carried),
                  "machine_bending: no rotary axis carries the tool"));
-  check_holds(text, {"B from location:B:XOB + head_bending + tilt_scale:B:EB + tool_bending",
-                     "bending of the head: tool_bending x_sin 100.00 um/m"});
+  check_holds(from_model_cell(built, {}).text, {"B from location:B:XOB + head_bending + tilt_scale:B:EB + tool_bending",
+                                                "bending of the head: tool_bending x_sin 100.00 um/m"});
 }
 
 TEST_CASE("without an input for an angle a map from a model compensates no rotary axis, and says why") {
