@@ -161,6 +161,7 @@ TEST_CASE("bending of a head is a line of the text and part of an image of forma
   const std::string text = to_map_csv(map);
   check_holds(text, {"# rotary_bending: machine_um=1.5,0,-0.1,0,0,2 tool_um_per_m=0,33.333333333333336,0,0,-7,0\n"});
   CHECK(must(parse_map_csv(text, "map.csv")) == map);
+  map.header.declared_zero.clear();
   for (std::size_t c = 0; c < kComponents; ++c) map.header.declared_zero.push_back({static_cast<Component>(c), "test"});
   UnitParameters parameters = parameters_of_table();
   parameters.tool_range_mm = {10.0, 10.0, 200.0};
