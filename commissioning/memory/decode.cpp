@@ -334,16 +334,14 @@ Cell status_when_taken(const MemoryDump& dump) {
 }  // namespace
 
 Cell memory_cell(const MemoryDump& dump, const DecodedMemory& memory, bool with_bytes) {
-  return record_cell(
-      dump.taken.empty()
-          ? "{faults}{notes}{regions}{commits}{images}{status}"
-          : "dump of unit {serial_number}, taken {taken}\nover {link}\n{faults}{notes}{regions}{commits}{images}{status}",
-      "taken"_is(text_cell(dump.taken)), "link"_is(text_cell(dump.link)),
-      "serial_number"_is(text_cell(dump.serial_number)), "sound"_is(memory.sound()),
-      "faults"_is(lines_cell(memory.faults, "FAULT: ")), "notes"_is(lines_cell(memory.notes, "note: ")),
-      "regions"_is(regions_cell(dump)),
-      "commits"_is(commits_cell(memory)), "images"_is(images_cell(dump, memory, with_bytes)),
-      "status"_is(status_when_taken(dump)));
+  return record_cell(dump.taken.empty() ? "{faults}{notes}{regions}{commits}{images}{status}"
+                                        : "dump of unit {serial_number}, taken {taken}\nover "
+                                          "{link}\n{faults}{notes}{regions}{commits}{images}{status}",
+                     "taken"_is(text_cell(dump.taken)), "link"_is(text_cell(dump.link)),
+                     "serial_number"_is(text_cell(dump.serial_number)), "sound"_is(memory.sound()),
+                     "faults"_is(lines_cell(memory.faults, "FAULT: ")), "notes"_is(lines_cell(memory.notes, "note: ")),
+                     "regions"_is(regions_cell(dump)), "commits"_is(commits_cell(memory)),
+                     "images"_is(images_cell(dump, memory, with_bytes)), "status"_is(status_when_taken(dump)));
 }
 
 Result<StatusFile> read_status_file(const std::string& path) {

@@ -275,7 +275,8 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& d) {
       "rms_after_um"_is(c.rms_after_um, fmt::format("{:.3f}", shown_rms_um)),
       "explained"_is(c.explained, percent(c.shown_explained())), "explainable_share"_is(c.explainable_share),
       "p_value"_is(c.p_value, ""), "false_naming"_is(c.false_naming), "probability"_is(c.probability),
-      "set"_is(set_json(c.set), details(c.set.size() > 1, "one of these (more than 99 % together): " + set_text(c.set))),
+      "set"_is(set_json(c.set),
+               details(c.set.size() > 1, "one of these (more than 99 % together): " + set_text(c.set))),
       "parameters_set"_is(parameters_set_json(c), details(!c.parameters_set.empty(), values_text(c))),
       "e_value"_is(c.e_value), "found"_is(c.found),
       "tried_at"_is(object_of("value"_is(c.tried_at.value), "coefficients"_is(c.tried_at.coefficients))),
@@ -308,11 +309,12 @@ std::string closest_text(const Diagnosis& d) {
     if (closest.size() < kMostShown)
       closest.push_back({to_text(candidate.effect), candidate.probability, place_text(candidate.effect)});
   if (closest.empty()) return {};
-  return "\n" + paragraph(
-                    "Nearest candidates, each with the probability that it is real rather than noise. None has the 99 % "
-                    "that name a cause. Candidates that these data cannot distinguish share one probability: " +
-                        set_text(closest, 2),
-                    0, 2);
+  return "\n" +
+         paragraph(
+             "Nearest candidates, each with the probability that it is real rather than noise. None has the 99 % "
+             "that name a cause. Candidates that these data cannot distinguish share one probability: " +
+                 set_text(closest, 2),
+             0, 2);
 }
 
 /// What adding the likely effects would do, and how.

@@ -320,15 +320,15 @@ std::string what_if_summary(const model::WhatIf& what, const model::Model& model
   for (const model::WhatIf::Share& share : what.shares)
     if (!share.carried)
       (share.of_measurement ? measurement : machine).push_back(name_with_alternatives(model, share.effect));
-  const std::string rest =
-      fmt::format("{}noise and errors of the machine that the model does not explain",
-                  machine.empty() ? "" : fmt::format("{}, ", fmt::join(machine, ", ")));
+  const std::string rest = fmt::format("{}noise and errors of the machine that the model does not explain",
+                                       machine.empty() ? "" : fmt::format("{}, ", fmt::join(machine, ", ")));
   if (measurement.empty())
     return text + fmt::format(" The remaining {:.3f} {} rms would consist of {}.", what.machine_um, unit, rest);
-  return text + fmt::format(" Of the remaining {:.3f} {} rms, {:.3f} {} belong to the measurement, not to the "
-                            "machine: {}. Without them {:.3f} {} rms remain: {}.",
-                            what.rms_after_um, unit, what.measurement_um, unit, fmt::join(measurement, ", "),
-                            what.machine_um, unit, rest);
+  return text + fmt::format(
+                    " Of the remaining {:.3f} {} rms, {:.3f} {} belong to the measurement, not to the "
+                    "machine: {}. Without them {:.3f} {} rms remain: {}.",
+                    what.rms_after_um, unit, what.measurement_um, unit, fmt::join(measurement, ", "), what.machine_um,
+                    unit, rest);
 }
 
 Cell what_if_cell(const WhatIfAnswer& answer) {

@@ -419,7 +419,8 @@ std::optional<std::string> slope_note(const Candidate& one, const Regressors& re
       std::ranges::any_of(one.rivals, [&](const EffectInstance& rival) { return is_curve(rival, false); }))
     return std::nullopt;
   return fmt::format(
-      "{} has the same shape in these readings as two errors of the position together, a slope and a curve. One cause is "
+      "{} has the same shape in these readings as two errors of the position together, a slope and a curve. One cause "
+      "is "
       "more probable than two; measure a second line at another distance to exclude them",
       place_text(one.effect));
 }

@@ -198,10 +198,10 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
     return problem(
         ProblemKind::usage,
         fmt::format("{}: {}", to_text(*effect),
-                    is_there        ? "it is in the model already"
-                    : !why.empty()  ? why
-                                    : "no reading of these data depends on it (`ecs laser show` lists their axes, "
-                                      "senses and columns)"));
+                    is_there       ? "it is in the model already"
+                    : !why.empty() ? why
+                                   : "no reading of these data depends on it (`ecs laser show` lists their axes, "
+                                     "senses and columns)"));
   }
   added.effect = fit.effects.back();
   added.effect.effect.tied_with = added.model.effects.back().tied_with;

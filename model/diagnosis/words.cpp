@@ -376,9 +376,10 @@ std::optional<std::string> hidden_pitches(const Observations& data, const EvenTa
 std::optional<std::string> undetected(const Observations& data, const EvenTargets& targets) {
   if (data.rotary) {
     const auto steps = steps_a_turn(targets.step_mm);
-    return steps ? fmt::format(", where a wave with N periods per turn looks like one with {0} - N periods, and a wave "
-                               "with {0} periods does not show",
-                               *steps)
+    return steps ? fmt::format(
+                       ", where a wave with N periods per turn looks like one with {0} - N periods, and a wave "
+                       "with {0} periods does not show",
+                       *steps)
                  : "";
   }
   const auto hidden = hidden_pitches(data, targets);

@@ -556,8 +556,8 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
 /// Of a cause that follows a sensor, where others are possible: the cause is proved, its sensor only likelier.
 std::string odds_of_sensor(const Candidate& candidate) {
   if (candidate.effect.sensor.empty() || candidate.set.size() < 2) return {};
-  return fmt::format(" Which sensor it follows is not proved: {} has a probability of {:.3g} %.", candidate.effect.sensor,
-                     kPercent * candidate.set.front().probability);
+  return fmt::format(" Which sensor it follows is not proved: {} has a probability of {:.3g} %.",
+                     candidate.effect.sensor, kPercent * candidate.set.front().probability);
 }
 
 NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis,
@@ -570,7 +570,8 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
     bool is_said = diagnosis.headline.ends_with(diagnosis.reservation);
     for (Candidate& candidate : diagnosis.candidates) {
       if (!candidate.in_answer()) continue;
-      candidate.next_measurement = *settled + odds_of_sensor(candidate) + step_after_proof(candidate.effect, data.machine) +
+      candidate.next_measurement = *settled + odds_of_sensor(candidate) +
+                                   step_after_proof(candidate.effect, data.machine) +
                                    (is_said || diagnosis.reservation.empty() ? "" : " " + diagnosis.reservation);
       is_said = true;
       if (next.notes.empty()) next.notes.push_back(candidate.next_measurement);
@@ -601,7 +602,8 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
           (pair.truth == name || pair.rival == name))
         together.insert(pair.truth == name ? pair.rival : pair.truth);
     if (!together.empty())
-      candidate.next_measurement += fmt::format(" It does not distinguish {} from {}.", name, fmt::join(together, ", "));
+      candidate.next_measurement +=
+          fmt::format(" It does not distinguish {} from {}.", name, fmt::join(together, ", "));
   }
   return next;
 }

@@ -178,11 +178,10 @@ class Conditions {
                     double minutes) {
     const double change = temperature_change(now_, sensors, sign, times_);
     if (change == 0.0) return;
-    add(fmt::format(fmt::runtime(condition), std::abs(change)),
-        [&](MeasurementProposal& p) {
-          for (const std::string& sensor : sensors) p.temperatures_degC[sensor] += change;
-          p.wait_minutes = minutes > 0.0 ? minutes * std::abs(change) : times_.cold_minutes;
-        });
+    add(fmt::format(fmt::runtime(condition), std::abs(change)), [&](MeasurementProposal& p) {
+      for (const std::string& sensor : sensors) p.temperatures_degC[sensor] += change;
+      p.wait_minutes = minutes > 0.0 ? minutes * std::abs(change) : times_.cold_minutes;
+    });
   }
 
   void temperatures() {
@@ -191,13 +190,16 @@ class Conditions {
       all.push_back(each.first);
       if (each.first != "t_air_degC") of_machine.push_back(each.first);
     }
-    move_sensors("after the machine has been warmed by {:.0f} degC by moving its axes", of_machine, 1.0, times_.warm_minutes_per_degC);
+    move_sensors("after the machine has been warmed by {:.0f} degC by moving its axes", of_machine, 1.0,
+                 times_.warm_minutes_per_degC);
     if (all.size() > of_machine.size())
-      move_sensors("after workshop and machine have been warmed by {:.0f} degC", all, 1.0, times_.room_minutes_per_degC);
+      move_sensors("after workshop and machine have been warmed by {:.0f} degC", all, 1.0,
+                   times_.room_minutes_per_degC);
     move_sensors("after workshop and machine have cooled by {:.0f} degC in a night", all, -1.0, 0.0);
     if (of_machine.size() > 1)
       for (const std::string& sensor : of_machine)
-        move_sensors(fmt::format("after {} alone has been warmed by {{:.0f}} degC", sensor), {sensor}, 1.0, times_.warm_minutes_per_degC);
+        move_sensors(fmt::format("after {} alone has been warmed by {{:.0f}} degC", sensor), {sensor}, 1.0,
+                     times_.warm_minutes_per_degC);
   }
 
   void time_and_air() {

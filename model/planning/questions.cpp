@@ -83,9 +83,10 @@ std::string what_it_tells(const MeasurementProposal& p, Question question) {
     least = std::min(least, pair.sigma);
   }
   if (question == Question::see)
-    return fmt::format("A measurement of {} would show {} at {:.1f} sigma if this error were as large as the noise of "
-                       "one reading",
-                       minutes, listed(apart), p.separation_sigma);
+    return fmt::format(
+        "A measurement of {} would show {} at {:.1f} sigma if this error were as large as the noise of "
+        "one reading",
+        minutes, listed(apart), p.separation_sigma);
   if (question == Question::confirm) return fmt::format("confirms {}: {:.1f} sigma, {}", listed(apart), least, minutes);
   if (apart.empty()) return fmt::format("rules out one of the group: {:.1f} sigma, {}", p.separation_sigma, minutes);
   std::string text = fmt::format("distinguishes {}: {:.1f} sigma, {}", listed(apart), least, minutes);

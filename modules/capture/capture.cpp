@@ -508,7 +508,8 @@ cli::Fields<CaptureChoice> CaptureChoice::fields() {
       {"--environment", &A::environment, "thermometer to record with every reading: temper, or DEVICE.toml[@SERIAL]"},
       {"--environment-every", &A::environment_every_s, "time between the values of --environment [s]",
        cli::Range{0.1, 3600.0}},
-      {"--min-interval", &A::min_interval_s, "shortest time between triggers; an earlier one is ignored [s]; default 0.5"},
+      {"--min-interval", &A::min_interval_s,
+       "shortest time between triggers; an earlier one is ignored [s]; default 0.5"},
       {"--force", &A::force, "overwrite an existing output file"}};
 }
 

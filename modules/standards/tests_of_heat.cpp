@@ -58,7 +58,8 @@ std::string answer_words(const laser::ThermalTest& test) {
   if (shape < kWorthIt * plain)
     words += fmt::format("A zero of its own for each run lowers it from {:.2f} to {:.2f} um. ", plain, shape);
   if (lagged_shape < kWorthIt * shape) words += fmt::format("Both together lower it to {:.2f} um. ", lagged_shape);
-  if (words.empty()) return "Neither delays nor a zero for each run predict the left-out runs better than the present temperatures.";
+  if (words.empty())
+    return "Neither delays nor a zero for each run predict the left-out runs better than the present temperatures.";
   words.pop_back();
   return words;
 }

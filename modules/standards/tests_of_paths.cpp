@@ -71,10 +71,11 @@ Cell fault_cell(const model::CircleFaultFound& fault) {
 }
 
 Cell diagnosis_cell(const model::CircleDiagnosis& diagnosis) {
-  const std::string heading = diagnosis.faults.empty()
-                                  ? std::string("  no fault of the library exceeds the noise\n")
-                                  : fmt::format("  share: of the mean square of the deviations\n  {:>8} {:>8} {:>8}  {}\n", "share", "rms [um]", "G [um]",
-                                                "cause, with its size +- standard uncertainty (k = 1)");
+  const std::string heading =
+      diagnosis.faults.empty()
+          ? std::string("  no fault of the library exceeds the noise\n")
+          : fmt::format("  share: of the mean square of the deviations\n  {:>8} {:>8} {:>8}  {}\n", "share", "rms [um]",
+                        "G [um]", "cause, with its size +- standard uncertainty (k = 1)");
   return record_cell(
       "causes: deviations {rms_um} um rms about the centre, noise {noise_um} um{from}, residual {left_um} um "
       "rms\n{faults}{notes}",

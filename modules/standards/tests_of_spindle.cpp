@@ -84,7 +84,8 @@ std::string further_words(const laser::SpindleTest& test) {
     text += fmt::format("  {:<27} {}\n", motion.title, once_words(motion));
     text += fmt::format(
         "    the asynchronous value is {0:.3f} {1} if the drift is included. Random noise with the rms of the\n"
-        "    asynchronous motion, {2:.3f} {1}, would alone give {3:.3f} {1} asynchronous and {4:.3f} {1} synchronous in "
+        "    asynchronous motion, {2:.3f} {1}, would alone give {3:.3f} {1} asynchronous and {4:.3f} {1} synchronous "
+        "in "
         "{5} turns:\n"
         "    compare these two with the columns asynchronous and synchronous of the table\n",
         motion.asynchronous_drift, unit, motion.asynchronous_rms, motion.if_noise.asynchronous,

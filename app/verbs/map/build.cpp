@@ -302,8 +302,8 @@ Result<Outcome> image_of_map(VerbContext& context, const BuildRequest& request) 
   ECS_DO(add_rotary(whole.header, request.rotary, request.machine, notes));
   for (const std::string& note : notes) context.console.note(note);
   ECS_TRY(parameters, params::read_parameters(request.params));
-  ECS_TRY(prepared, prepared_map(whole, map, parameters, request.params,
-                                 {.accept_resampling = request.accept_resampling}));
+  ECS_TRY(prepared,
+          prepared_map(whole, map, parameters, request.params, {.accept_resampling = request.accept_resampling}));
   for (const std::string& note : prepared.image.notes) context.console.note(note);
   for (const std::string& remark : prepared.remarks) context.console.warn(remark);
   ECS_TRY(image, image_for_file(prepared));

@@ -158,9 +158,9 @@ Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& 
     proposals.text += "\nProposal 1 distinguishes these causes best per minute.\n";
   return record_cell("{verdict}{rivals}{proposals}{notes}",
                      "verdict"_is(name_of(diagnosis.verdict), paragraph(diagnosis.headline)),
-                     "rivals"_is(next.rivals, rivals_text(next, diagnosis)),
-                     "proposals"_is(std::move(proposals)), "program"_is(text_cell(request.program)),
-                     "targets"_is(text_cell(request.targets)), "notes"_is(next.notes, notes_text(next.notes)));
+                     "rivals"_is(next.rivals, rivals_text(next, diagnosis)), "proposals"_is(std::move(proposals)),
+                     "program"_is(text_cell(request.program)), "targets"_is(text_cell(request.targets)),
+                     "notes"_is(next.notes, notes_text(next.notes)));
 }
 
 /// Part program and target list of the chosen proposal; says what was written.

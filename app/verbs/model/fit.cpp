@@ -140,12 +140,12 @@ Cell fit_cell(const Fit& fit, const model::Observations& data, bool rotary, cons
       "peak_um"_is(fit.peak_um, in_each_unit(fit.peak_um, fit.peak_by_unit, unit)), "noise_um"_is(fit.noise.noise_um),
       "noise_from_repeats"_is(fit.noise.from_repeats), "lack_of_fit"_is(lack_of_fit),
       "fitted_parameters"_is(fit.fitted_parameters),
-      "condition"_is(fit.condition,
-                     paragraph(fmt::format("noise of one reading {}; lack-of-fit test: {}; parameters {} separated "
-                                           "(condition number {})",
-                                           noise_text(fit.noise), lack_of_fit.text,
-                                           fit.condition < kPoorlySeparated ? "well" : "poorly",
-                                           few_digits(fit.condition)))),
+      "condition"_is(
+          fit.condition,
+          paragraph(fmt::format("noise of one reading {}; lack-of-fit test: {}; parameters {} separated "
+                                "(condition number {})",
+                                noise_text(fit.noise), lack_of_fit.text,
+                                fit.condition < kPoorlySeparated ? "well" : "poorly", few_digits(fit.condition)))),
       "effects"_is(effects_cell(fit)), "correlations"_is(correlations_cell(fit)),
       "not_distinguished"_is(zero, not_distinguished_text(zero)), "undetermined"_is(fit.undetermined, undetermined),
       "outliers"_is(fit.outliers, outliers_text(fit)), "noise"_is(noise_cell(fit, rotary, !data.time_s.empty())),

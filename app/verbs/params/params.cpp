@@ -57,11 +57,11 @@ Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
   ECS_TRY(file, params::read_parameters(request.file));
   const auto& [machine, serial_number] = file.identity;
   const bool named = !machine.empty() || !serial_number.empty();
-  const Cell identity = record_cell(named ? "{of_machine}, {of_unit}\n\n" : "", "machine"_is(text_cell(machine)),
-                                    "serial_number"_is(text_cell(serial_number)),
-                                    "of_machine"_shown(machine.empty() ? "no machine" : "machine " + machine),
-                                    "of_unit"_shown(serial_number.empty() ? "no serial number"
-                                                                          : "serial number " + serial_number));
+  const Cell identity =
+      record_cell(named ? "{of_machine}, {of_unit}\n\n" : "", "machine"_is(text_cell(machine)),
+                  "serial_number"_is(text_cell(serial_number)),
+                  "of_machine"_shown(machine.empty() ? "no machine" : "machine " + machine),
+                  "of_unit"_shown(serial_number.empty() ? "no serial number" : "serial number " + serial_number));
   return outcome_of(record_cell("{identity}{parameters}", "file"_is(request.file), "identity"_is(identity),
                                 "parameters"_is(parameters_cell(file.parameters)), "defaulted"_is(file.defaulted)));
 }
