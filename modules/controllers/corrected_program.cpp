@@ -139,10 +139,11 @@ class ProgramCorrector {
       const ProgramWord* word = block.axis[a];
       if (!word) continue;
       if (modal_.incremental && !nominal_[a]) {
-        reader_.complain(line, *word,
-                         "the position of {} before this incremental word is not known; begin with an absolute "
-                         "word (G90), or give --start",
-                         letter_of(axis));
+        reader_.complain(
+            line, *word,
+            fmt::format("the position of {} before this incremental word is not known; begin with an absolute "
+                        "word (G90), or give --start",
+                        letter_of(axis)));
         good = false;
         continue;
       }
@@ -229,10 +230,11 @@ class ProgramCorrector {
     const auto target_mm = target_of(line, block);
     if (!target_mm) return {};
     if (modal_.goes_round() && !start_known) {
-      reader_.complain(line, line.words.front(),
-                       "the position of {} at the start of this arc is not known; name the axis in an absolute "
-                       "block before it, or give --start",
-                       letter_of(*unknown_axis()));
+      reader_.complain(
+          line, line.words.front(),
+          fmt::format("the position of {} at the start of this arc is not known; name the axis in an absolute "
+                      "block before it, or give --start",
+                      letter_of(*unknown_axis())));
       return {};
     }
     nominal_ = *target_mm;
