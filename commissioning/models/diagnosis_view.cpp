@@ -309,12 +309,12 @@ std::string closest_text(const Diagnosis& d) {
     if (closest.size() < kMostShown)
       closest.push_back({to_text(candidate.effect), candidate.probability, place_text(candidate.effect)});
   if (closest.empty()) return {};
-  return "\n" +
-         paragraph(
-             "Nearest candidates, each with the probability that it is real rather than noise. None has the 99 % "
-             "that name a cause. Candidates that these data cannot distinguish share one probability: " +
-                 set_text(closest, 2),
-             0, 2);
+  return "\n" + paragraph(
+                    "Nearest candidates, each with the probability that it is real rather than noise, which is not "
+                    "enough to name "
+                    "a cause. Candidates that these data cannot distinguish share one probability: " +
+                        set_text(closest, 2),
+                    0, 2);
 }
 
 /// What adding the likely effects would do, and how.

@@ -70,9 +70,9 @@ std::string row_of(const EffectDefinition& effect) {
   std::string text, formula(effect.formula);
   for (bool is_first = true; is_first || !formula.empty(); is_first = false) {
     const std::size_t end = formula.size() <= kFormula ? formula.size() : formula.rfind(' ', kFormula);
-    const std::string carrier(commissioning::carrier_text(effect.carrier));
-    text += is_first ? fmt::format("{:<19} {:<42} {}\n", effect.id, formula.substr(0, end),
-                                   effect.is_carried() ? carrier : "not by the unit")
+    const std::string_view carrier =
+        effect.carrier == model::Carrier::none ? "not by the unit" : commissioning::carrier_text(effect.carrier);
+    text += is_first ? fmt::format("{:<19} {:<42} {}\n", effect.id, formula.substr(0, end), carrier)
                      : fmt::format("{:<20}  {}\n", "", formula.substr(0, end));
     formula = end < formula.size() ? formula.substr(end + 1) : "";
   }

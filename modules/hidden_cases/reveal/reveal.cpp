@@ -353,8 +353,11 @@ std::vector<std::string> found_names(const FoundAnswer& answer) {
 
 std::string found_text(const FoundAnswer& answer) {
   const auto names = found_names(answer);
-  std::string text = names.empty() ? "Found: " + answer.verdict : fmt::format("Found: {}", fmt::join(names, "; "));
-  if (answer.verdict == "unexplained_structure" && !answer.where.empty())
+  const bool unexplained = answer.verdict == "unexplained_structure";
+  std::string text = "Found: ";
+  if (unexplained || names.empty()) text += answer.verdict + (names.empty() ? "" : ": ");
+  text += fmt::format("{}", fmt::join(names, "; "));
+  if (unexplained && !answer.where.empty())
     text += fmt::format("; it depends on {}", fmt::join(answer.where, ", "));
   return paragraph(text, 0, 2);
 }
