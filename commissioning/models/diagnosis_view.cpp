@@ -311,8 +311,7 @@ std::string closest_text(const Diagnosis& d) {
   if (closest.empty()) return {};
   return "\n" + paragraph(
                     "Nearest candidates, each with the probability that it is real rather than noise, which is not "
-                    "enough to name "
-                    "a cause. Candidates that these data cannot distinguish share one probability: " +
+                    "enough to name a cause. Candidates that these data cannot distinguish share one probability: " +
                         set_text(closest, 2),
                     0, 2);
 }

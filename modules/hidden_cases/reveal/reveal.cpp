@@ -357,8 +357,7 @@ std::string found_text(const FoundAnswer& answer) {
   std::string text = "Found: ";
   if (unexplained || names.empty()) text += answer.verdict + (names.empty() ? "" : ": ");
   text += fmt::format("{}", fmt::join(names, "; "));
-  if (unexplained && !answer.where.empty())
-    text += fmt::format("; it depends on {}", fmt::join(answer.where, ", "));
+  if (unexplained && !answer.where.empty()) text += fmt::format("; it depends on {}", fmt::join(answer.where, ", "));
   return paragraph(text, 0, 2);
 }
 
