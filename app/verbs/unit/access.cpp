@@ -15,7 +15,7 @@ struct ArmRequest {
   int minutes = protocol::kUsualArmed_min;
   static Fields<ArmRequest> fields() {
     using R = ArmRequest;
-    return {{"--code,--arm-code", &R::code, "arming code shown by the unit; default: $ECS_ARM_CODE", Is::secret},
+    return {{"--code", &R::code, "arming code shown by the unit; default: $ECS_ARM_CODE", Is::secret},
             {"--minutes", &R::minutes, "time for which this host may write", Range{1, protocol::kMostArmed_min}}};
   }
 };

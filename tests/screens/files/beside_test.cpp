@@ -40,7 +40,7 @@ TEST_CASE("a file of another kind is refused by its name and both kinds, without
 
 TEST_CASE("files that ECS wrote and no chooser opens are named for what they are") {
   const Folder folder;
-  CHECK(looked_at(folder.with("recipe.toml", "[[component]]\ncode = \"EXX\"\n")).what == "a recipe of a map");
+  CHECK(looked_at(folder.with("recipe.toml", "[[component]]\ncode = \"EXX\"\n")).what == "recipe");
   auto recording = must(MonitorRecording::begun(folder / "monitor.csv"));
   REQUIRE(recording.add({}, {}));
   REQUIRE(recording.end());
