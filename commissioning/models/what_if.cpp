@@ -133,9 +133,11 @@ void add_parts(const Observations& after, const std::vector<std::size_t>& rows, 
   const auto add = [&](const char* shape, const TakenOut& taken, const std::string& part, std::string_view cause) {
     if (taken.squares <= kFarFromZero * kFarFromZero * variance) return;
     const double rms_um = root_mean(taken.squares, after.size());
-    parts.push_back({shape, sense, axis, taken.size, rms_um,
-                     fmt::format("{} ({} of the {} readings) contributes {:.2g} {} to this rms: {}.", part, rows.size(),
-                                 after.size(), rms_um, after.reading_unit(), cause)});
+    const std::string share =
+        rows.size() < after.size() ? fmt::format(" ({} of the {} readings)", rows.size(), after.size()) : std::string();
+    parts.push_back(
+        {shape, sense, axis, taken.size, rms_um,
+         fmt::format("{}{} contributes {:.2g} {} to this rms: {}.", part, share, rms_um, after.reading_unit(), cause)});
   };
   add("constant", constant, fmt::format("A constant shift of {} by {:+.2g} {}", of, constant.size, unit),
       "the zero of the laser or the datum has changed");
