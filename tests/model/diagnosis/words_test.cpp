@@ -112,7 +112,7 @@ TEST_CASE("too few readings, or even targets without a pitch, are said in place 
   for (laser::Reading& r : set.readings) r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
   const auto found = must(diagnose(straight(), observations_of(set, straight(), std::nullopt)));
   CHECK(found.verdict == Verdict::adequate);
-  CHECK_MESSAGE(found.headline.starts_with("Periods shorter than 50 mm along X cannot be detected"), found.headline);
+  CHECK_MESSAGE(contains(found.headline, "Periods shorter than 50 mm along X cannot be detected"), found.headline);
   for (laser::Reading& r : set.readings) r.position_mm[0] = 100.0;
   CHECK(contains(diagnosed(straight(), set).headline, "All readings along X are at one target"));
 }
