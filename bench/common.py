@@ -16,7 +16,10 @@ def script(name):
 def interval(right, count):
     """Clopper and Pearson 1934, 95 %, in percent, by bisection of the binomial sums."""
     def at_most(k, p):
-        return sum(math.comb(count, i) * p**i * (1 - p) ** (count - i) for i in range(k + 1))
+        if p >= 1.0:
+            return 0.0
+        ways = (math.lgamma(count + 1) - math.lgamma(i + 1) - math.lgamma(count - i + 1) for i in range(k + 1))
+        return sum(math.exp(way + i * math.log(p) + (count - i) * math.log1p(-p)) for i, way in enumerate(ways))
 
     def root(below):
         low, high = 0.0, 1.0
