@@ -40,7 +40,7 @@ using Result = tl::expected<T, Problem>;
   return tl::unexpected(Problem{kind, std::move(message), {}, 0, 0, {}});
 }
 
-/// The same with a form and what stands in it.
+/// The same with a format string and its arguments (fmt).
 template <class First, class... Rest>
 [[nodiscard]] tl::unexpected<Problem> problem(ProblemKind kind, fmt::format_string<First, Rest...> form, First&& first,
                                               Rest&&... rest) {

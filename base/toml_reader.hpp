@@ -26,7 +26,7 @@ class TomlReader {
 
   void complain(const toml::node& at, std::string message);
   void complain(int line, std::string message);
-  /// The same with a form and what stands in it. @param at  a node or a line
+  /// The same with a format string and its arguments (fmt). @param at  a node or a line
   template <class Place, class First, class... Rest>
   void complain(const Place& at, fmt::format_string<First, Rest...> form, First&& first, Rest&&... rest) {
     complain(at, fmt::format(form, std::forward<First>(first), std::forward<Rest>(rest)...));

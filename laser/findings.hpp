@@ -24,7 +24,7 @@ class Findings {
 
   /// @param line, column  1-based; 0 = the fault has no such place
   void add(int line, int column, std::string message);
-  /// The same with a form and what stands in it.
+  /// The same with a format string and its arguments (fmt).
   template <class First, class... Rest>
   void add(int line, int column, fmt::format_string<First, Rest...> form, First&& first, Rest&&... rest) {
     add(line, column, fmt::format(form, std::forward<First>(first), std::forward<Rest>(rest)...));

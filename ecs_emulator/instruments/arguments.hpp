@@ -41,7 +41,7 @@ class Arguments {
   [[nodiscard]] PerAxis<std::optional<double>> coordinates(const char* object);
 
   void complain(std::string message);
-  /// The same with a form and what stands in it.
+  /// The same with a format string and its arguments (fmt).
   template <class First, class... Rest>
   void complain(fmt::format_string<First, Rest...> form, First&& first, Rest&&... rest) {
     complain(fmt::format(form, std::forward<First>(first), std::forward<Rest>(rest)...));
