@@ -56,7 +56,7 @@ constexpr std::size_t kMostWeaker = 6;
 /// share of its gain (three values tried a turn over the travel: the second harmonic is a third of a turn off at the
 /// ends, and 1 - sinc²(π/3) of it is lost); a value is a fact of the machine within a percent.
 constexpr std::size_t kMostValues = 200;
-constexpr double kCoarse = 0.32, kSameFact = 0.01;
+constexpr double kCoarse = 0.32;
 /// Free functions that shapes over one axis may have together: two, and this share of its targets. More follow any
 /// values at all.
 constexpr double kFreeFunctions = 2.0, kFunctionsATarget = 0.7;
@@ -150,12 +150,10 @@ bool is_alike(const Search& search, const Choice& member, const Choice& other) {
 /// Place of a value among the facts of the machine, the most trusted first; their number where it is none. Of a turn
 /// any whole number of waves is as usual as another.
 std::size_t place_in_facts(const Family& family, double value) {
-  const auto found =
-      std::ranges::find_if(family.facts, [&](double fact) { return std::abs(value / fact - 1.0) < kSameFact; });
+  const auto found = std::ranges::find_if(family.facts, [&](double fact) { return is_in_step(family, fact, value); });
   return found != family.facts.end() && family.effect.rotary ? 0
                                                              : static_cast<std::size_t>(found - family.facts.begin());
 }
-bool is_fact(const Family& family, double value) { return place_in_facts(family, value) < family.facts.size(); }
 
 /// Whether a value of a wave fits as well as the member: with fewer harmonics it may fit a little worse, with more it
 /// is another wave's harmonic unless they are worth their price.

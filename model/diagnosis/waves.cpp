@@ -58,11 +58,6 @@ bool is_jump(const EffectInstance& effect) {
   return effect.traits().shape_of_position && !effect.definition().search.has_slope;
 }
 
-double travel_of(const Observations& data, const Family& family) {
-  const auto [least, greatest] = acting_range(data.motions(), family.acting, *family.effect.axis);
-  return greatest - least;
-}
-
 }  // namespace
 
 double frequency_seen(const Observations& data, const Family& family, double period) {
@@ -75,9 +70,7 @@ double frequency_seen(const Observations& data, const Family& family, double per
 }
 
 bool is_pitch_or_no_wave(const Family& family, const Choice& choice) {
-  if (!family.effect.traits().periodic) return true;
-  return std::ranges::any_of(family.facts,
-                             [&](double pitch) { return std::abs(choice.nonlinear / pitch - 1.0) < kSamePeriod; });
+  return !family.effect.traits().periodic || is_fact(family, choice.nonlinear);
 }
 
 bool are_pitches_or_fractions(const std::vector<Family>& families, const std::vector<Choice>& chosen) {
@@ -195,7 +188,7 @@ std::string objection_to_waves(const Observations& data, const std::vector<Famil
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const Family& one = families[chosen[i].family];
     if (!one.effect.traits().periodic) continue;
-    const double period = chosen[i].nonlinear, travel = travel_of(data, one);
+    const double period = chosen[i].nonlinear, travel = one.travel;
     for (std::size_t j = 0; j < chosen.size(); ++j) {
       const Family& other = families[chosen[j].family];
       if (i == j || !same_line(one.effect, other.effect)) continue;

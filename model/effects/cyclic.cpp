@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/moved_targets.hpp"
 #include "model/effects/artefact_place.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
@@ -63,14 +64,16 @@ double common_step(const std::vector<double>& p, double least) {
 }
 
 /// Pitches of the axis, their fractions and multiples, of which enough turns fit into the travel.
-std::vector<double> pitches(const Observations& data, Axis axis, double travel_mm) {
+/// @param shortest_mm  below it a period looks like a slower one, as one of so many does by chance: the pitches alone
+std::vector<double> pitches(const Observations& data, Axis axis, double travel_mm, double shortest_mm) {
   std::vector<double> facts;
   const auto& machine_axis = data.machine.axes[index_of(axis)];
   if (!machine_axis) return facts;
   for (const auto& pitch : {machine_axis->screw_pitch_mm, machine_axis->scale_pitch_mm}) {
     if (!pitch) continue;
     for (const double part : kPartsOfPitch)
-      if (*pitch * part * kFewestTurns < travel_mm) facts.push_back(*pitch * part);
+      if (*pitch * part * kFewestTurns < travel_mm && (part == 1.0 || *pitch * part >= shortest_mm))
+        facts.push_back(*pitch * part);
   }
   return facts;
 }
@@ -135,7 +138,7 @@ TriedValues periods(const Observations& data, const EffectInstance& effect, cons
     return fractions_of_turn(p, scan_step(data, acting, *effect.axis), is_bending(data, effect) ? 2.0 : 1.0, extent);
   const double travel = p.back() - p.front();
   const double mean_step = travel / static_cast<double>(p.size() - 1);
-  const double step = common_step(p, kLeastStep * mean_step);
+  const double step = even_step_mm(p).value_or(common_step(p, kLeastStep * mean_step));
   double highest = (extent.is_of_model ? kHighestTurnsOfModel : kHighestTurns) / mean_step;
   if (step > 0.0) highest = std::min(highest, 0.5 / step);
   const double lowest = kFewestTurns / travel;
@@ -149,7 +152,7 @@ TriedValues periods(const Observations& data, const EffectInstance& effect, cons
   }
   tried.far = mean_step / kHighestTurns;
   tried.independent = kWays * std::max(2.0, static_cast<double>(tried.values.size()) / kOversampling);
-  tried.facts = pitches(data, *effect.axis, travel);
+  tried.facts = pitches(data, *effect.axis, travel, step > 0.0 ? 1.0 / (highest * kRounding) : 0.0);
   return tried;
 }
 

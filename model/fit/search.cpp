@@ -23,6 +23,9 @@ using Eigen::VectorXd;
 /// Price of a period that the targets cannot follow and no fact of the machine speaks for: it takes on any slower
 /// shape. Beyond, all octaves are as likely as one another beforehand (Jeffreys 1946).
 constexpr double kUnseenPeriod = 8.0;
+/// A period is a pitch of the machine to a percent, as a fit on a short travel knows it, and if they part by less than a
+/// quarter of a turn over the travel: beyond that a wave of the pitch no longer follows it.
+constexpr double kSamePeriod = 0.01, kMostSlip = 0.25;
 /// Different values of a user's parameter that fit a data set by chance.
 constexpr double kUserTrials = 12.0;
 /// A refinement goes so far beyond the neighbours on the grid, in distances to the nearer one.
@@ -174,7 +177,11 @@ void Search::build_families(const std::vector<EffectInstance>& candidates, bool 
     family.fact_cost = searched ? 2.0 * std::log(1.0 + static_cast<double>(tried.facts.size())) : 0.0;
     if (const std::size_t shapes = definition.column_sets.size(); shapes > 1 && !definition.traits.periodic)
       family.shape_cost = 2.0 * std::log(static_cast<double>(shapes));
-    if (definition.traits.periodic) family.shortest_seen = 2.0 * mean_step(regressors_.motions(), family);
+    if (definition.traits.periodic) {
+      family.shortest_seen = 2.0 * mean_step(regressors_.motions(), family);
+      const auto [first, last] = acting_range(regressors_.motions(), family.acting, *effect.axis);
+      family.travel = last - first;
+    }
     family.ln_readings = std::log(std::max(8.0, static_cast<double>(family.acting.readings.size())));
     if (effect.is_user())
       family.search_cost = static_cast<double>(nonlinear_user_parameters(effect, regressors_.motions()).size()) *
@@ -190,11 +197,19 @@ void Search::build_families(const std::vector<EffectInstance>& candidates, bool 
   }
 }
 
+bool is_in_step(const Family& family, double fact, double period) {
+  return std::abs(period / fact - 1.0) < kSamePeriod &&
+         std::abs(1.0 / period - 1.0 / fact) * family.travel < kMostSlip;
+}
+
+bool is_fact(const Family& family, double period) {
+  return std::ranges::any_of(family.facts, [&](double fact) { return is_in_step(family, fact, period); });
+}
+
 Price Search::price_of(const Family& family, double nonlinear) const {
   if (family.effect.is_user()) return {family.ln_readings, family.search_cost};
   if (family.grid.size() + family.facts.size() <= 1) return {family.ln_readings, family.shape_cost};
-  bool fact = false;
-  for (const double value : family.facts) fact = fact || std::abs(nonlinear - value) < 5e-3 * value;
+  const bool fact = is_fact(family, nonlinear);
   double chosen = fact ? std::min(family.fact_cost, family.search_cost) : family.search_cost;
   if (family.shortest_seen > 0.0 && nonlinear < family.shortest_seen)
     chosen += (fact ? 0.0 : kUnseenPeriod) + 2.0 * std::log(family.shortest_seen / nonlinear);
@@ -246,6 +261,12 @@ Choice Search::refined_choice(const Space& space, std::size_t f, double nonlinea
   if (definition.search.limits != nullptr) {
     const ValueRange range = definition.search.limits(regressors_.motions(), family.effect, family.acting, nonlinear);
     std::tie(low, high) = std::minmax({to(range.least), to(range.greatest)});
+  }
+  const bool is_beyond_grid =
+      inverse && std::ranges::all_of(family.grid, [&](double value) { return nonlinear < value; });
+  if (is_beyond_grid) {  // at even targets the pitch alone is known there: any other period looks like a slower one
+    low = std::max(low, centre - kMostSlip / family.travel);
+    high = std::min(high, centre + kMostSlip / family.travel);
   }
   if (!inverse) {  // neighbours on the grid bound the search
     double width = kBeyondAll;

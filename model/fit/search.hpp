@@ -51,9 +51,15 @@ struct Family {
   double ln_readings = 0.0;           ///< price of one free coefficient
   std::optional<double> far{};        ///< values below are far from likely
   double shortest_seen = 0.0;         ///< periods below are seen only as something slower, two targets a turn
+  double travel = 0.0;                ///< of a periodic effect, from the first to the last position
   bool lever_varies = false;          ///< an angular error that its levers tell from other shapes of position
   std::optional<ValueRange> range{};  ///< physical range of the single coefficient
 };
+
+/// Whether a period is that of a fact: to a percent, and in step with it over the whole travel.
+[[nodiscard]] bool is_in_step(const Family& family, double fact, double period);
+/// The same of any of the facts.
+[[nodiscard]] bool is_fact(const Family& family, double period);
 
 /// One family at its best.
 struct Choice {

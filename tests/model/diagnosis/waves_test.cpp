@@ -185,15 +185,18 @@ TEST_CASE("waves of different lines have nothing to do with each other") {
             .empty());
 }
 
-TEST_CASE("a period within a percent of a pitch is the pitch, and what is no wave needs none") {
+TEST_CASE("a period in step with a pitch over the whole travel is the pitch, and what is no wave needs none") {
   const MetreOfX x;
   const auto is_pitch = [&](std::size_t family, double nonlinear) {
     return is_pitch_or_no_wave(x.of.search.families()[family], x.choice(family, nonlinear));
   };
   for (int i = 0; i < 9; ++i) {
-    CHECK(is_pitch(x.wave, 1.005 * pitch_or_part_of_ten(i)));
-    CHECK(is_pitch(x.wave, 0.995 * pitch_or_part_of_ten(i)));
-    CHECK_FALSE(is_pitch(x.wave, 1.02 * pitch_or_part_of_ten(i)));
+    const double pitch = pitch_or_part_of_ten(i), travel = x.of.search.families()[x.wave].travel;
+    const auto turns_more = [&](double turns) { return 1.0 / (1.0 / pitch + turns / travel); };
+    CHECK(is_pitch(x.wave, turns_more(0.1)));
+    CHECK(is_pitch(x.wave, turns_more(-0.1)));
+    CHECK_FALSE(is_pitch(x.wave, turns_more(0.3)));
+    CHECK_FALSE(is_pitch(x.wave, 1.02 * pitch));
   }
   CHECK_FALSE(is_pitch(x.wave, 87.3));
   CHECK(is_pitch(x.step, 87.3));
