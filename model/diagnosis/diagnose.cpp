@@ -613,6 +613,11 @@ Result<Answered> searched_and(Result<Answered> (*answer)(const ReportInput&), co
   return from(searched(model, part_regressors, part_base, all_candidates(model, part_regressors), options));
 }
 
+bool names_any(const Diagnosis& diagnosis) {
+  return std::ranges::any_of(diagnosis.candidates, &Candidate::in_answer);
+}
+bool names_any(const NamedCauses& causes) { return !causes.causes.empty(); }
+
 /// @param few  what is said where there are too few readings to say anything
 template <class Answered, class Few>
 Result<Answered> diagnosed(Result<Answered> (*answer)(const ReportInput&), const Few& few, const Model& model,
@@ -623,8 +628,10 @@ Result<Answered> diagnosed(Result<Answered> (*answer)(const ReportInput&), const
   try {
     const Regressors regressors(data);
     ECS_TRY(base, base_of(model, regressors, options.plain, nullptr));
-    if (static_cast<double>(data.size()) < static_cast<double>(base.core.rank) + kFewestSpare) return few(base);
-    return searched_and(answer, model, regressors, base, options);
+    const double spare = static_cast<double>(data.size()) - static_cast<double>(base.core.rank);
+    if (spare < kFewestToName) return few(base);
+    auto found = searched_and(answer, model, regressors, base, options);
+    return spare < kFewestSpare && found && !names_any(*found) ? few(base) : found;
   } catch (const SearchStopped&) {
     return problem(ProblemKind::refused, "the diagnosis was stopped before its end");
   }

@@ -470,7 +470,7 @@ bool took_noise_beside_best(const Base& base, const Search& search, const Whiten
   const Space& space = found.solution.space;
   const double freedom = freedom_beside(space, found.left_out);
   const bool known_little = found.noise.pure.dof < kManyDegrees;
-  if (freedom < kFewestSpare) return false;
+  if (freedom < kFewestToName) return false;
   if (!known_little && (found.noise.pure.from_repeats || space.chi2() > kMostSquareOfAll * freedom)) return false;
   const std::vector<Choice> choices = search.expand(space, kRefinedBesideNoise);
   if (choices.empty()) return false;
@@ -532,7 +532,7 @@ VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener) {
 bool noise_changed(const Observations& data, const Base& base, const LinearProblem& all, const Whitener& whitener,
                    bool plain, NoiseModel& noise, std::vector<bool>& left_out) {
   const auto spare = static_cast<double>(std::ranges::count(left_out, false) - all.columns.cols());
-  if (!noise.pure.from_repeats && spare < kFewestSpare) return false;
+  if (!noise.pure.from_repeats && spare < kFewestToName) return false;
   const VectorXd residual = residual_of(all, whitener);
   std::vector<bool> outliers = plain ? left_out : rows_left_out(data, residual);
   NoiseModel again = noise_of(data, residual, outliers, beside(all.columns, base.own_columns));

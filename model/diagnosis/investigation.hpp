@@ -30,8 +30,11 @@ inline constexpr double kProved = 100.0;
 /// One is likely where noise alone looks like it in at most this share of cases (docs/model.md, verdicts).
 inline constexpr double kLikelyChance = 0.01;
 
-/// Readings beyond the fitted parameters below which nothing can be said: F(1, 6) exceeds 6 in one case of twenty.
+/// Readings beyond the fitted parameters below which structure cannot be told from noise: F(1, 6) exceeds 6 in one case
+/// of twenty.
 inline constexpr double kFewestSpare = 6.0;
+/// With fewer, an effect is named that noise of any size does not look like; below this one size is all that is left.
+inline constexpr double kFewestToName = 3.0;
 
 /// The model as it is: what it absorbs and what it leaves.
 struct Base {

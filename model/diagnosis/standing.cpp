@@ -204,6 +204,13 @@ bool bends_to_structure(const Found& found, std::size_t g, const Observations& d
   });
 }
 
+/// An effect that explains nearly all alone and predicts it at left-out targets, where so few readings were taken that
+/// no half of them can speak for or against it: what little is left does not hide it.
+bool is_nearly_all_of_few(const ReportInput& in, std::size_t g) {
+  return !in.found.groups[g].e_value && share_of_found(in, {g}) >= kNearlyAll && predicts_at_targets(in, {g}, g) &&
+         !bends_to_structure(in.found, g, in.regressors.data());
+}
+
 /// How sure each effect found is. What leaves noise, or explains half of what is above it, is proved by readings that
 /// it was not fitted to, or likely where these do not suffice; where no split shows it, noise replicates decide, and
 /// prove it where the noise is known. Where more is left, noise replicates decide nothing: likely is what those
@@ -220,7 +227,7 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
     if (!group.wander && !found.proves_nothing && (group.e_value ? *group.e_value >= kProved : replicates_prove))
       proved.push_back(g);
     else if (!(found.step && is_like_wander(found.families[group.member.family].effect)) &&
-             (explained || group.wander || group.e_value.value_or(0.0) >= kSpeaksFor) &&
+             (explained || group.wander || group.e_value.value_or(0.0) >= kSpeaksFor || is_nearly_all_of_few(in, g)) &&
              found.false_naming(group.member.score()) <= kLikelyChance)
       likely.push_back(g);
   }
@@ -349,6 +356,12 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
         "these readings do not determine the noise well enough: {} would explain the residual, but noise alone looks "
         "like it in {:.1g} % of cases: measure the same lines again",
         place_text(in.found.families[closest->family].effect), kPercent * *in.found.chance_of_closest);
+  if (closest && is_like_wander(in.found.families[closest->family].effect) &&
+      in.found.false_naming(closest->score()) <= in.options.false_naming_limit)
+    return fmt::format(
+        "{}, or a zero that wanders, would explain a part of the residual, and noise alone hardly ever looks like that, "
+        "but held-out readings do not confirm it: measure the same lines again",
+        place_text(in.found.families[closest->family].effect));
   if (!in.found.noise.pure.from_repeats && in.found.noise.pure.dof < kDegreesWithoutRepeats)
     return "no line was repeated, and so few readings cannot distinguish noise from a missing effect: measure the same "
            "lines again";

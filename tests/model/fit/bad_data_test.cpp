@@ -299,8 +299,10 @@ TEST_CASE("one approach, or none known, names no effect of approach") {
 }
 
 TEST_CASE("one or two targets measured many times get an answer") {
-  noise_alone([](unsigned seed) { return measured(plan(1, 20), kNoise_um, nothing, seed); });
-  noise_alone([](unsigned seed) { return measured(plan(2, 20), kNoise_um, ramp, seed); });
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    check_nothing_named(answer(straight(), measured(plan(1, 20), kNoise_um, nothing, seed)));
+    check_nothing_named(answer(straight(), measured(plan(2, 20), kNoise_um, ramp, seed)));
+  }
 }
 
 TEST_CASE("senses of very unequal noise get an answer") {
