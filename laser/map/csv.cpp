@@ -295,9 +295,10 @@ std::optional<std::array<std::size_t, 5>> columns_in(const CsvLine& row, int lin
     const CsvField& field = row.fields[i];
     const auto known = std::ranges::find(kColumns, field.text);
     if (field.text == "p_deg") {
-      findings.add(line, field.column,
-                   "header: expected p_mm, found p_deg: a table of rotary axes; the unit compensates X, Y, Z (`ecs "
-                   "volume --rotary` uses it)");
+      findings.add(
+          line, field.column,
+          "header: expected p_mm, found p_deg: a table of rotary axes, for --rotary of `ecs volume` and `ecs map "
+          "build`");
       return std::nullopt;
     }
     if (known == kColumns.end()) {
@@ -443,10 +444,7 @@ Result<ErrorMap> parse_map_csv(std::string_view bytes, const std::string& file_n
     }
     header += '\n';  // header lines keep the numbers of their lines in the file
   }
-  if (!place)
-    findings.add(0, 0, "no map: expected a header row axis,sense,approach,p_mm,value_um");
-  else if (points.empty() && findings.empty())
-    findings.add(0, 0, "the map has no rows");
+  if (!place) findings.add(0, 0, "no map: expected a header row axis,sense,approach,p_mm,value_um");
   refuse_mixed_approaches(points, findings);
   if (stated_rows && findings.empty()) refuse_cut_file(*stated_rows, rows_found, text.ends_with('\n'), findings);
 
@@ -455,6 +453,8 @@ Result<ErrorMap> parse_map_csv(std::string_view bytes, const std::string& file_n
   if (!findings.empty()) return tl::unexpected(findings.as_problem());
   ECS_TRY(parsed, parse_header(header, file_name));
   map.header = std::move(parsed);
+  if (map.tables.empty() && map.header.thermal.empty() && map.header.rotary.empty())
+    return problem(ProblemKind::bad_input, "{}: the map has no rows", file_name);
   return map;
 }
 

@@ -131,6 +131,18 @@ UnitParameters parameters_of_table() {
 
 }  // namespace
 
+TEST_CASE("a map may consist of rotary axes or of thermal rows alone, but not of nothing") {
+  ErrorMap map = map_of_five_axes();
+  map.tables.clear();
+  CHECK(must(parse_map_csv(to_map_csv(map), "map.csv")) == map);
+  map.header.thermal = {ThermalRow{}};
+  map.header.rotary.clear();
+  map.header.rotary_configuration.clear();
+  CHECK(must(parse_map_csv(to_map_csv(map), "map.csv")).header.thermal.size() == 1);
+  map.header.thermal.clear();
+  check_holds(to_text(must_fail(parse_map_csv(to_map_csv(map), "map.csv"))), {"map.csv", "the map has no rows"});
+}
+
 TEST_CASE("rotary axes are lines of the text, numbers of the image, and come back from both to the last bit") {
   ErrorMap map = map_of_five_axes();
   const std::string text = to_map_csv(map);
