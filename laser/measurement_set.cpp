@@ -423,8 +423,8 @@ std::optional<Problem> all_but_lines_refused(const MeasurementSet& set, const st
   const auto found = std::ranges::find_if(set.readings, [](const Reading& reading) { return reading.rotary; });
   if (found == set.readings.end()) return paths_refused(set, file_name);
   return refused_reading(*found, file_name,
-                         fmt::format("expected readings of linear axes, found the rotary axis {}: the unit and its "
-                                     "maps cover linear axes; use `ecs laser stats` and `ecs model`",
+                         fmt::format("expected readings of linear axes, found the rotary axis {}, which this command "
+                                     "does not evaluate; use `ecs laser stats` and `ecs model`",
                                      letter_of(found->axis, true)));
 }
 

@@ -330,8 +330,7 @@ ReportSection volume_section(const ReportContent& content) {
                   volume.prepared.errors_from);
   if (content.machine && !content.machine->rotary_configuration.empty())
     how += fmt::format(
-        " The machine has rotary axes ({}), which the unit does not compensate: these figures apply with their angles "
-        "at 0 and without their errors.",
+        " The machine has rotary axes ({}): these figures apply with their angles at 0 and without their errors.",
         content.machine->rotary_configuration);
   body += paragraph_of(how, "class=\"small intro\"");
   if (!volume.prepared.remark.empty())

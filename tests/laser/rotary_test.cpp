@@ -48,7 +48,7 @@ TEST_CASE("work on linear axes refuses a rotary one, with its line and what take
   CHECK(refused.line == 2);
   CHECK(contains(
       refused.message,
-      "found the rotary axis A: the unit and its maps cover linear axes; use `ecs laser stats` and `ecs model`"));
+      "found the rotary axis A, which this command does not evaluate; use `ecs laser stats` and `ecs model`"));
 }
 
 TEST_CASE("work on lines refuses readings on a circle, and keeps a column path with other words") {
