@@ -46,9 +46,9 @@ TEST_CASE("a rotary axis in the measurement CSV is read and written back") {
 TEST_CASE("work on linear axes refuses a rotary one, with its line and what takes it") {
   const auto refused = must_fail(parse_any("axis,a_deg,sense,reading\nA,0,EA,1\n", "a.csv", {}));
   CHECK(refused.line == 2);
-  CHECK(contains(
-      refused.message,
-      "found the rotary axis A, which this command does not evaluate; use `ecs laser stats` and `ecs model`"));
+  CHECK(
+      contains(refused.message,
+               "found the rotary axis A, which this command does not evaluate; use `ecs laser stats` and `ecs model`"));
 }
 
 TEST_CASE("work on lines refuses readings on a circle, and keeps a column path with other words") {
