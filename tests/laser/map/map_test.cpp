@@ -147,8 +147,8 @@ TEST_CASE("rotary axes are lines of the text, numbers of the image, and come bac
   ErrorMap map = map_of_five_axes();
   const std::string text = to_map_csv(map);
   check_holds(text, {"# rotary_configuration: XYACTZ\n",
-                     "# rotary_axis: A deg_per_count=-0.001 deadband_deg=0.005 zero_deg=12.5 direction=1,0,0 "
-                     "pivot_mm=600,300,-560 location=0,6,-9,0,14,-7 start_deg=0 increment_deg=10\n",
+                     "# rotary_axis: A deg_per_count=-0.001 deadband_deg=0.005 zero_deg=12.5 direction=1,0,0 pivot_mm",
+                     " pivot_mm=600,300,-560 location=0,6,-9,0,14,-7 start_deg=0 increment_deg=10\n",
                      "# rotary_curve: EXC 0 0,0,0\n", "# rotary_curve: EYC 0 0.01,0.02,0.03\n",
                      "# rotary_curve: ECC 1 1,-2,3\n", "# rotary_curve: ECC -1 1.5,-2.25,400\n"});
   CHECK(must(parse_map_csv(text, "map.csv")) == map);
