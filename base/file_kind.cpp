@@ -26,7 +26,7 @@ struct KindWords {
   std::string_view command;  ///< what takes such a file, or what to do with it
 };
 
-constexpr std::array<KindWords, 24> kWords{{
+constexpr std::array<KindWords, 25> kWords{{
     {"measurements", "a measurement", "use `ecs laser show {}`"},
     {"model", "an error model", "use `ecs model diagnose {} DATA`"},
     {"error map", "an error map", "use `ecs map show {}`"},
@@ -52,6 +52,7 @@ constexpr std::array<KindWords, 24> kWords{{
     {"picture", "a picture", "export the numbers as text or CSV and give that"},
     {"spindle test", "a test of a spindle", ""},
     {"ball bar result", "the result of a ball bar", ""},
+    {"gauge blocks", "a file of lengths of gauge blocks", ""},
 }};
 
 std::map<std::string, std::string, std::less<>>& advice_of_modules() {
@@ -109,6 +110,7 @@ FileKind kind_of_table(std::string_view text) {
   if (has({"axis", "sense", "value_um"})) return FileKind::map;
   if (has({"angle_deg", "deviation_um"})) return FileKind::circle_test;
   if (has({"diagonal", "deviation_um"})) return FileKind::diagonal_test;
+  if (has({"nominal_mm", "measured_mm"})) return FileKind::gauge_blocks;
   if (has({"line", "station_mm", "reading"})) return FileKind::surface;
   if (has({"component", "p_deg", "error"})) return FileKind::rotary_errors;
   const bool over_turns = has({"angle_deg"}) || has({"index"}) || (has({"time_s"}) && has_line(text, "# speed_rpm:"));
@@ -199,8 +201,9 @@ std::optional<Problem> wrong_kind(FileKind wanted, std::string_view content, con
   if (wanted == FileKind::map && found == FileKind::rotary_errors) return std::nullopt;  // the reader of maps says more
   const bool swapped = wanted == FileKind::model && found == FileKind::measurements;
   const bool is_table = found == FileKind::map || found == FileKind::measurements || found == FileKind::circle_test ||
-                        found == FileKind::diagonal_test || found == FileKind::surface ||
-                        found == FileKind::spindle_test || found == FileKind::rotary_errors;
+                        found == FileKind::diagonal_test || found == FileKind::gauge_blocks ||
+                        found == FileKind::surface || found == FileKind::spindle_test ||
+                        found == FileKind::rotary_errors;
   const int line = is_table ? header_in(content.substr(0, kBeginning)).second : 0;
   const KindWords& words = words_of(found);
   std::string advice = swapped                 ? "give MODEL first, then DATA"

@@ -45,6 +45,7 @@ enum class FileKind : std::uint8_t {
   picture,
   spindle_test,  ///< a trace of a master ball over the turns of a spindle
   ball_bar,      ///< the result of a ball bar by its maker's program (.b5r)
+  gauge_blocks,  ///< measured lengths of artefacts
 };
 
 /// "measurements", "model", "error map", …

@@ -19,6 +19,7 @@ struct CircleReading {
   double deviation_um = 0;  ///< actual − nominal radius, positive away from the centre
   bool clockwise = false;   ///< contoured with falling angle; else counter-clockwise
   int run = 1;
+  int part = 1;  ///< number of the zero of the instrument, which a run may set again for each half of the circle
   friend bool operator==(const CircleReading&, const CircleReading&) = default;
 };
 

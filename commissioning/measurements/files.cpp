@@ -495,7 +495,8 @@ bool is_measurement(const std::filesystem::path& path, bool with_paths) {
   constexpr std::size_t kBeginning = 64U << 10;
   const std::string head = head_of(path, kBeginning);
   const FileKind kind = kind_of_content(head);
-  if (kind == FileKind::circle_test || kind == FileKind::diagonal_test) return with_paths;
+  if (kind == FileKind::circle_test || kind == FileKind::diagonal_test || kind == FileKind::gauge_blocks)
+    return with_paths;
   if (kind != FileKind::other) return kind == FileKind::measurements;
   if (laser::recognised_format(head, path.string()) != nullptr) return true;
   const auto text = laser::decoded(head, path.string());

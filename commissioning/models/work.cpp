@@ -15,6 +15,7 @@
 #include "laser/measurement_set.hpp"
 #include "laser/standards/circle.hpp"
 #include "laser/standards/diagonals.hpp"
+#include "laser/standards/gauge_blocks.hpp"
 #include "model/data/path.hpp"
 #include "model/regression/candidates.hpp"
 
@@ -24,7 +25,8 @@ namespace {
 using laser::MeasurementSet;
 using laser::Reading;
 
-/// A circle or diagonals file; nothing where it is neither. Problem: what the readers of these files refuse.
+/// A file of circles, diagonals or gauge blocks; nothing where it is none. Problem: what the readers of these files
+/// refuse.
 Result<std::optional<MeasurementSet>> path_in(std::string_view text, const std::string& file) {
   const FileKind kind = kind_of_content(text);
   if (kind == FileKind::circle_test) {
@@ -35,6 +37,10 @@ Result<std::optional<MeasurementSet>> path_in(std::string_view text, const std::
     ECS_TRY(test, laser::parse_diagonals(text, file));
     ECS_TRY(set, model::set_of_diagonals(test));
     return std::optional(std::move(set));
+  }
+  if (kind == FileKind::gauge_blocks) {
+    ECS_TRY(test, laser::parse_gauge_blocks(text, file));
+    return std::optional(model::set_of_blocks(test));
   }
   return std::optional<MeasurementSet>();
 }
@@ -242,11 +248,13 @@ std::vector<std::string> warnings_of_ball(const ModelWork& work) {
 
 cli::Fields<ModelArguments> ModelArguments::fields(cli::Need data_need) {
   using A = ModelArguments;
-  return {{"MODEL", &A::model, "model file (.toml)", cli::Need::required},
-          {"DATA", &A::data,
-           "measurement files in any format that `laser import` reads, and files of circles and diagonals", data_need},
-          {"--machine", &A::machine, kMachineHelp},
-          &A::import};
+  return {
+      {"MODEL", &A::model, "model file (.toml)", cli::Need::required},
+      {"DATA", &A::data,
+       "measurement files in any format that `laser import` reads, and files of circles, diagonals and gauge blocks",
+       data_need},
+      {"--machine", &A::machine, kMachineHelp},
+      &A::import};
 }
 
 Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vector<std::string>& words,

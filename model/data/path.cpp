@@ -12,6 +12,7 @@
 #include "laser/circle_test.hpp"
 #include "laser/measurement_set.hpp"
 #include "laser/standards/diagonals.hpp"
+#include "laser/standards/gauge_blocks.hpp"
 
 namespace ecs::model {
 namespace {
@@ -180,6 +181,7 @@ MeasurementSet set_of_circle(const laser::CircleTest& test) {
     set.notes.push_back(fmt::format("no {}: positions count from the centre of the circle", unknown));
   const std::string text = to_text(path);
   const std::size_t u = index_of(test.plane[0]), v = index_of(test.plane[1]);
+  const bool in_parts = std::ranges::any_of(test.readings, [](const auto& one) { return one.part != 1; });
   for (const laser::CircleReading& one : test.readings) {
     Reading reading;
     reading.line = one.line;
@@ -193,6 +195,7 @@ MeasurementSet set_of_circle(const laser::CircleTest& test) {
     reading.run = one.run;
     reading.feed_mm_min = test.feed_mm_min;
     reading.text_extras[std::string(kPathColumn)] = text;
+    if (in_parts) reading.extras[std::string(kPartColumn)] = one.part;
     set.readings.push_back(std::move(reading));
   }
   return set;
@@ -240,6 +243,40 @@ Result<MeasurementSet> set_of_diagonals(const laser::DiagonalTest& test) {
       set.readings.push_back(std::move(reading));
     }
   }
+  return set;
+}
+
+MeasurementSet set_of_blocks(const laser::BlockTest& test) {
+  MeasurementSet set;
+  set.source = test.source;
+  set.metadata = about_machine(test.metadata);
+  const std::size_t i = index_of(test.axis);
+  bool unknown = false;
+  for (const laser::BlockReading& one : test.readings) {
+    Path path{PathKind::line, fmt::format("{:g}", one.nominal_mm), {}, 0.0, {}, {}};
+    path.from_mm[i] = one.from_mm.value_or(0.0);
+    path.to_mm[i] = path.from_mm[i] + one.nominal_mm;
+    unknown = unknown || !one.from_mm;
+    Reading face;
+    face.line = one.line;
+    face.axis = test.axis;
+    face.sense = static_cast<Sense>(i);
+    face.run = static_cast<int>(set.readings.size() / 2) + 1;
+    face.text_extras[std::string(kPathColumn)] = to_text(path);
+    const auto add = [&](const Vector3& position_mm, double error_um, bool forward) {
+      face.position_mm = position_mm;
+      face.error = error_um;
+      face.approach = forward ? Approach::forward : Approach::reverse;
+      face.extras[std::string(kTouchColumn)] = forward ? 1.0 : -1.0;
+      set.readings.push_back(face);
+    };
+    add(path.from_mm, 0.0, one.touch != laser::Touch::inside);
+    add(path.to_mm, laser::error_um_of(test, one), one.touch != laser::Touch::outside);
+  }
+  set.notes.emplace_back(
+      "lost motion of these lengths contains the size error of the tool or probe: a map needs it from a line "
+      "(modules/standards/README.md)");
+  if (unknown) set.notes.emplace_back("no from_mm: the blocks are assumed to begin at 0");
   return set;
 }
 

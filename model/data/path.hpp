@@ -15,6 +15,7 @@
 #include "core/axis.hpp"
 
 namespace ecs::laser {
+struct BlockTest;
 struct CircleTest;
 struct DiagonalTest;
 struct MeasurementSet;
@@ -26,6 +27,9 @@ namespace ecs::model {
 inline constexpr std::string_view kPathColumn = "path";
 /// The column, of readings or of motions along a path, of the time since the moving axis turned round [s].
 inline constexpr std::string_view kTimeSinceReversalColumn = "time_since_reversal_s";
+
+/// The column of the part of a pass, each with a zero of the instrument of its own.
+inline constexpr std::string_view kPartColumn = "part";
 
 enum class PathKind : std::uint8_t {
   circle,  ///< radial deviations, positive away from the centre; forward is counter-clockwise, with rising angle
@@ -75,5 +79,13 @@ struct PlaceOnPath {
 /// Every reading at its place on the diagonal, in column `path`. The corner of the volume with the least coordinates
 /// is at `# from_x_mm: ` …, else at 0, with a note. Refuses step diagonals, whose steps leave the line.
 [[nodiscard]] Result<laser::MeasurementSet> set_of_diagonals(const laser::DiagonalTest& test);
+
+/// The column of the sign with which a tool or probe that is too large displaces a touch: half of its excess.
+inline constexpr std::string_view kTouchColumn = "touch";
+
+/// Every length as two readings along its axis, a run of its own: 0 at the face with the smaller coordinate, the error
+/// of the length at the other one. The approach is the direction in which each face is touched; of a step both are
+/// touched forward. A face without a coordinate is at 0, with a note.
+[[nodiscard]] laser::MeasurementSet set_of_blocks(const laser::BlockTest& test);
 
 }  // namespace ecs::model

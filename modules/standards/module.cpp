@@ -5,12 +5,13 @@
 
 namespace ecs::app {
 
-extern const std::vector<Action> kTestsOfHeat, kTestsOfPaths, kTestsOfPoses, kTestsOfSpindle, kTestsOverTime,
-    kWarmUpProgram;
+extern const std::vector<Action> kTestsOfHeat, kTestsOfLengths, kTestsOfPaths, kTestsOfPoses, kTestsOfSpindle,
+    kTestsOverTime, kWarmUpProgram;
 
 const Module& standards_module() {
   static const Module module{.menus = {{"test", "PROCESS LASER DATA: tests of the ISO 230 standards"}},
                              .verbs = {{"laser", &kTestsOfHeat},
+                                       {"laser", &kTestsOfLengths},
                                        {"laser", &kTestsOfPaths},
                                        {"laser", &kTestsOfPoses},
                                        {"laser", &kTestsOfSpindle},
@@ -20,6 +21,7 @@ const Module& standards_module() {
                                         {name_of(FileKind::ball_bar), "use `ecs test circle TRACE --other {}`"},
                                         {kReversalOnCircle, "ecs test circle shows the remaining circle there"},
                                         {name_of(FileKind::diagonal_test), "use `ecs test diagonals {}`"},
+                                        {name_of(FileKind::gauge_blocks), "use `ecs test blocks {}`"},
                                         {name_of(FileKind::spindle_test), "use `ecs test spindle {}`"},
                                         {name_of(FileKind::surface), "use `ecs test flatness {}`"}}};
   return module;

@@ -28,6 +28,7 @@
 #include "laser/map/recipe.hpp"
 #include "laser/standards/circle.hpp"
 #include "laser/standards/diagonals.hpp"
+#include "laser/standards/gauge_blocks.hpp"
 #include "model/diagnosis/ladder.hpp"
 #include "model/fit/model_file.hpp"
 #include "params/machine.hpp"
@@ -63,6 +64,16 @@ void diagonals(std::string_view text) {
   for (const laser::DiagonalValues& diagonal : results->diagonals)
     all_finite(std::array{diagonal.length_mm, diagonal.growth_um_per_m, diagonal.growth_sigma});
   for (const laser::DiagonalSquareness& one : results->squareness) all_finite(std::array{one.um_per_m, one.sigma});
+}
+
+void gauge_blocks(std::string_view text) {
+  const auto read = laser::parse_gauge_blocks(text, kFile);
+  if (!was_read(read)) return;
+  check(!read->readings.empty());
+  for (const laser::BlockReading& reading : read->readings) {
+    check(reading.nominal_mm > 0.0 && reading.U_um >= 0.0);
+    check_finite(laser::error_um_of(*read, reading));
+  }
 }
 
 void map_recipe(std::string_view text) {
@@ -248,6 +259,7 @@ void plan(std::string_view text) {
 
 const AddedParsers kTexts{
     {"circle_test", circle_test},
+    {"gauge_blocks", gauge_blocks},
     {"diagonals", diagonals},
     {"map_recipe", map_recipe},
     {"rotary_errors", rotary_errors},
