@@ -5,9 +5,11 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include <fmt/format.h>
 
+#include "base/linear/decompositions.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "laser/findings.hpp"
@@ -35,9 +37,106 @@ double mean_about(const std::vector<ZonePoint>& points, const Zone& zone) {
   return sum / static_cast<double>(points.size());
 }
 
+/// What a part shows at an angle; nothing where it has no readings around it.
+std::optional<double> shown_by(const CirclePass& part, double angle_deg) {
+  const auto& readings = part.readings;
+  const auto is_below = [](const CircleReading& reading, double at) { return reading.angle_deg < at; };
+  const auto above = std::lower_bound(readings.begin(), readings.end(), angle_deg, is_below);
+  const CircleReading& high = above == readings.end() ? readings.front() : *above;
+  const CircleReading& low = above == readings.begin() ? readings.back() : *std::prev(above);
+  if (high.angle_deg == angle_deg) return high.deviation_um;
+  if (folded_deg(high.angle_deg - low.angle_deg) > kWidestGap_deg) return std::nullopt;
+  return deviation_at(part, angle_deg, {});
+}
+
+/// Takes the zeros off, so that all readings have that of the first part.
+class PartJoiner {
+ public:
+  explicit PartJoiner(CirclePass& pass) : pass_(pass) {
+    for (const CircleReading& reading : pass.readings) parts_[reading.part].readings.push_back(reading);
+  }
+
+  void join() {
+    if (parts_.size() < 2) return;
+    for (const auto& [number, part] : parts_) pass_.parts.push_back({number});
+    if (!from_common_angles()) from_circle();
+    for (CircleReading& reading : pass_.readings) {
+      const auto same = [&](const CirclePart& part) { return part.part == reading.part; };
+      reading.deviation_um -= std::ranges::find_if(pass_.parts, same)->zero_um;
+    }
+  }
+
+ private:
+  [[nodiscard]] Eigen::Index unknowns() const { return static_cast<Eigen::Index>(parts_.size()) - 1; }
+
+  bool from_common_angles() {
+    std::vector<Eigen::VectorXd> rows;
+    std::vector<double> differences;
+    Eigen::Index j = 0;
+    for (auto a = parts_.begin(); a != parts_.end(); ++a, ++j) {
+      Eigen::Index k = 0;
+      for (auto b = parts_.begin(); b != parts_.end(); ++b, ++k) {
+        if (a == b) continue;
+        for (const CircleReading& reading : a->second.readings) {
+          const auto other = shown_by(b->second, reading.angle_deg);
+          const bool counted = k < j && other && at_reading(b->second, reading.angle_deg);
+          if (!other || counted) continue;  // the same angle is met from both parts
+          Eigen::VectorXd row = Eigen::VectorXd::Zero(unknowns());
+          if (j > 0) row[j - 1] += 1.0;
+          if (k > 0) row[k - 1] -= 1.0;
+          rows.push_back(row);
+          differences.push_back(reading.deviation_um - *other);
+        }
+      }
+    }
+    Eigen::MatrixXd columns(static_cast<Eigen::Index>(rows.size()), unknowns());
+    for (Eigen::Index i = 0; i < columns.rows(); ++i) columns.row(i) = rows[static_cast<std::size_t>(i)].transpose();
+    if (columns.rows() < unknowns()) return false;
+    const PivotedQr qr(columns);
+    if (qr.rank() < unknowns()) return false;
+    pass_.common = rows.size();
+    const Eigen::Map<const Eigen::VectorXd> y(differences.data(), columns.rows());
+    const LeastSquares zeros = least_squares(columns, y);
+    const Eigen::MatrixXd gram = inverse_gram(columns);
+    const auto freedom = static_cast<double>(columns.rows() - unknowns());
+    for (Eigen::Index i = 0; i < unknowns(); ++i) {
+      CirclePart& part = pass_.parts[static_cast<std::size_t>(i) + 1];
+      part.zero_um = zeros.sizes[i];
+      if (freedom > 0.0) part.sigma_um = std::sqrt(zeros.squares_left / freedom * gram(i, i));
+    }
+    return true;
+  }
+
+  static bool at_reading(const CirclePass& part, double angle_deg) {
+    return std::ranges::any_of(part.readings, [&](const CircleReading& one) { return one.angle_deg == angle_deg; });
+  }
+
+  /// Zeros and one centre together.
+  void from_circle() {
+    const auto rows = static_cast<Eigen::Index>(pass_.readings.size());
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rows, unknowns() + 3);
+    Eigen::VectorXd deviation(rows);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const CircleReading& reading = pass_.readings[static_cast<std::size_t>(i)];
+      const double angle = reading.angle_deg * kRad_per_deg;
+      columns(i, std::distance(parts_.begin(), parts_.find(reading.part))) = 1.0;
+      columns(i, unknowns() + 1) = std::cos(angle);
+      columns(i, unknowns() + 2) = std::sin(angle);
+      deviation[i] = reading.deviation_um;
+    }
+    const Eigen::VectorXd sizes = least_squares(columns, deviation).sizes;
+    for (Eigen::Index i = 0; i < unknowns(); ++i)
+      pass_.parts[static_cast<std::size_t>(i) + 1].zero_um = sizes[i + 1] - sizes[0];
+  }
+
+  CirclePass& pass_;
+  std::map<int, CirclePass> parts_;  ///< by number, readings by rising angle
+};
+
 void evaluate(CirclePass& pass) {
   std::ranges::stable_sort(pass.readings,
                            [](const CircleReading& a, const CircleReading& b) { return a.angle_deg < b.angle_deg; });
+  PartJoiner(pass).join();
   const auto points = zone_points(pass);
   const Zone zone = least_squares_zone(points);
   pass.centre_um = {zone.per_u, zone.per_v};
@@ -45,6 +144,12 @@ void evaluate(CirclePass& pass) {
   pass.F_min_um = zone.least;
   pass.mean_um = mean_about(points, zone);
   pass.G_um = minimum_zone(points).width();
+}
+
+std::set<int> numbers_of_parts(const CirclePass& pass) {
+  std::set<int> numbers;
+  for (const CircleReading& reading : pass.readings) numbers.insert(reading.part);
+  return numbers;
 }
 
 CirclePair pair_of(const CirclePass& ccw, const CirclePass& cw) {
@@ -106,7 +211,10 @@ CircleValues circle_values_of(const CircleTest& test) {
   }
   const auto first_cw = std::ranges::find_if(values.passes, [](const CirclePass& pass) { return pass.clockwise; });
   for (auto ccw = values.passes.begin(), cw = first_cw; ccw != first_cw && cw != values.passes.end(); ++ccw, ++cw)
-    values.pairs.push_back(pair_of(*ccw, *cw));
+    if (numbers_of_parts(*ccw) == numbers_of_parts(*cw))
+      values.pairs.push_back(pair_of(*ccw, *cw));
+    else
+      values.with_other_zeros = true;
   return values;
 }
 
@@ -157,13 +265,16 @@ CircleReading circle_reading(TableReader& row) {
                            reading.deviation_um));
   reading.clockwise = row.text("direction") == "cw";
   if (!reading.clockwise && row.text("direction") != "ccw") row.wrong("direction", "cw or ccw");
-  if (!row.has("run")) return reading;
-  const auto run = number_in(row.text("run"));
-  const bool is_whole = run && *run == std::round(*run);
-  if (is_whole && std::abs(*run) <= kMostCircleRuns)
-    reading.run = static_cast<int>(*run);
-  else
-    row.wrong("run", is_whole ? fmt::format("a whole number within {}", kMostCircleRuns) : "a whole number");
+  const auto number = [&](std::string_view column) {
+    if (!row.has(column)) return 1;
+    const auto value = number_in(row.text(column));
+    const bool is_whole = value && *value == std::round(*value);
+    if (is_whole && std::abs(*value) <= kMostCircleRuns) return static_cast<int>(*value);
+    row.wrong(column, is_whole ? fmt::format("a whole number within {}", kMostCircleRuns) : "a whole number");
+    return 1;
+  };
+  reading.run = number("run");
+  reading.part = number("part");
   return reading;
 }
 

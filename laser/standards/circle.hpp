@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,13 +14,24 @@
 
 namespace ecs::laser {
 
+/// A part of a pass with a zero of the instrument of its own, such as a half circle.
+struct CirclePart {
+  int part = 1;
+  double zero_um = 0.0;              ///< less that of the first part; taken off
+  std::optional<double> sigma_um{};  ///< standard uncertainty of it, from several common angles
+};
+
 /// One contouring motion.
 struct CirclePass {
   bool clockwise = false;
   int run = 1;
-  std::vector<CircleReading> readings;  ///< by rising angle
-  double G_um = 0.0;                    ///< circular deviation: separation of the minimum zone circles
-  double F_max_um = 0.0;                ///< radial deviations about the least squares centre
+  std::vector<CircleReading> readings;  ///< by rising angle, with the zero of the first part
+  std::vector<CirclePart> parts;        ///< empty: the pass has one zero
+  /// Readings at angles that two parts share, which give the zeros. 0: too few for all parts; the zeros are then those
+  /// of the least squares circle, and a constant difference of an error between the parts is not seen.
+  std::size_t common = 0;
+  double G_um = 0.0;      ///< circular deviation: separation of the minimum zone circles
+  double F_max_um = 0.0;  ///< radial deviations about the least squares centre
   double F_min_um = 0.0;
   double mean_um = 0.0;               ///< radius of the least squares circle less the nominal radius
   std::array<double, 2> centre_um{};  ///< of least squares, along the first and the second axis
@@ -40,6 +53,7 @@ struct CirclePair {
 struct CircleValues {
   std::vector<CirclePass> passes;  ///< counter-clockwise first, by run
   std::vector<CirclePair> pairs;   ///< empty where one direction only was measured
+  bool with_other_zeros = false;  ///< directions whose parts have other numbers make no pair: their zeros are unrelated
 };
 
 /// F is given about the least squares centre of each path, which ISO 230-4 allows for full circles. What compares both
@@ -57,7 +71,8 @@ inline constexpr double kWidestGap_deg = 15.0;
 
 /// Reads `angle_deg,deviation_um,direction` (cw or ccw) and, where there are several, `run`, below `# plane: XY` (two
 /// axes, the first at 0 and the second at 90 degrees) and `# radius_mm: 150`; `feed_mm_min`, `start_angle_deg` and
-/// `centre_x_mm` … are optional. Counter-clockwise is the sense of rising angle. Refuses, with line and column: no
+/// `centre_x_mm` … are optional. With a column `part` each number is a zero of the instrument
+/// in a run, for both directions. Counter-clockwise is the sense of rising angle. Refuses, with line and column: no
 /// plane, no radius, a direction that is missing, an open circle (no reading over more than 15 degrees, the pass is
 /// named), deviations of a millimetre and more.
 [[nodiscard]] Result<CircleTest> parse_circle_test(std::string_view text, const std::string& file_name);

@@ -126,10 +126,12 @@ std::string to_csv(const CircleTest& test) {
     if (const std::string line = metadata_line(entry.key, entry.value);
         own.find(fmt::format("# {}: ", entry.key)) == own.npos)
       text += line;
-  text += own + "angle_deg,deviation_um,direction,run\n";
+  const bool in_parts = std::ranges::any_of(test.readings, [](const CircleReading& one) { return one.part != 1; });
+  text += own + (in_parts ? "angle_deg,deviation_um,direction,run,part\n" : "angle_deg,deviation_um,direction,run\n");
   for (const CircleReading& reading : test.readings)
-    text += fmt::format("{:.4f},{:.4f},{},{}\n", reading.angle_deg, reading.deviation_um,
-                        contouring_name(reading.clockwise), reading.run);
+    text += fmt::format("{:.4f},{:.4f},{},{}{}\n", reading.angle_deg, reading.deviation_um,
+                        contouring_name(reading.clockwise), reading.run,
+                        in_parts ? fmt::format(",{}", reading.part) : std::string());
   return text;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 #include <tuple>
 
 namespace ecs::model {
@@ -32,7 +33,8 @@ void add_function(Motions::Free& free, std::vector<double> values) {
   free.functions.push_back(std::move(values));
 }
 
-/// Of a circle centre and radius of each pass; of a line the zero of each run, which both ways share.
+/// Of a circle the centre of each pass and the radius of each part of it; of a line the zero of each run, which both
+/// ways share.
 std::vector<Motions::Free> free_of(const Observations& data) {
   std::map<std::tuple<std::size_t, int, int>, std::vector<std::size_t>> passes;
   for (std::size_t k = 0; k < data.size(); ++k) {
@@ -49,7 +51,18 @@ std::vector<Motions::Free> free_of(const Observations& data) {
       for (const std::size_t k : free.readings) values.push_back(function(kRad_per_deg * data.along[k]));
       add_function(free, std::move(values));
     };
+    const auto part = data.extras.find(kPartColumn);
+    std::set<double> parts;
+    for (const std::size_t k : free.readings)
+      if (const double number = part == data.extras.end() ? 1.0 : cell(part->second, k); std::isfinite(number))
+        parts.insert(number);
     add([](double) { return 1.0; });
+    for (const double number : parts) {
+      std::vector<double> values;
+      for (const std::size_t k : free.readings)
+        values.push_back(part != data.extras.end() && cell(part->second, k) == number ? 1.0 : 0.0);
+      if (parts.size() > 1) add_function(free, std::move(values));
+    }
     if (data.path_of(free.readings.front()).kind == PathKind::circle) {
       add([](double angle) { return std::cos(angle); });
       add([](double angle) { return std::sin(angle); });

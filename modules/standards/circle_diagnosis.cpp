@@ -11,6 +11,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/linear/decompositions.hpp"
 #include "base/units.hpp"
@@ -28,6 +29,8 @@ constexpr double kEquallyGood = 9.0;
 constexpr double kNothingNew = 1e-6;
 /// Variance of third differences in that of a reading: 1 + 9 + 9 + 1.
 constexpr double kThirdDifference = 20.0;
+/// Share of a fault, hidden by the zeros of parts, that is stated: its standard uncertainty grows by a fifth.
+constexpr double kHiddenShare = 0.3;
 constexpr std::size_t kFewestReadings = 48;
 constexpr std::size_t kMostFaults = 8;
 
@@ -40,15 +43,16 @@ struct PassRows {
 
 struct CircleData {
   CirclePoints points;
-  VectorXd deviation;  ///< centre and radius of each pass taken off
+  VectorXd deviation;  ///< centre of each pass and radius of each part of it taken off
   std::vector<PassRows> passes;
+  std::vector<int> part;  ///< per row
 };
 
 CircleData circle_data(const laser::CircleTest& test) {
   std::map<std::pair<bool, int>, std::vector<laser::CircleReading>> passes;
   for (const laser::CircleReading& reading : test.readings) passes[{reading.clockwise, reading.run}].push_back(reading);
   const auto n = static_cast<Index>(test.readings.size());
-  CircleData data{{test.radius_mm, test.plane, VectorXd(n), VectorXd(n)}, VectorXd(n), {}};
+  CircleData data{{test.radius_mm, test.plane, VectorXd(n), VectorXd(n)}, VectorXd(n), {}, {}};
   Index row = 0;
   for (auto& [key, readings] : passes) {
     std::ranges::stable_sort(readings, [](auto& a, auto& b) { return a.angle_deg < b.angle_deg; });
@@ -56,17 +60,33 @@ CircleData circle_data(const laser::CircleTest& test) {
     for (const laser::CircleReading& reading : readings) {
       data.points.angle[row] = reading.angle_deg * (kTurn / 360.0);
       data.points.sense[row] = reading.clockwise ? -1.0 : 1.0;
+      data.part.push_back(reading.part);
       data.deviation[row++] = reading.deviation_um;
     }
   }
   return data;
 }
 
-/// Takes centre and radius of each pass out of columns: what is left cannot be a matter of centring.
+/// A column for each part of the pass, 1 on its rows.
+MatrixXd part_columns(const CircleData& data, const PassRows& pass) {
+  const auto* const first = data.part.data() + pass.first;
+  std::vector<int> numbers(first, first + pass.count);
+  std::ranges::sort(numbers);
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  MatrixXd columns(pass.count, static_cast<Index>(numbers.size()));
+  for (Index i = 0; i < pass.count; ++i)
+    for (Index k = 0; k < columns.cols(); ++k)
+      columns(i, k) = first[i] == numbers[static_cast<std::size_t>(k)] ? 1.0 : 0.0;
+  return columns;
+}
+
+/// Takes centre and radius of each pass out of columns: what is left cannot be a matter of centring. Each part of a
+/// pass has a radius of its own, that of its zero.
 MatrixXd without_centring(const CircleData& data, MatrixXd columns) {
   const MatrixXd centring = centring_columns(data.points);
   for (const PassRows& pass : data.passes) {
-    const MatrixXd own = centring.middleRows(pass.first, pass.count);
+    MatrixXd own = centring.middleRows(pass.first, pass.count);
+    if (const MatrixXd parts = part_columns(data, pass); parts.cols() > 1) own = beside(own, parts);
     auto block = columns.middleRows(pass.first, pass.count);
     block = without(PivotedQr(own).basis(), MatrixXd(block));
   }
@@ -387,8 +407,8 @@ void explain(CircleDiagnosis& diagnosis, const CircleData& data, const std::arra
   if (!best.faults.empty()) diagnosis.faults = ranked(search, best, against, data.deviation, left);
   diagnosis.left_um = rms(left);
   diagnosis.explained = 1.0 - left.squaredNorm() / std::max(data.deviation.squaredNorm(), kLeastDivisor);
-  const double freedom = static_cast<double>(left.size()) - static_cast<double>(best.columns) -
-                         3.0 * static_cast<double>(data.passes.size());
+  double freedom = static_cast<double>(left.size()) - static_cast<double>(best.columns);
+  for (const PassRows& pass : data.passes) freedom -= 2.0 + static_cast<double>(part_columns(data, pass).cols());
   diagnosis.lack_of_fit_ln_p =
       ln_f_tail(left.squaredNorm() / freedom / noise.variance, freedom / noise.inflation, noise.degrees_of_freedom);
 }
@@ -398,6 +418,21 @@ bool tries_pitch(const std::vector<CircleFault>& faults, char axis, double pitch
   return std::ranges::any_of(faults, [&](const CircleFault& fault) {
     return fault.effect == "cyclic" && fault.where == std::string(1, axis) && fault.nonlinear == pitch_mm;
   });
+}
+
+/// Faults of which the zeros of the parts hide a good share, with the share of their mean square.
+std::vector<std::string> hidden_by_parts(const CircleData& data, const std::vector<CircleFault>& faults) {
+  CircleData whole = data;
+  std::ranges::fill(whole.part, 1);
+  std::vector<std::string> hidden;
+  for (const CircleFault& fault : faults) {
+    const double all = without_centring(whole, fault.columns.leftCols(1)).squaredNorm();
+    const double lost =
+        1.0 - without_centring(data, fault.columns.leftCols(1)).squaredNorm() / std::max(all, kLeastDivisor);
+    if (fault.effect != kReversalSpike && fault.effect != "cyclic" && lost > kHiddenShare)
+      hidden.push_back(fmt::format("{} ({:.0f} %)", fault.title, 100.0 * lost));
+  }
+  return hidden;
 }
 
 std::string no_pitch_note(char axis, PitchSource source) {
@@ -422,6 +457,10 @@ std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise&
     notes.emplace_back(
         "no repeated pass: the noise is estimated from neighbouring readings and excludes slow changes. Repeat the "
         "circle");
+  if (const auto hidden = hidden_by_parts(data, circle_faults(data.points, pitches_mm)); !hidden.empty())
+    notes.push_back(fmt::format(
+        "each part has a zero of its own, which hides a share of the mean square of: {}. A full circle shows more",
+        fmt::join(hidden, ", ")));
   for (std::size_t i = 0; i < pitches_mm.size(); ++i)
     if (pitches_mm[i].empty()) notes.push_back(no_pitch_note(letter_of(data.points.plane[i]), source));
   const auto faults = circle_faults(data.points, pitches_mm);

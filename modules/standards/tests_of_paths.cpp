@@ -51,6 +51,38 @@ Cell pair_cell(const laser::CirclePair& pair) {
       "centre_um"_is(centre_cell(pair.centre_um)));
 }
 
+Cell part_cell(const laser::CirclePass& pass, const laser::CirclePart& part) {
+  const std::string from =
+      pass.common == 0 ? std::string("fitted with the centre: no angles in common")
+                       : fmt::format("from {} reading{} at common angles{}", pass.common, pass.common == 1 ? "" : "s",
+                                     part.sigma_um ? fmt::format(", u = {:.2f} um", *part.sigma_um) : std::string());
+  return record_cell("  {direction:<4} run {run}, part {part}: zero {zero_um} um relative to the first part ({from})\n",
+                     "direction"_is(laser::contouring_name(pass.clockwise)), "run"_is(pass.run), "part"_is(part.part),
+                     "zero_um"_is(part.zero_um, 2), "sigma_um"_is(part.sigma_um, 2), "from"_shown(from),
+                     "common_readings"_is(pass.common));
+}
+
+/// Of passes that were measured in parts, and what such passes cannot show.
+Cell parts_cell(const laser::CircleValues& values) {
+  Cell parts{Json::array(), {}};
+  bool fitted = false;
+  for (const laser::CirclePass& pass : values.passes)
+    for (std::size_t i = 1; i < pass.parts.size(); ++i) {
+      parts.add(part_cell(pass, pass.parts[i]));
+      fitted = fitted || pass.common == 0;
+    }
+  if (values.with_other_zeros)
+    parts.text +=
+        "  note: the directions have no zero in common (other numbers in the column part): G(b), D and H are not "
+        "determined\n";
+  if (fitted)
+    parts.text +=
+        "  note: the parts have no angle in common, so only the assumption of a circle separates eccentricity and "
+        "difference of zeros. G, F, H and the centre lack errors that are constant in each part. Measure each part a "
+        "few degrees beyond its end\n";
+  return parts;
+}
+
 Cell fault_cell(const model::CircleFaultFound& fault) {
   std::string rivals;
   if (!fault.indistinguishable_from.empty())
@@ -130,13 +162,13 @@ Result<Outcome> circle(VerbContext&, const CircleRequest& request) {
   if (!request.plot.empty()) ECS_DO(write_plot(request.plot, polar_figure(test, values)));
   return outcome_of(record_cell(
       "{file}: plane {plane}, radius {radius_mm} mm\n"
-      "  {heading}\n{passes}{pairs}{causes}{other}{drawn}{plot}",
+      "  {heading}\n{passes}{parts}{pairs}{causes}{other}{drawn}{plot}",
       "file"_is(request.file), "plane"_is(laser::plane_name(test.plane)), "radius_mm"_is(test.radius_mm),
       "feed_mm_min"_is(test.feed_mm_min),
       "heading"_shown(fmt::format("{:<4} {:>4} {:>9} {:>9} {:>9} {:>9}   {}", "", "run", "G [um]", "Fmax [um]",
                                   "Fmin [um]", "mean [um]", "centre [um]")),
-      "passes"_is(list_cell(values.passes, pass_cell)), "pairs"_is(list_cell(values.pairs, pair_cell)),
-      "causes"_is(diagnosis_cell(work.diagnosis)), "other"_is(other),
+      "passes"_is(list_cell(values.passes, pass_cell)), "parts"_is(parts_cell(values)),
+      "pairs"_is(list_cell(values.pairs, pair_cell)), "causes"_is(diagnosis_cell(work.diagnosis)), "other"_is(other),
       "drawn"_shown(request.draw ? polar_text(values) : ""), "plot"_is(written_cell("plot", request.plot))));
 }
 
