@@ -151,7 +151,8 @@ bool shows_lag(const Regressors& regressors, const Base& base, const Search& sea
   });
 }
 
-/// Effects that follow a sensor late, at once instead where the readings do not show the lag.
+/// Effects that follow a sensor late, at once instead where the readings do not show the lag and noise alone could be
+/// what it explains; an effect that is nothing without its lag stands or falls with it.
 void drop_lags_not_shown(const Regressors& regressors, const Base& base, const Search& search, Found& found) {
   for (std::size_t i = 0; i < found.solution.chosen.size(); ++i) {
     const Choice late = found.solution.chosen[i];
@@ -165,7 +166,9 @@ void drop_lags_not_shown(const Regressors& regressors, const Base& base, const S
     std::vector<Choice> chosen = rest.chosen;
     chosen.push_back(search.choice_at(rest.space, static_cast<std::size_t>(at_once - found.families.begin()), 0.0));
     Solution without_lag = search.refined(chosen, found.solution.own);
-    if (shows_lag(regressors, base, search, found, late, without_lag)) continue;
+    if (found.solution.score() - without_lag.score() >= found.entry_score ||
+        shows_lag(regressors, base, search, found, late, without_lag))
+      continue;
     found.solution = std::move(without_lag);
     return drop_lags_not_shown(regressors, base, search, found);  // one lag fewer
   }

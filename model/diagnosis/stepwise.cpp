@@ -437,6 +437,40 @@ class NextSets {
   std::map<std::vector<std::size_t>, std::optional<Solution>> best_;
 };
 
+/// Zeros of lines of their own take the place of effects that need no fewer parameters to explain the same: with as many
+/// as there are lines any zeros can be written as angles and slopes of the axes on which the lines differ.
+Solution with_zeros_of_lines(const Search& search, Solution best) {
+  const auto is_zero = [&](std::size_t f) {
+    const EffectInstance& effect = search.families()[f].effect;
+    return effect.traits().of_lines && effect.line > 1 && effect.from_run == 0;
+  };
+  const auto parameters = [](const std::vector<Choice>& chosen) {
+    std::size_t sum = 0;
+    for (const Choice& one : chosen) sum += one.parameters;
+    return sum;
+  };
+  if (best.chosen.size() < 2) return best;
+  std::vector<Choice> chosen;
+  for (std::size_t f = 0; f < search.candidates(); ++f)
+    if (is_zero(f)) chosen.push_back(search.choice_at(search.alone().space, f, 0.0));
+  if (chosen.size() < 2) return best;  // one zero is a rival like any other
+  for (const Choice& one : best.chosen)
+    if (!is_zero(one.family)) chosen.push_back(one);
+  const double limit = best.space.chi2() + kIndistinguishable;
+  if (search.solution(chosen, best.own).space.chi2() > limit) return best;
+  for (std::size_t i = chosen.size(); i-- > 0;) {  // the effects first, then zeros that are none
+    std::vector<Choice> fewer = without_member(chosen, i);
+    if (search.solution(fewer, best.own).space.chi2() <= limit) chosen = std::move(fewer);
+  }
+  const auto count = [&](const std::vector<Choice>& of) {
+    return std::ranges::count_if(of, [&](const Choice& one) { return is_zero(one.family); });
+  };
+  const auto others = [&](const std::vector<Choice>& of) { return static_cast<std::ptrdiff_t>(of.size()) - count(of); };
+  if (count(chosen) < 2 || others(chosen) >= others(best.chosen) || parameters(chosen) > parameters(best.chosen))
+    return best;
+  return search.refined(chosen, best.own);
+}
+
 }  // namespace
 
 Solution best_solution(const Search& search, const StepwiseOptions& options) {
@@ -465,7 +499,7 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
     }
   }
   best = parted(search, merged(search, exchanged(search, std::move(best), options), options), options);
-  return with_best_directions(search, std::move(best), options);
+  return with_best_directions(search, with_zeros_of_lines(search, std::move(best)), options);
 }
 
 namespace {

@@ -310,3 +310,62 @@ TEST_CASE("passes that lie apart from each other are adequate for a map, and it 
                       {.step_mm = 60.0, .targets = 6, .runs = 5}, 2.0, [](const Reading&) { return 0.0; }, 11));
   CHECK_FALSE(contains(quiet.headline, "Each pass has"));
 }
+
+TEST_CASE("of six readings a cause far above the noise is likely, and noise alone is too little to tell") {
+  const Plan few{.step_mm = 300.0, .targets = 3, .runs = 1};
+  int right = 0, named = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const Diagnosis strong = diagnosed(
+        straight(), measured(
+                        few, kNoise_um, [](const Reading& r) { return 15.0 * d(r); }, seed));
+    right += static_cast<int>(strong.verdict == Verdict::likely_effect &&
+                              to_text(strong.candidates.front().effect) == "backlash:X:EX");
+    const Diagnosis quiet = diagnosed(straight(), measured(few, kNoise_um, nothing, seed));
+    CHECK(quiet.verdict != Verdict::unexplained_structure);
+    named += static_cast<int>(quiet.verdict != Verdict::cannot_tell);
+  }
+  CHECK(right >= 15);
+  CHECK(named <= 1);
+}
+
+TEST_CASE("a drift over the visits that held-out visits do not confirm is not adequate") {
+  int adequate = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const Diagnosis found = diagnosed(straight(), measured(
+                                                      {.step_mm = 200.0, .targets = 4, .runs = 6, .both_ways = false},
+                                                      1.0, [](const Reading& r) { return 1.2 * r.run; }, seed));
+    adequate += static_cast<int>(found.verdict == Verdict::adequate);
+  }
+  CHECK(adequate == 0);
+}
+
+TEST_CASE("zeros of four parallel lines are these zeros and no angle of another carriage") {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    std::mt19937_64 random(seed);
+    NormalDraws zero(0.0, 8.0);
+    laser::MeasurementSet set;
+    for (const Vector3& parked_mm : {Vector3{}, Vector3{0, 800, 0}, Vector3{0, 0, 600}, Vector3{0, 800, 600}})
+      measure(
+          set, {.step_mm = 50.0, .targets = 21, .parked_mm = parked_mm}, kNoise_um,
+          [zero_um = zero(random)](const Reading&) { return zero_um; }, seed);
+    const Diagnosis found = diagnosed(straight(), set);
+    CHECK(found.verdict == Verdict::missing_effect);
+    for (const Candidate& one : found.candidates)
+      if (one.named) CHECK_MESSAGE(contains(to_text(one.effect), "offset:X:EX"), to_text(one.effect));
+  }
+}
+
+TEST_CASE("at even targets, written to a tenth of a millimetre, a worn zone is no wave shorter than two steps") {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    laser::MeasurementSet set = measured({.step_mm = 1000.0 / 26.0, .targets = 27, .runs = 4}, kNoise_um, nothing, seed);
+    const double middle_mm = 150.0 + 60.0 * seed, width_mm = 40.0 + 10.0 * seed;
+    for (laser::Reading& r : set.readings) {
+      r.position_mm[0] = 0.1 * std::round(10.0 * r.position_mm[0]);
+      r.error += 3.0 * std::exp(-0.5 * std::pow((p(r) - middle_mm) / width_mm, 2));
+    }
+    for (const Candidate& one : diagnosed(straight(), set).candidates) {
+      const auto period = one.effect.traits().periodic ? searched_value(one.effect) : std::nullopt;
+      if (one.in_answer() && period) CHECK_MESSAGE(*period > 2000.0 / 26.0, to_text(one.effect));
+    }
+  }
+}
