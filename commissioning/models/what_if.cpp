@@ -178,7 +178,8 @@ Result<std::optional<Achieved>> achieved(MessageSink& messages, const ModelWork&
   if (set.readings.empty())
     return problem_at(after.front(), 0, 0,
                       "expected readings taken with compensation active (compensated = 1), found none");
-  Achieved out{model::observations_of(set, work.model, work.machine), 0.0, 0.0, all - set.readings.size()};
+  Achieved out{model::as_measured(model::observations_of(set, work.model, work.machine)), 0.0, 0.0,
+               all - set.readings.size()};
   double square = 0.0;
   for (const double reading : out.data.reading) {
     square += reading * reading;
@@ -282,9 +283,10 @@ std::vector<std::string> notes_on(const ModelWork& work, const model::WhatIf& wh
           fmt::format("{:.3g} {} rms, up to {:.3g} {},", what.shares[i].rms_um, unit, what.shares[i].peak_um, unit)));
   const auto compensated = std::count(work.data.compensated.begin(), work.data.compensated.end(), true);
   if (compensated > 0)
-    notes.push_back(fmt::format(
-        "{} of the {} readings were taken with compensation active: for them this is the error after a further map",
-        compensated, work.data.size()));
+    notes.push_back(fmt::format("{} of the {} readings were taken with compensation active: {}", compensated,
+                                work.data.size(),
+                                work.data.of_map.empty() ? "for them this is the error after a further map"
+                                                         : "the map was subtracted from them"));
   if (after && after->left_out > 0)
     notes.push_back(fmt::format("{} readings of --after are marked compensated = 0 and ignored", after->left_out));
   return notes;

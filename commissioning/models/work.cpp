@@ -365,7 +365,7 @@ Problem in_file(Problem why, const std::string& file) {
 model::Model model_to_keep(const model::Model& model, const model::Fit& fit, const model::Observations& data,
                            const std::string& data_name) {
   model::Model kept = with_values(model, fit);
-  kept.compensated_readings = static_cast<int>(std::count(data.compensated.begin(), data.compensated.end(), true));
+  take_compensation(kept, data);
   if (!kept.history.empty()) return kept;
   kept.history.push_back(rung_of("", data_name, data.reading, fit, data));
   return kept;

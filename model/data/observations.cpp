@@ -601,8 +601,8 @@ Observations subset(const Observations& all, const std::vector<std::size_t>& cho
   keep(part.row, part.file_order, part.axis, part.sense, part.run, part.approach, part.position_mm, part.place_mm,
        part.pose_deg, part.through_chain, part.compensated, part.path, part.along, part.place, part.of_moved,
        part.aside, part.in_history, part.line);
-  keep(part.reading, part.time_s, part.feed_mm_min, part.load_kg, part.travel_since_reversal_mm, part.pressure_hPa,
-       part.humidity_pct);
+  keep(part.reading, part.of_map, part.time_s, part.feed_mm_min, part.load_kg, part.travel_since_reversal_mm,
+       part.pressure_hPa, part.humidity_pct);
   for (auto* columns : {&part.sensors_degC, &part.extras})
     for (auto& each : *columns) keep(each.second);
   return part;

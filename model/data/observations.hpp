@@ -102,6 +102,7 @@ struct Observations {
   std::vector<int> approach;         ///< 1, -1, 0 unknown
   std::vector<Vector3> position_mm;  ///< machine coordinates; of rotary axes [deg], A, B, C in place of X, Y, Z
   Column reading;                    ///< um, um/m for rotations
+  Column of_map;                     ///< what the map did to each reading and was taken out of it; empty: nothing was
   Column time_s;                     ///< since the first reading; effects count it from `origin`, by since_origin_s()
   Column feed_mm_min, load_kg, travel_since_reversal_mm, pressure_hPa, humidity_pct;
   std::map<std::string, Column, std::less<>> sensors_degC;  ///< by column name
@@ -120,7 +121,7 @@ struct Observations {
   std::vector<ThroughChain> through_chain;
   std::vector<Vector3> balls_mm;  ///< where balls stand on the table, in the frame of the workpiece
   std::vector<Vector3> tools_mm;  ///< from the tool reference point to the ball or probe in the spindle, angles at 0
-  std::string not_followed;       ///< why readings of a ball cannot be of this machine; empty: they can
+  std::string not_followed;       ///< why no model can follow these readings on this machine; empty: one can
   /// That follows a ball, with the travels of all axes: more of its readings can be planned. Null: readings of no ball.
   std::shared_ptr<const params::Machine> ball_machine;
   std::vector<Axis> rotary_axes;  ///< of the machine, where `through_chain` is known: those that moved come first
@@ -158,6 +159,7 @@ struct Observations {
   [[nodiscard]] std::size_t size() const { return reading.size(); }
   [[nodiscard]] Axis natural_axis(Sense of) const { return natural_axes[static_cast<std::size_t>(of)]; }
   [[nodiscard]] int line_of(std::size_t k) const { return line.empty() ? 1 : line[k]; }
+  [[nodiscard]] double of_map_in(std::size_t k) const { return of_map.empty() ? 0.0 : of_map[k]; }
   [[nodiscard]] bool on_path(std::size_t k) const { return !path.empty() && path[k] != 0; }
   /// @pre on_path(k)
   [[nodiscard]] const Path& path_of(std::size_t k) const { return paths[path[k] - 1]; }

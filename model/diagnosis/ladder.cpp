@@ -190,7 +190,7 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
   const Fit fit = reported(after.assembly, regressors, after.core);
   added.model = with_values(added.model, fit);
   added.model.effects.back().tied_with = other_periods(added.model.effects.back(), data);
-  added.model.compensated_readings = static_cast<int>(std::ranges::count(data.compensated, true));
+  take_compensation(added.model, data);
   if (fit.effects.back().readings == 0 || fit.effects.back().rms_um == 0.0) {
     const bool is_there =
         std::ranges::any_of(model.effects, [&](const EffectInstance& one) { return same_candidate(one, *effect); });

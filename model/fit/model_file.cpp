@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <functional>
 #include <set>
 
 #include <fmt/format.h>
@@ -18,6 +19,7 @@
 #include "laser/measurement_set.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
+#include "model/regression/regressors.hpp"
 
 namespace ecs::model {
 namespace {
@@ -369,13 +371,18 @@ std::optional<EffectInstance> effect_in(TomlReader& reader, const toml::table& t
 void take_map(TomlReader& reader, const toml::table& root, const std::filesystem::path& folder, Model& model) {
   const toml::table* table = reader.child(root, "map");
   if (table == nullptr) return;
-  reader.only(*table, {"file"}, "map");
+  reader.only(*table, {"file", "taken_out"}, "map");
   const auto file = reader.word(*table, "file");
   if (!file) {
     if (!table->contains("file")) reader.complain(*table, "map: expected file = \"map.csv\"");
     return;
   }
   model.map_file = *file;
+  if (const toml::node* taken_out = table->get("taken_out")) {
+    const auto value = taken_out->value_exact<bool>();
+    if (!value) reader.complain(*taken_out, "taken_out: expected true or false");
+    model.map_taken_out = value.value_or(false);
+  }
   auto map = laser::read_map_csv(folder / *file);
   if (map)
     model.map = std::move(*map);
@@ -499,6 +506,30 @@ std::optional<Origin> counting_origin(const Model& model) {
   return origin;
 }
 
+/// Reading = error of the machine + compensation: the compensation of the whole map goes.
+void take_map_out(Observations& data) {
+  const Observations& motions = data.motions();
+  Eigen::MatrixXd compensation = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(motions.size()), 1);
+  const EffectInstance whole_map;
+  for (std::size_t k = 0; k < motions.size(); ++k)
+    if (motions.compensated[k] && (motions.aside.empty() || !motions.aside[k]))
+      compensation(static_cast<Eigen::Index>(k)) = map_compensation({motions, k, whole_map});
+  const Eigen::VectorXd of_readings = Regressors(data).readings_from(std::move(compensation)).col(0);
+  data.of_map.assign(of_readings.begin(), of_readings.end());
+  for (std::size_t k = 0; k < data.size(); ++k) data.reading[k] -= data.of_map[k];
+  const auto with_map = std::ranges::count(data.compensated, true);
+  const auto& header = data.map->header;
+  if (with_map > 0 && (data.rotary || !data.through_chain.empty() || !header.thermal.empty() || !header.rotary.empty()))
+    data.not_followed =
+        "readings with compensation (compensated = 1) and without it cannot be joined here, because what the map does "
+        "to readings is known of its tables of X, Y and Z only. Give those with compensation alone, or those without";
+  if (with_map > 0)
+    data.notes.push_back(fmt::format(
+        "{} of the {} readings were taken with compensation (compensated = 1). The map was subtracted from them: the "
+        "model describes the machine without compensation, and a fault of the map is where both kinds still differ",
+        with_map, data.size()));
+}
+
 }  // namespace
 
 bool counts_from_origin(const Model& model) {
@@ -508,7 +539,22 @@ bool counts_from_origin(const Model& model) {
 
 Observations all_observations_of(const laser::MeasurementSet& set, const Model& model,
                                  const std::optional<params::Machine>& machine) {
-  return observations_of(set, KnownTables{model.map, model.known, counting_origin(model)}, machine);
+  Observations data = observations_of(set, KnownTables{model.map, model.known, counting_origin(model)}, machine);
+  const bool is_mixed = std::ranges::adjacent_find(data.compensated, std::not_equal_to()) != data.compensated.end();
+  if (model.map && (is_mixed || model.map_taken_out)) take_map_out(data);
+  return data;
+}
+
+Observations as_measured(Observations data) {
+  for (std::size_t k = 0; k < data.size(); ++k) data.reading[k] += data.of_map_in(k);
+  data.of_map.clear();
+  return data;
+}
+
+void take_compensation(Model& model, const Observations& data) {
+  model.map_taken_out = !data.of_map.empty();
+  model.compensated_readings =
+      model.map_taken_out ? 0 : static_cast<int>(std::ranges::count(data.compensated, true));
 }
 
 Observations observations_of(const laser::MeasurementSet& set, const Model& model,

@@ -35,6 +35,7 @@ struct Model {
       candidates;                      ///< `[[candidate]]`: user effects that a diagnosis is to try, not yet believed
   std::string map_file;                ///< as written in the file; empty: no map was active
   std::optional<laser::ErrorMap> map;  ///< read from it
+  bool map_taken_out = false;          ///< of the last fit: it is of the machine without the map (observations_of)
   std::vector<KnownComponent> known;
   std::vector<LadderStep> history;
   std::optional<Origin> origin;        ///< `[origin]`: of the last fit; kept while an effect counts from it
@@ -46,12 +47,18 @@ struct Model {
 /// Whether an effect of the model counts time or a temperature from its origin.
 [[nodiscard]] bool counts_from_origin(const Model& model);
 
-/// The readings with the map, the known components and the origin of a model; rows given twice count once.
+/// The readings with the map, the known components and the origin of a model; rows given twice count once. Where some
+/// were taken with the map and others without, or a fit has seen both, the map is taken out of those with it: all are
+/// then the error of the machine without compensation, beside which faults of the map act. Else they are as measured.
 [[nodiscard]] Observations observations_of(const laser::MeasurementSet& set, const Model& model,
                                            const std::optional<params::Machine>& machine);
 /// The same with every row.
 [[nodiscard]] Observations all_observations_of(const laser::MeasurementSet& set, const Model& model,
                                                const std::optional<params::Machine>& machine);
+/// The readings as they were measured, nothing taken out of them.
+[[nodiscard]] Observations as_measured(Observations data);
+/// Keeps with a fitted model how its readings were compensated.
+void take_compensation(Model& model, const Observations& data);
 
 /// Reads a model; every wrong key, value and place in one pass. The map file is sought beside the model.
 /// @param name  the file as problems name it

@@ -114,7 +114,9 @@ std::string to_toml(const Model& model) {
   std::string text;
   if (!model.name.empty()) text += fmt::format("name = {}\n", params::toml_string(model.name));
   if (model.compensated_readings > 0) text += fmt::format("compensated_readings = {}\n", model.compensated_readings);
-  if (!model.map_file.empty()) text += fmt::format("[map]\nfile = {}\n", params::toml_string(model.map_file));
+  if (!model.map_file.empty())
+    text += fmt::format("[map]\nfile = {}\n{}", params::toml_string(model.map_file),
+                        model.map_taken_out ? "taken_out = true\n" : "");
   if (model.origin) text += origin_text(*model.origin);
   for (const EffectInstance& effect : model.effects) text += effect_text(effect, "effect");
   for (const EffectInstance& effect : model.candidates) text += effect_text(effect, "candidate");

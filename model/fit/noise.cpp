@@ -276,7 +276,7 @@ bool scatter_less(const Deviations& some, const Deviations& others) {
 /// use.
 double resolution_of(const Observations& data, const NoiseGroup& group) {
   std::vector<double> values;
-  for (const std::size_t k : group.rows) values.push_back(data.reading[k]);
+  for (const std::size_t k : group.rows) values.push_back(data.reading[k] + data.of_map_in(k));
   std::ranges::sort(values);
   std::vector<double> multiples;  // the small ones first: a file rounds them all, and a large one tells the step best
   for (std::size_t i = 1; i < values.size(); ++i) multiples.push_back(values[i] - values[i - 1]);

@@ -222,7 +222,7 @@ class Conditions {
         p.set_up_minutes += times_.load_minutes;
       });
     if (data_.map && now_.compensated.value_or(false))
-      add("with compensation switched off, the map's values added to the readings", [&](MeasurementProposal& p) {
+      add("with compensation switched off", [&](MeasurementProposal& p) {
         p.compensated = false;
         p.set_up_minutes += times_.map_minutes;
       });

@@ -123,7 +123,7 @@ Result<Readings> readings_for(VerbContext& context, const ReportArguments& argum
 Result<void> judge(VerbContext& context, const ReportArguments& arguments, const Readings& readings,
                    const model::Model& model, ReportContent& content) {
   const auto before = model::observations_of(readings.before, model, content.machine);
-  const auto after = model::observations_of(readings.after, model, content.machine);
+  const auto after = model::as_measured(model::observations_of(readings.after, model, content.machine));
   ECS_TRY(fit, model::fit(model, before));
   ECS_TRY(what_if, model::what_if(model, before));
   content.model =

@@ -154,7 +154,7 @@ Result<Predicted> predicted(const model::Model& model, const std::optional<param
   for (std::size_t k = 0; k < at.size(); ++k) {
     laser::Reading& reading = plan.set.readings[at.file_order[k]];
     if (plan.has_readings) reading.extras["measured"] = reading.error;
-    reading.error = values[k];
+    reading.error = values[k] + at.of_map_in(k);
   }
   plan.set.metadata.push_back({"predicted_by", model_file});
   return Predicted{std::move(plan.set), plan.has_readings, at.clock_note};

@@ -276,6 +276,109 @@ TEST_CASE("a map applied with the wrong sign is named before a wrong gain") {
   CHECK(is_rival(found.candidates[0], "map_gain:X:EX"));
 }
 
+namespace {
+
+/// The error of a line, and tables every 25 mm that compensate it.
+double error_um(double p_mm, double side) {
+  return 0.018 * p_mm + 5.0 * std::sin(p_mm / 190.0) + side * (2.0 + p_mm / 900.0);
+}
+Model with_its_map() {
+  Model model = straight();
+  model.map = laser::ErrorMap{};
+  for (const double side : {1.0, -1.0}) {
+    laser::MapTable table{Component::EXX, side > 0.0 ? Approach::forward : Approach::reverse, {}, {}};
+    for (double at_mm = 0.0; at_mm <= 1100.0; at_mm += 25.0) {
+      table.position_mm.push_back(at_mm);
+      table.compensation.push_back(-error_um(at_mm, side));
+    }
+    model.map->tables.push_back(table);
+  }
+  return model;
+}
+
+using Applied = std::function<double(double p_mm, double side)>;
+
+/// Three runs without compensation, then three with what the unit put out.
+laser::MeasurementSet before_and_after(const Applied& applied, unsigned seed = 1) {
+  return measured(
+      {.targets = 31, .runs = 6}, kNoise_um,
+      [&](const Reading& r) { return error_um(p(r), d(r)) + (r.run > 3 ? applied(p(r), d(r)) : 0.0); }, seed);
+}
+laser::MeasurementSet stated(laser::MeasurementSet set) {
+  for (Reading& r : set.readings) r.compensated = r.run > 3;
+  return set;
+}
+
+std::vector<std::string> map_faults_in(const Diagnosis& found) {
+  std::vector<std::string> names;
+  for (const Candidate& one : found.candidates)
+    if (one.in_answer() && one.effect.definition().place == Place::map) names.push_back(to_text(one.effect));
+  return names;
+}
+
+}  // namespace
+
+TEST_CASE("readings before and after compensation by a right map show no fault of it, and their treatment is said") {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const Diagnosis found = diagnosed(with_its_map(), stated(before_and_after([](double p_mm, double side) {
+      return -error_um(p_mm, side);
+    }, seed)));
+    CHECK(map_faults_in(found).empty());
+    CHECK(std::ranges::any_of(found.notes, [](const std::string& note) {
+      return contains(note, "186 of the 372 readings were taken with compensation (compensated = 1). The map was "
+                            "subtracted from them");
+    }));
+  }
+}
+
+TEST_CASE("readings before and after compensation show each fault of a map alone, with its size") {
+  const auto fault = [](const Applied& applied) {
+    return diagnosed(with_its_map(), stated(before_and_after(applied)));
+  };
+  const auto only = [](const Diagnosis& found, const char* name) {
+    CAPTURE(found.headline);
+    CHECK(map_faults_in(found) == std::vector<std::string>{name});
+    for (const Candidate& one : found.candidates)
+      if (to_text(one.effect) == name) return one.parameters;
+    return std::vector<ParameterEstimate>{};
+  };
+  const auto gain = only(fault([](double p, double side) { return -1.3 * error_um(p, side); }), "map_gain:X:EX");
+  CHECK(gain.at(0).value == Approx(1.3).epsilon(0.02));
+  only(fault([](double p, double side) { return error_um(p, side); }), "map_polarity:X:EX");
+  const auto shift = only(fault([](double p, double side) { return -error_um(p + 40.0, side); }), "map_shift:X:EX");
+  CHECK(shift.at(0).value == Approx(40.0).epsilon(0.1));
+  only(fault([](double p, double side) { return -error_um(p, -side); }), "map_direction_swap:X:EX");
+}
+
+TEST_CASE("a model fitted before and after compensation is of the machine, also where later readings are all after") {
+  const auto set = stated(before_and_after([](double p, double side) { return -error_um(p, side); }));
+  Model model = with_its_map();
+  model.map_file = "map.csv";
+  const auto add = [&](EffectId id) { model.effects.push_back(effect(id, Axis::X, Sense::EX)); };
+  add(backlash);
+  add(progressive);
+  add(reversal_curve);
+  const Observations both = observations_of(set, model, mill());
+  const Fit fitted = must(fit(model, both));
+  CHECK(fitted.rms_um == Approx(kNoise_um).epsilon(0.1));
+  Model kept = with_values(model, fitted);
+  take_compensation(kept, both);
+  CHECK(kept.compensated_readings == 0);
+  CHECK(contains(to_toml(kept), "taken_out = true"));
+  auto after = set;
+  std::erase_if(after.readings, [](const Reading& r) { return r.run <= 3; });
+  for (const Model* one : {&model, &kept}) {
+    const Observations data = observations_of(after, *one, mill());
+    const auto values = must(predicted(kept, data));
+    double squares = 0.0;
+    for (std::size_t k = 0; k < data.size(); ++k) squares += std::pow(data.reading[k] - values[k], 2);
+    const double rms_um = std::sqrt(squares / static_cast<double>(data.size()));
+    CHECK((rms_um < 1.2 * kNoise_um) == (one == &kept));
+    const Observations raw = as_measured(data);
+    for (std::size_t k = 0; k < data.size(); ++k) CHECK(std::abs(raw.reading[k]) < 6.0 * kNoise_um);
+  }
+}
+
 TEST_CASE("twelve readings there and back, once, are likely a lost motion that varies, not noise and not proved") {
   const std::vector<double> lost_um{-20.0, 19.0, 3.0, 6.0, 2.0, -9.0};
   const Plan plan{.step_mm = 57.0, .targets = 6, .runs = 1};
