@@ -234,6 +234,17 @@ std::vector<std::string> untried_effects(const Observations& all) {
     note(
         data, facts_of(Need::known).what,
         [](const EffectDefinition& definition) { return definition.has_need(Need::known); }, notes);
+  const auto compensated = static_cast<std::size_t>(std::ranges::count(data.compensated, true));
+  if (!data.map && compensated > 0) {
+    note(
+        data, "the map that was active while readings were compensated (compensated = 1): [map] in the model file",
+        [](const EffectDefinition& definition) { return definition.place == Place::map; }, notes);
+    if (compensated < data.size())
+      notes.push_back(
+          fmt::format("{} of the {} readings were taken with compensation: without [map] in the model file they "
+                      "are treated as errors of the machine like the others. State it there, or give both kinds alone",
+                      compensated, data.size()));
+  }
   return notes;
 }
 

@@ -379,6 +379,24 @@ TEST_CASE("a model fitted before and after compensation is of the machine, also 
   }
 }
 
+TEST_CASE("without the map in the model a note says that its faults cannot be tried") {
+  const auto note_of = [](const laser::MeasurementSet& set) {
+    std::string all;
+    for (const std::string& note : diagnosed(straight(), set).notes) all += note + "\n";
+    return all;
+  };
+  auto set = stated(before_and_after([](double p, double side) { return -1.3 * error_um(p, side); }));
+  check_holds(note_of(set), {"map_polarity, map_gain, map_shift and map_direction_swap cannot be tried: they need the "
+                             "map that was active",
+                             "186 of the 372 readings were taken with compensation: without [map]"});
+  std::erase_if(set.readings, [](const Reading& r) { return r.run <= 3; });
+  const std::string alone = note_of(set);
+  CHECK(contains(alone, "map_gain"));
+  CHECK_FALSE(contains(alone, "of the 186 readings were taken with compensation"));
+  for (Reading& r : set.readings) r.compensated = false;
+  CHECK_FALSE(contains(note_of(set), "map_gain"));
+}
+
 TEST_CASE("twelve readings there and back, once, are likely a lost motion that varies, not noise and not proved") {
   const std::vector<double> lost_um{-20.0, 19.0, 3.0, 6.0, 2.0, -9.0};
   const Plan plan{.step_mm = 57.0, .targets = 6, .runs = 1};
