@@ -97,8 +97,7 @@ std::vector<WorstPlace> worst_of(const Fit& fit, const Observations& data, std::
     const std::size_t k = order[i];
     list.push_back({data.row[k], data.axis[k], data.sense[k], data.position_mm[k], data.approach[k], data.run[k],
                     data.reading[k] + data.of_map_in(k), fit.predicted[k] + data.of_map_in(k), fit.residual[k],
-                    data.path_name(k),
-                    data.on_path(k) ? axes_of(data.path_of(k)) : std::string()});
+                    data.path_name(k), data.on_path(k) ? axes_of(data.path_of(k)) : std::string()});
   }
   return list;
 }

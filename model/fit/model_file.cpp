@@ -553,8 +553,7 @@ Observations as_measured(Observations data) {
 
 void take_compensation(Model& model, const Observations& data) {
   model.map_taken_out = !data.of_map.empty();
-  model.compensated_readings =
-      model.map_taken_out ? 0 : static_cast<int>(std::ranges::count(data.compensated, true));
+  model.compensated_readings = model.map_taken_out ? 0 : static_cast<int>(std::ranges::count(data.compensated, true));
 }
 
 Observations observations_of(const laser::MeasurementSet& set, const Model& model,

@@ -320,13 +320,13 @@ std::vector<std::string> map_faults_in(const Diagnosis& found) {
 
 TEST_CASE("readings before and after compensation by a right map show no fault of it, and their treatment is said") {
   for (unsigned seed = 1; seed <= 3; ++seed) {
-    const Diagnosis found = diagnosed(with_its_map(), stated(before_and_after([](double p_mm, double side) {
-      return -error_um(p_mm, side);
-    }, seed)));
+    const Diagnosis found = diagnosed(
+        with_its_map(), stated(before_and_after([](double p_mm, double side) { return -error_um(p_mm, side); }, seed)));
     CHECK(map_faults_in(found).empty());
     CHECK(std::ranges::any_of(found.notes, [](const std::string& note) {
-      return contains(note, "186 of the 372 readings were taken with compensation (compensated = 1). The map was "
-                            "subtracted from them");
+      return contains(note,
+                      "186 of the 372 readings were taken with compensation (compensated = 1). The map was "
+                      "subtracted from them");
     }));
   }
 }

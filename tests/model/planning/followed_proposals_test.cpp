@@ -263,11 +263,27 @@ TEST_CASE("a wrong gain of the map or a scale: a straight map") {
   map.tables.push_back({Component::EXX, Approach::unknown, {-10.0, 1010.0}, {0.2, -20.2}});
   model.map = map;
   const auto on = [](Reading& r) { r.compensated = true; };
-  const auto compensation = [](const Reading& r) { return -20.0 * p(r) / 1000.0; };
-  check_case(case_of(
-      "map_gain:X:EX", model, {}, [=](const Reading& r) { return *r.compensated ? 0.3 * compensation(r) : 0.0; }, on));
-  check_case(case_of(
-      "scale:X:EX", model, {}, [](const Reading& r) { return -6.0 * p(r) / 1000.0; }, on));
+  for (const double gain : {1.3, 1.0}) {
+    CAPTURE(gain);
+    const double scale_um_per_m = gain == 1.0 ? 14.0 : 20.0;  // both leave -6 um/m behind the map
+    const Truth truth = [=](const Reading& r) {
+      return (scale_um_per_m - (*r.compensated ? 20.0 * gain : 0.0)) * p(r) / 1000.0;
+    };
+    const auto set = session({}, truth, on);
+    const Observations data = observations_of(set, model, mill());
+    const auto before = must(diagnose(model, data));
+    REQUIRE(in_group(before, "scale:X:EX"));
+    REQUIRE(in_group(before, "map_gain:X:EX"));
+    const NextMeasurement next = next_measurement(model, data, before);
+    REQUIRE_FALSE(next.proposals.empty());
+    CHECK(contains(next.proposals.front().sentence, "with compensation switched off"));
+    const auto both = followed(set, next.proposals.front(), truth);
+    const auto after = must(diagnose(model, observations_of(both, model, mill())));
+    CHECK(says_a_cause(after));
+    CHECK(std::ranges::any_of(after.candidates, [](const Candidate& one) {
+            return one.in_answer() && to_text(one.effect) == "map_gain:X:EX";
+          }) == (gain != 1.0));
+  }
 }
 
 TEST_CASE("warming up, creep or the spindle's growth: one short session") {
