@@ -254,6 +254,88 @@ std::string words_for(const NoisyRun& run) {
   return fmt::format("run {} scatters {:.2g} times as much as the others", run.run, run.ratio);
 }
 
+namespace {
+
+/// Median size of deviations, as a standard deviation.
+double spread(std::vector<double> deviations) {
+  for (double& one : deviations) one = std::abs(one);
+  return kSigmaPerMad * upper_median(std::move(deviations));
+}
+
+/// Of the runs at a place, without two of them.
+double median_without(const std::map<int, double>& of_runs, int run, int other) {
+  std::vector<double> rest;
+  for (const auto& [each, reading] : of_runs)
+    if (each != run && each != other) rest.push_back(reading);
+  std::ranges::sort(rest);
+  return 0.5 * (rest[(rest.size() - 1) / 2] + rest[rest.size() / 2]);
+}
+
+/// A run beside the medians of the other runs at the places that two or more of these share with it.
+struct RunBesideOthers {
+  std::vector<double> own, others;
+  std::vector<double> among_others;  ///< readings of the others less the median of the rest of these
+};
+RunBesideOthers beside_others(const std::map<std::size_t, std::map<int, double>>& places, int run) {
+  RunBesideOthers beside;
+  for (const auto& [place, of_runs] : places) {
+    const auto own = of_runs.find(run);
+    if (own == of_runs.end() || of_runs.size() < kFewestRuns) continue;
+    beside.own.push_back(own->second);
+    beside.others.push_back(median_without(of_runs, run, run));
+    for (const auto& [other, reading] : of_runs)
+      if (other != run) beside.among_others.push_back(reading - median_without(of_runs, run, other));
+  }
+  return beside;
+}
+
+}  // namespace
+
+std::optional<ScaledRun> scaled_run(const Observations& data) {
+  /// As the others among themselves, with room for chance; a zero alone explains less where it leaves this much more;
+  /// and the others must show an error larger than what is left by this, or a run divided by 1000 is as good as 0.
+  constexpr double kAsTheOthers = 1.6, kBetterThanZero = 2.0, kShown = 3.0;
+  const Repeats repeats = repeats_of(data);
+  std::map<std::size_t, std::map<int, double>> places;
+  std::set<int> runs;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    places[repeats.node_of[k]][data.run[k]] = data.reading[k] + data.of_map_in(k);
+    runs.insert(data.run[k]);
+  }
+  if (runs.size() < kFewestRuns || runs.size() > kMostRunsCompared) return std::nullopt;
+  std::optional<ScaledRun> best;
+  double least = 1.0 / kBetterThanZero;
+  for (const int run : runs) {
+    const RunBesideOthers beside = beside_others(places, run);
+    if (static_cast<double>(beside.own.size()) < kFewestInRun) continue;
+    const auto deviations = [&](double factor, double zero) {
+      std::vector<double> of;
+      for (std::size_t i = 0; i < beside.own.size(); ++i)
+        of.push_back(beside.own[i] / factor - beside.others[i] - zero);
+      return of;
+    };
+    const double of_zero = spread(deviations(1.0, upper_median(deviations(1.0, 0.0))));
+    const double usual =
+        std::min(std::max(kAsTheOthers * spread(beside.among_others), kLeastDivisor), spread(beside.others) / kShown);
+    const auto consider = [&](double factor) {
+      const double left = spread(deviations(factor, 0.0));
+      if (left > usual || left >= least * of_zero) return;
+      least = left / of_zero;
+      best = {run, factor};
+    };
+    consider(-1.0);
+    std::ranges::for_each(kUnitFactors, consider);
+  }
+  return best;
+}
+
+std::string words_for(const ScaledRun& run, std::string_view unit) {
+  const std::string_view why = run.factor == -1.0                    ? ", as with the wrong sign"
+                               : run.factor == 0.001 && unit == "um" ? ", as in mm instead of um"
+                                                                     : ", as in another unit";
+  return fmt::format("The readings of run {} are {:.4g} times those of the other runs{}", run.run, run.factor, why);
+}
+
 std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::VectorXd& residual,
                                        const std::vector<bool>& left_out) {
   constexpr std::size_t kFewestRunsOfStep = 4;

@@ -2,8 +2,12 @@
 // (Eigen).
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <numbers>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "model/fit/search.hpp"
 
@@ -47,6 +51,22 @@ struct NoisyRun {
 /// @param whitened  with everything found absorbed  @param residual  um or um/m  @param left_out  outliers, not counted
 [[nodiscard]] std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorXd& whitened,
                                                 const Eigen::VectorXd& residual, const std::vector<bool>& left_out);
+
+/// Factors between units, and of doubled or halved readings.
+inline constexpr double kDegree_rad = std::numbers::pi / 180.0;
+inline constexpr std::array kUnitFactors{25.4, 1.0 / 25.4, 1000.0, 0.001,       10.0,
+                                         0.1,  2.0,        0.5,    kDegree_rad, 1.0 / kDegree_rad};
+
+/// A run in another unit than the others, or with the wrong sign.
+struct ScaledRun {
+  int run = 0;
+  double factor = 1.0;  ///< its readings are this multiple of the others: -1 or of kUnitFactors
+};
+/// The run of three or more, if any, that repeats the others as well as these each other once it is divided by such a
+/// factor, and that lies at least twice as far from them if only its zero may change.
+[[nodiscard]] std::optional<ScaledRun> scaled_run(const Observations& data);
+/// "The readings of run 3 are 0.001 times those of the other runs, as in mm instead of um"
+[[nodiscard]] std::string words_for(const ScaledRun& run, std::string_view unit);
 
 /// All readings of one sense after a run lie higher or lower than those before it: another zero, or a slip.
 struct StepOfRuns {

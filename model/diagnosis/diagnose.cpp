@@ -57,8 +57,9 @@ double off_the_others(const Observations& data, const VectorXd& residual, int ru
 }
 
 /// The run that is bad, if one is: the headline begins with it.
-/// @param residual  of the model as given, um, a row a reading of `data`
-std::optional<DifferentRun> different_run(const Found& found, const Diagnosis& diagnosis, const Observations& data,
+/// @param scaled  comes before all else  @param residual  of the model as given, um, a row a reading of `data`
+std::optional<DifferentRun> different_run(const Found& found, const std::optional<ScaledRun>& scaled,
+                                          const Diagnosis& diagnosis, const Observations& data,
                                           const VectorXd& residual) {
   const auto of_run = [&](int run, std::string words, bool is_shifted = true) {
     if (const auto drift_um = drift_of_last_run(data, residual, run))
@@ -78,6 +79,9 @@ std::optional<DifferentRun> different_run(const Found& found, const Diagnosis& d
             step.height_um > 0.0 ? "rise" : "fall", std::abs(step.height_um), diagnosis.noise.unit, step.before,
             step.after, trend_text(step, diagnosis.noise.unit))};
   };
+  if (scaled)
+    return DifferentRun{scaled->run, false, false,
+                        words_for(*scaled, diagnosis.noise.unit) + ". Check that run first."};
   if (found.noisy && !found.noisy->off_um) return of_run(found.noisy->run, words_for(*found.noisy), false);
   if (found.noisy)
     return of_run(found.noisy->run, fmt::format("run {} lies {:+.3g} {} from the other runs on average",
@@ -111,12 +115,13 @@ std::string run_note(const Found& found) {
 }
 
 /// The run comes first in `where`, whatever else the residual depends on; one that is not there yet is added.
-/// @pre the search has found a bad run  @param chance  that is stated for one that is added
+/// @pre the search has found a bad run, or one is scaled  @param chance  that is stated for one that is added
 void put_run_first(std::vector<Dependence>& where, const Observations& data, const Found& found,
-                   const VectorXd& residual, double chance) {
+                   const std::optional<ScaledRun>& scaled, const VectorXd& residual, double chance) {
   const auto is_run = [](const Dependence& one) { return one.variable == "run"; };
   if (std::ranges::none_of(where, is_run)) {
-    const int run = found.noisy      ? found.noisy->run
+    const int run = scaled           ? scaled->run
+                    : found.noisy    ? found.noisy->run
                     : found.odd_pass ? found.odd_pass->run
                     : found.step     ? found.step->after
                                      : found.bad_run->run;
@@ -530,8 +535,11 @@ Result<Diagnosis> reported(const ReportInput& in) {
   const auto joint = joint_proof(in, order, with, parts, held_out_before);
   for (Candidate& candidate : diagnosis.candidates) candidate.because = reason_for(candidate, diagnosis, data, joint);
   diagnosis.where = dependences(data, before, noise, in.found.beyond_position);
-  if (in.found.bad_run || in.found.odd_pass || in.found.noisy || in.found.step)
-    put_run_first(diagnosis.where, data, in.found, in.base.residual, kTellingChance);
+  const bool of_run = in.found.bad_run || in.found.odd_pass || in.found.noisy || in.found.step;
+  const std::optional<ScaledRun> scaled =
+      of_run || !in.found.run_note.empty() || verdict == Verdict::unexplained_structure ? scaled_run(data)
+                                                                                        : std::nullopt;
+  if (of_run || scaled) put_run_first(diagnosis.where, data, in.found, scaled, in.base.residual, kTellingChance);
   if (motions) put_motions_first(diagnosis.where, *motions);
   for (const EffectInstance& effect : in.model.effects)
     if (std::string note = note_of_no_reading(effect, data, in.regressors.acting(effect)); !note.empty())
@@ -544,11 +552,11 @@ Result<Diagnosis> reported(const ReportInput& in) {
   for (const Candidate& candidate : diagnosis.candidates)
     for (const RivalOfPart& rival : candidate.in_part)
       if (candidate.in_answer()) diagnosis.notes.push_back(note_of(rival));
-  if (!in.found.run_note.empty()) diagnosis.notes.push_back(in.found.run_note);
+  if (!in.found.run_note.empty() && !scaled) diagnosis.notes.push_back(in.found.run_note);
   const bool structure = diagnosis.verdict == Verdict::unexplained_structure ||
                          diagnosis.verdict == Verdict::partly_explained ||
                          (diagnosis.verdict == Verdict::likely_effect && !noise_left(in.found, in.options));
-  if (structure &&
+  if (structure && !scaled &&
       (!in.found.solution.chosen.empty() || in.found.noisy || in.found.odd_pass || in.found.wanders || in.found.wave))
     diagnosis.notes.push_back(why_not_explained(in.found));
   if (const auto note = sensor_noise_note(diagnosis, data, structure || verdict == Verdict::cannot_tell))
@@ -574,7 +582,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.reservation = reservation_for(data);
   diagnosis.cannot_tell = cannot_tell;
   diagnosis.best_sum_leaves = !in.found.solution.chosen.empty() && leaves_structure(in.found, in.options);
-  diagnosis.different_run = different_run(in.found, diagnosis, data, in.base.residual);
+  diagnosis.different_run = different_run(in.found, scaled, diagnosis, data, in.base.residual);
   diagnosis.headline =
       headline_for(diagnosis, data, diagnosis.different_run ? diagnosis.different_run->text : run_note(in.found));
   diagnosis.headline += beside_formulas(in.model, diagnosis);

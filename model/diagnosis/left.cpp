@@ -300,8 +300,11 @@ class Questions {
         answer("growth", "none", "Measure with another load and another feed."),
         answer("session", "none", "Repeat the line in three runs or more.")};
     list.insert(list.begin() + 2, std::begin(changes), std::end(changes));
-    if (any && any->as_well.empty() && conditions_[any->one].is_shape)
-      list.push_back({conditions_[any->one].property, conditions_[any->one].is, conditions_[any->one].says, ""});
+    const auto sure = std::ranges::find_if(conditions_, &Condition::is_sure);
+    const Condition* const shape = sure != conditions_.end()     ? &*sure
+                                   : any && any->as_well.empty() ? &conditions_[any->one]
+                                                                 : nullptr;
+    if (shape != nullptr && shape->is_shape) list.push_back({shape->property, shape->is, shape->says, ""});
   }
 
   /// Readings in steps so coarse that their rounding, 0.29 of a step, is what is left.

@@ -14,6 +14,7 @@
 
 #include "base/linear/decompositions.hpp"
 #include "model/data/curve_basis.hpp"
+#include "model/diagnosis/bad_run.hpp"
 #include "model/fit/statistics.hpp"
 
 namespace ecs::model {
@@ -186,7 +187,7 @@ class Conditions {
     if (!data_.time_s.empty())
       for (const EffectFit& effect : r_.fit.effects) add_delay_of(effect);
     for (const EffectFit& effect : r_.fit.effects) add_factor_of(effect);
-    add_factors_of_runs();
+    add_factor_of_run();
   }
   std::vector<Condition> list;
 
@@ -288,8 +289,7 @@ class Conditions {
 
   /// The factor between units that this is, 0 for none.
   static double unit_of_factor(double factor, double sigma) {
-    constexpr double kDegree = std::numbers::pi / 180.0;
-    for (const double unit : {25.4, 1.0 / 25.4, 1000.0, 0.001, 10.0, 0.1, 2.0, 0.5, kDegree, 1.0 / kDegree})
+    for (const double unit : kUnitFactors)
       if (std::abs(factor - unit) < std::max(0.02 * unit, 2.0 * sigma) && sigma < 0.3 * std::abs(1.0 - unit) * unit)
         return unit;
     return 0.0;
@@ -312,20 +312,21 @@ class Conditions {
       add_arithmetic(h, factor, sigma, says);
   }
   /// Readings of one run in another unit than the others.
-  void add_factors_of_runs() {
-    const VectorXd said = r_.reading - r_.y;
-    std::set<int> runs;
-    for (const std::size_t k : r_.rows) runs.insert(data_.run[k]);
-    if (runs.size() < 3 || runs.size() > kMostRunsAsked) return;
-    for (const int run : runs) {
-      MatrixXd both(said.size(), 2);
-      both.col(0) = said;
-      both.col(1) = r_.column([&](std::size_t k) { return data_.run[k] == run ? 1.0 : 0.0; }).cwiseProduct(said);
-      const VectorXd sizes = ecs::least_squares(both, r_.reading).sizes;
-      const double factor = (sizes(0) + sizes(1)) / sizes(0);
-      add_arithmetic(both.col(1), factor, std::sqrt(r_.variance / std::max(both.col(1).squaredNorm(), kLeastDivisor)),
-                     fmt::format("the readings of run {} are {:.3g} times the others", run, factor));
-    }
+  void add_factor_of_run() {
+    const auto scaled = scaled_run(data_);
+    if (!scaled) return;
+    const VectorXd of_run =
+        r_.column([&](std::size_t k) { return data_.run[k] == scaled->run ? data_.reading[k] : 0.0; });
+    if (!of_run.isZero())
+      list.push_back({"arithmetic",
+                      fmt::format("{:.5g}", scaled->factor),
+                      of_run,
+                      true,
+                      true,
+                      words_for(*scaled, data_.reading_unit()),
+                      {},
+                      false,
+                      true});
   }
 
   const LeftReadings& r_;

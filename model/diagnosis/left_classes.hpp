@@ -77,6 +77,7 @@ struct Condition {
   std::string says{};         ///< of a shape: what is told if it is chosen
   Cells targets{};            ///< in place of the targets in machine coordinates
   bool set_by_hand = false;   ///< people choose its values from run to run
+  bool is_sure = false;       ///< established by a test of its own, whatever else would explain as much
   [[nodiscard]] bool tells_the_same(const Condition& other) const {
     return property == other.property && is == other.is;
   }

@@ -312,3 +312,53 @@ TEST_CASE("a bad run is said in the ratio of what the sentence says in um") {
   CHECK(must(run.off_um) == Approx(4.0).epsilon(0.1));
   CHECK(run.ratio == Approx(4.0 / 0.8).epsilon(0.1));  // mean |N(0, 1)| is 0.80
 }
+
+namespace {
+
+/// Five runs of a line with an error of its own; run 3 as it was written.
+laser::MeasurementSet with_run_written(const std::function<double(double error_um)>& written, unsigned seed) {
+  auto set = measured(
+      {.targets = 17, .runs = 5}, kNoise_um,
+      [](const Reading& r) { return 2.5 + 0.014 * p(r) + 3.0 * std::sin(p(r) / 170.0) + 1.6 * d(r); }, seed);
+  for (Reading& r : set.readings)
+    if (r.run == 3) r.error = written(r.error);
+  return set;
+}
+
+}  // namespace
+
+TEST_CASE("a run in another unit or with the wrong sign is told as that, before an offset of it, with its factor") {
+  for (const double factor : {-1.0, 0.001, 1000.0, 25.4, 1.0 / 25.4, 10.0, 0.1, 2.0, 0.5}) {
+    CAPTURE(factor);
+    Model model = straight();
+    for (const EffectId id : {backlash, progressive}) model.effects.push_back(effect(id, Axis::X, Sense::EX));
+    const Diagnosis found = diagnosed(model, with_run_written([&](double error_um) { return factor * error_um; }, 1));
+    CAPTURE(found.headline);
+    const std::string says = fmt::format("The readings of run 3 are {:.4g} times those of the other runs", factor);
+    CHECK(found.headline.starts_with(says));
+    CHECK(must(found.different_run).run == 3);
+    REQUIRE_FALSE(found.where.empty());
+    CHECK(found.where.front().variable == "run");
+    for (const std::string& note : found.notes) CHECK_FALSE(contains(note, "offset of run"));
+    const auto told = std::ranges::find(found.left, "arithmetic", &LeftProperty::property);
+    REQUIRE(told != found.left.end());
+    CHECK(told->is == fmt::format("{:.5g}", factor));
+  }
+}
+
+TEST_CASE("another zero, another size, or more scatter of a run is no factor of it, and neither is noise") {
+  std::mt19937_64 random(5);
+  NormalDraws noise(0.0, 4.0);
+  int turned = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    const auto scaled = [&](const std::function<double(double)>& written) {
+      return scaled_run(observations_of(with_run_written(written, seed), straight(), mill()));
+    };
+    CHECK_FALSE(scaled([](double error_um) { return error_um; }));
+    CHECK_FALSE(scaled([](double error_um) { return error_um - 8.0; }));
+    CHECK_FALSE(scaled([](double error_um) { return 1.4 * error_um; }));
+    CHECK_FALSE(scaled([&](double error_um) { return error_um + noise(random); }));
+    turned += scaled([](double error_um) { return -error_um; }) ? 1 : 0;
+  }
+  CHECK(turned >= 38);
+}
