@@ -151,8 +151,20 @@ bool shows_lag(const Regressors& regressors, const Base& base, const Search& sea
   });
 }
 
-/// Effects that follow a sensor late, at once instead where the readings do not show the lag and noise alone could be
-/// what it explains; an effect that is nothing without its lag stands or falls with it.
+/// Readings that count, less what is absorbed.
+double freedom_beside(const Space& space, const std::vector<bool>& left_out) {
+  return static_cast<double>(std::ranges::count(left_out, false)) - static_cast<double>(space.q.cols());
+}
+
+/// Whether what is left is no more than noise: within three standard deviations of its sum of squares.
+bool is_noise(const Space& left, const Found& found) {
+  constexpr double kDeviations = 3.0;
+  const double freedom = freedom_beside(left, found.left_out);
+  return left.chi2() <= freedom + kDeviations * std::sqrt(2.0 * freedom);
+}
+
+/// Effects that follow a sensor late, at once instead where the readings do not show the lag. One lag with which
+/// nothing but noise is left, and without which much more is, stands or falls with its effect; several follow any wander.
 void drop_lags_not_shown(const Regressors& regressors, const Base& base, const Search& search, Found& found) {
   for (std::size_t i = 0; i < found.solution.chosen.size(); ++i) {
     const Choice late = found.solution.chosen[i];
@@ -166,7 +178,11 @@ void drop_lags_not_shown(const Regressors& regressors, const Base& base, const S
     std::vector<Choice> chosen = rest.chosen;
     chosen.push_back(search.choice_at(rest.space, static_cast<std::size_t>(at_once - found.families.begin()), 0.0));
     Solution without_lag = search.refined(chosen, found.solution.own);
-    if (found.solution.score() - without_lag.score() >= found.entry_score ||
+    const auto late_ones = std::ranges::count_if(found.solution.chosen, [&](const Choice& one) {
+      return found.families[one.family].effect.traits().has_lag && is_searched(found.families[one.family].effect);
+    });
+    if ((late_ones == 1 && found.solution.score() - without_lag.score() >= found.entry_score &&
+         is_noise(found.solution.space, found)) ||
         shows_lag(regressors, base, search, found, late, without_lag))
       continue;
     found.solution = std::move(without_lag);
@@ -458,11 +474,6 @@ void blame_step(Found& found) {
                     found.step->before, found.step->after);
   found.bad_run.reset();
   found.run_note.clear();
-}
-
-/// Readings that count, less what is absorbed.
-double freedom_beside(const Space& space, const std::vector<bool>& left_out) {
-  return static_cast<double>(std::ranges::count(left_out, false)) - static_cast<double>(space.q.cols());
 }
 
 /// An effect may hide in the noise that was estimated from it, from neighbours or from repeats between which it

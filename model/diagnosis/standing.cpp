@@ -207,7 +207,8 @@ bool bends_to_structure(const Found& found, std::size_t g, const Observations& d
 /// An effect that explains nearly all alone and predicts it at left-out targets, where so few readings were taken that
 /// no half of them can speak for or against it: what little is left does not hide it.
 bool is_nearly_all_of_few(const ReportInput& in, std::size_t g) {
-  return !in.found.groups[g].e_value && share_of_found(in, {g}) >= kNearlyAll && predicts_at_targets(in, {g}, g) &&
+  return in.found.noise.pure.dof < kManyDegrees && !in.found.groups[g].e_value &&
+         share_of_found(in, {g}) >= kNearlyAll && predicts_at_targets(in, {g}, g) &&
          !bends_to_structure(in.found, g, in.regressors.data());
 }
 
