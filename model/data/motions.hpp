@@ -1,8 +1,8 @@
 // Readings along paths as sums of motions: one row for each sense and each moving axis, with the approach of that axis,
 // so that every effect acts on it as on any reading; a reading is the sum of its rows, each with the share of its sense
-// in the direction measured. What the set-up leaves free, the centre of each pass of a circle and the radius of each part of it, the zero of
-// each run along a diagonal, is taken out of readings and sums alike (orthogonal projection: Seber and Lee 2003, Linear
-// Regression Analysis, 3.3; error contrasts: Patterson and Thompson 1971).
+// in the direction measured. What the set-up leaves free, the centre of each pass of a circle and the radius of each
+// part of it, the zero of each run along a diagonal, is taken out of readings and sums alike (orthogonal projection:
+// Seber and Lee 2003, Linear Regression Analysis, 3.3; error contrasts: Patterson and Thompson 1971).
 #pragma once
 
 #include <cstddef>

@@ -324,7 +324,7 @@ std::optional<ScaledRun> scaled_run(const Observations& data) {
       best = {run, factor};
     };
     consider(-1.0);
-    std::ranges::for_each(kUnitFactors, consider);
+    for (const double factor : kUnitFactors) consider(factor);
   }
   return best;
 }

@@ -621,9 +621,7 @@ Result<Answered> searched_and(Result<Answered> (*answer)(const ReportInput&), co
   return from(searched(model, part_regressors, part_base, all_candidates(model, part_regressors), options));
 }
 
-bool names_any(const Diagnosis& diagnosis) {
-  return std::ranges::any_of(diagnosis.candidates, &Candidate::in_answer);
-}
+bool names_any(const Diagnosis& diagnosis) { return std::ranges::any_of(diagnosis.candidates, &Candidate::in_answer); }
 bool names_any(const NamedCauses& causes) { return !causes.causes.empty(); }
 
 /// @param few  what is said where there are too few readings to say anything

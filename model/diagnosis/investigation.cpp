@@ -164,7 +164,8 @@ bool is_noise(const Space& left, const Found& found) {
 }
 
 /// Effects that follow a sensor late, at once instead where the readings do not show the lag. One lag with which
-/// nothing but noise is left, and without which much more is, stands or falls with its effect; several follow any wander.
+/// nothing but noise is left, and without which much more is, stands or falls with its effect; several follow any
+/// wander.
 void drop_lags_not_shown(const Regressors& regressors, const Base& base, const Search& search, Found& found) {
   for (std::size_t i = 0; i < found.solution.chosen.size(); ++i) {
     const Choice late = found.solution.chosen[i];
@@ -182,7 +183,7 @@ void drop_lags_not_shown(const Regressors& regressors, const Base& base, const S
       return found.families[one.family].effect.traits().has_lag && is_searched(found.families[one.family].effect);
     });
     if ((late_ones == 1 && found.solution.score() - without_lag.score() >= found.entry_score &&
-         is_noise(found.solution.space, found)) ||
+         is_noise(found.solution.space, found) && !is_noise(without_lag.space, found)) ||
         shows_lag(regressors, base, search, found, late, without_lag))
       continue;
     found.solution = std::move(without_lag);

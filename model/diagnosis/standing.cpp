@@ -360,7 +360,8 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
   if (closest && is_like_wander(in.found.families[closest->family].effect) &&
       in.found.false_naming(closest->score()) <= in.options.false_naming_limit)
     return fmt::format(
-        "{}, or a zero that wanders, would explain a part of the residual, and noise alone hardly ever looks like that, "
+        "{}, or a zero that wanders, would explain a part of the residual, and noise alone hardly ever looks like "
+        "that, "
         "but held-out readings do not confirm it: measure the same lines again",
         place_text(in.found.families[closest->family].effect));
   if (!in.found.noise.pure.from_repeats && in.found.noise.pure.dof < kDegreesWithoutRepeats)

@@ -23,8 +23,8 @@ using Eigen::VectorXd;
 /// Price of a period that the targets cannot follow and no fact of the machine speaks for: it takes on any slower
 /// shape. Beyond, all octaves are as likely as one another beforehand (Jeffreys 1946).
 constexpr double kUnseenPeriod = 8.0;
-/// A period is a pitch of the machine to a percent, as a fit on a short travel knows it, and if they part by less than a
-/// quarter of a turn over the travel: beyond that a wave of the pitch no longer follows it.
+/// A period is a pitch of the machine to a percent, as a fit on a short travel knows it, and if they part by less than
+/// a quarter of a turn over the travel: beyond that a wave of the pitch no longer follows it.
 constexpr double kSamePeriod = 0.01, kMostSlip = 0.25;
 /// Different values of a user's parameter that fit a data set by chance.
 constexpr double kUserTrials = 12.0;
@@ -198,8 +198,7 @@ void Search::build_families(const std::vector<EffectInstance>& candidates, bool 
 }
 
 bool is_in_step(const Family& family, double fact, double period) {
-  return std::abs(period / fact - 1.0) < kSamePeriod &&
-         std::abs(1.0 / period - 1.0 / fact) * family.travel < kMostSlip;
+  return std::abs(period / fact - 1.0) < kSamePeriod && std::abs(1.0 / period - 1.0 / fact) * family.travel < kMostSlip;
 }
 
 bool is_fact(const Family& family, double period) {

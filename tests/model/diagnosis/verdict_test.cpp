@@ -315,9 +315,9 @@ TEST_CASE("of six readings a cause far above the noise is likely, and noise alon
   const Plan few{.step_mm = 300.0, .targets = 3, .runs = 1};
   int right = 0, named = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
-    const Diagnosis strong = diagnosed(
-        straight(), measured(
-                        few, kNoise_um, [](const Reading& r) { return 15.0 * d(r); }, seed));
+    const Diagnosis strong =
+        diagnosed(straight(), measured(
+                                  few, kNoise_um, [](const Reading& r) { return 15.0 * d(r); }, seed));
     right += static_cast<int>(strong.verdict == Verdict::likely_effect &&
                               to_text(strong.candidates.front().effect) == "backlash:X:EX");
     const Diagnosis quiet = diagnosed(straight(), measured(few, kNoise_um, nothing, seed));
@@ -359,7 +359,8 @@ TEST_CASE("zeros of four parallel lines are these zeros and no angle of another 
 
 TEST_CASE("at even targets, written to a tenth of a millimetre, a worn zone is no wave shorter than two steps") {
   for (unsigned seed = 1; seed <= 10; ++seed) {
-    laser::MeasurementSet set = measured({.step_mm = 1000.0 / 26.0, .targets = 27, .runs = 4}, kNoise_um, nothing, seed);
+    laser::MeasurementSet set =
+        measured({.step_mm = 1000.0 / 26.0, .targets = 27, .runs = 4}, kNoise_um, nothing, seed);
     const double middle_mm = 150.0 + 60.0 * seed, width_mm = 40.0 + 10.0 * seed;
     for (laser::Reading& r : set.readings) {
       r.position_mm[0] = 0.1 * std::round(10.0 * r.position_mm[0]);
