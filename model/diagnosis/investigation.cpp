@@ -163,9 +163,24 @@ bool is_noise(const Space& left, const Found& found) {
   return left.chi2() <= freedom + kDeviations * std::sqrt(2.0 * freedom);
 }
 
-/// Effects that follow a sensor late, at once instead where the readings do not show the lag. One lag with which
-/// nothing but noise is left, and without which much more is, stands or falls with its effect; several follow any
-/// wander.
+/// Whether a lag is the only one, nothing but noise is left with it, and much more without it: with the temperature as
+/// it was read, and as smooth as the lag makes it. Several lags follow any wander.
+bool is_needed(const Regressors& regressors, const Search& search, const Found& found, const Choice& late,
+               const Solution& at_once) {
+  const EffectInstance& effect = found.families[late.family].effect;
+  const auto lags = std::ranges::count_if(found.solution.chosen, [&](const Choice& one) {
+    return found.families[one.family].effect.traits().has_lag && is_searched(found.families[one.family].effect);
+  });
+  if (lags > 1 || found.solution.score() - at_once.score() < found.entry_score ||
+      !is_noise(found.solution.space, found) || is_noise(at_once.space, found))
+    return false;
+  Space smooth = search.solution(others(at_once.chosen, at_once.chosen.size() - 1), at_once.own).space;
+  absorb(smooth,
+         Whitener(regressors.data(), found.noise, found.left_out)(regressors.columns(effect, -late.nonlinear).of));
+  return !is_noise(smooth, found);
+}
+
+/// Effects that follow a sensor late, at once instead where the readings do not show the lag.
 void drop_lags_not_shown(const Regressors& regressors, const Base& base, const Search& search, Found& found) {
   for (std::size_t i = 0; i < found.solution.chosen.size(); ++i) {
     const Choice late = found.solution.chosen[i];
@@ -179,11 +194,7 @@ void drop_lags_not_shown(const Regressors& regressors, const Base& base, const S
     std::vector<Choice> chosen = rest.chosen;
     chosen.push_back(search.choice_at(rest.space, static_cast<std::size_t>(at_once - found.families.begin()), 0.0));
     Solution without_lag = search.refined(chosen, found.solution.own);
-    const auto late_ones = std::ranges::count_if(found.solution.chosen, [&](const Choice& one) {
-      return found.families[one.family].effect.traits().has_lag && is_searched(found.families[one.family].effect);
-    });
-    if ((late_ones == 1 && found.solution.score() - without_lag.score() >= found.entry_score &&
-         is_noise(found.solution.space, found) && !is_noise(without_lag.space, found)) ||
+    if (is_needed(regressors, search, found, late, without_lag) ||
         shows_lag(regressors, base, search, found, late, without_lag))
       continue;
     found.solution = std::move(without_lag);
