@@ -327,7 +327,7 @@ laser::MeasurementSet with_run_written(const std::function<double(double error_u
 
 }  // namespace
 
-TEST_CASE("a run in another unit or with the wrong sign is told as that, before an offset of it, with its factor") {
+TEST_CASE("a run in another unit or with the wrong sign is named with its factor, before an offset of that run") {
   for (const double factor : {-1.0, 0.001, 1000.0, 25.4, 1.0 / 25.4, 10.0, 0.1, 2.0, 0.5}) {
     CAPTURE(factor);
     Model model = straight();
