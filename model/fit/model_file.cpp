@@ -522,8 +522,7 @@ void take_map_out(Observations& data) {
   if (with_map > 0 && (data.rotary || !data.through_chain.empty() || !header.thermal.empty() || !header.rotary.empty()))
     data.not_followed =
         "readings with compensation (compensated = 1) and without it cannot be joined here: only the tables of X, Y "
-        "and "
-        "Z can be subtracted from readings. Give those with compensation alone, or those without";
+        "and Z can be subtracted from readings. Give those with compensation alone, or those without";
   if (with_map > 0)
     data.notes.push_back(fmt::format(
         "{} of the {} readings were taken with compensation (compensated = 1). The map was subtracted from them: the "

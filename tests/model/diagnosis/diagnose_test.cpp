@@ -397,6 +397,16 @@ TEST_CASE("without the map in the model a note says that its faults cannot be tr
   CHECK_FALSE(contains(note_of(set), "map_gain"));
 }
 
+TEST_CASE("readings with and without compensation by a map that follows temperatures are refused together") {
+  Model model = with_its_map();
+  model.map->header.thermal.emplace_back();
+  auto set = stated(before_and_after([](double p, double side) { return -error_um(p, side); }));
+  CHECK(contains(observations_of(set, model, mill()).not_followed,
+                 "cannot be joined here: only the tables of X, Y and Z can be subtracted"));
+  std::erase_if(set.readings, [](const Reading& r) { return r.run <= 3; });
+  CHECK(observations_of(set, model, mill()).not_followed.empty());
+}
+
 TEST_CASE("twelve readings there and back, once, are likely a lost motion that varies, not noise and not proved") {
   const std::vector<double> lost_um{-20.0, 19.0, 3.0, 6.0, 2.0, -9.0};
   const Plan plan{.step_mm = 57.0, .targets = 6, .runs = 1};
