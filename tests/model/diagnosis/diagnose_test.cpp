@@ -1,5 +1,6 @@
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "model/fit/compare.hpp"
 #include "model/planning/next_measurement.hpp"
