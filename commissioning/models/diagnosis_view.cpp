@@ -31,7 +31,8 @@ std::string lack_of_fit_text(const std::optional<model::LackOfFit>& test, double
 
 Cell direction_cell(const model::DirectionSummary& d, bool rotary, double noise_um) {
   Cell lack_of_fit = lack_of_fit_cell(d.lack_of_fit);
-  if (!is_rotation(d.sense) && runs_differ(d.lack_of_fit, d.rms_um, noise_um)) lack_of_fit.text = "runs differ";
+  if (!is_rotation(d.sense) && runs_differ(d.lack_of_fit, d.rms_um, noise_um))
+    lack_of_fit.text = "no answer: runs differ";
   return record_cell(
       "{sense:<5} {axis:<4} {approach:<11} {readings:>8} {bias_um:>8} {rms_um:>8} {peak_um:>8}   {lack_of_fit}\n",
       "sense"_is(d.path.empty() ? std::string(name_of(d.sense)) : d.path),
@@ -187,7 +188,7 @@ std::string head(const Diagnosis& d) {
                      fmt::format("[{}]", d.noise.unit));
 }
 
-/// "cyclic:X:EX, reverse 93 %, progressive:X:EX 6.5 %", each place once
+/// "cyclic:X:EX, reverse 93 %; progressive:X:EX 6.5 %", each place once
 std::string set_text(const std::vector<model::SetMember>& set, int digits = 3) {
   std::vector<model::SetMember> members;
   for (const model::SetMember& member : set) {
@@ -201,7 +202,7 @@ std::string set_text(const std::vector<model::SetMember>& set, int digits = 3) {
   std::vector<std::string> words;
   for (const model::SetMember& member : members)
     words.push_back(fmt::format("{} {:.{}g} %", member.place, 100.0 * member.probability, digits));
-  return fmt::format("{}", fmt::join(words, ", "));
+  return fmt::format("{}", fmt::join(words, "; "));
 }
 
 Json set_json(const std::vector<model::SetMember>& set) {
@@ -311,7 +312,7 @@ std::string closest_text(const Diagnosis& d) {
   if (closest.empty()) return {};
   return "\n" + paragraph(
                     "Nearest candidates, each with the probability that it is real rather than noise, which is not "
-                    "enough to name a cause. Candidates that these data cannot distinguish share one probability: " +
+                    "enough to name a cause. Candidates that these data cannot distinguish are equally probable: " +
                         set_text(closest, 2),
                     0, 2);
 }
@@ -405,12 +406,12 @@ Cell where_cell(const Diagnosis& d) {
 
 std::string words_for_property(const std::string& property) {
   constexpr std::pair<std::string_view, std::string_view> kWords[] = {
-      {"direction", "over the directions of approach"},
+      {"direction", "direction of approach"},
       {"position", "over the position"},
       {"turn", "over a turn"},
       {"frame", "whether it stays with the machine or moves with the workpiece"},
-      {"growth", "change with another variable (time, load, feed, temperature, other axes)"},
-      {"session", "change with each run or set-up"},
+      {"growth", "another variable (time, load, feed, temperature, other axes)"},
+      {"session", "runs and set-ups"},
       {"clock", "delay"},
       {"excitation", "excitation by these readings"},
       {"instrument", "instrument"}};
@@ -419,11 +420,24 @@ std::string words_for_property(const std::string& property) {
   return property;
 }
 
+std::string words_for_answer(const std::string& property, const std::string& is) {
+  constexpr std::pair<std::string_view, std::string_view> kDirections[] = {{"even", "the same in both directions"},
+                                                                           {"odd", "opposite in the two directions"},
+                                                                           {"forward", "forward only"},
+                                                                           {"reverse", "reverse only"}};
+  if (property == "direction")
+    for (const auto& [name, words] : kDirections)
+      if (name == is) return std::string(words);
+  if (is != "none" && property == "growth") return "changes with " + is;
+  if (is != "none" && property == "session") return "different in each " + is;
+  return is;
+}
+
 namespace {
 
 /// "none" beside another change means that this one is not needed once the other is included.
 std::string answer_text(const model::LeftProperty& one, const Diagnosis& d) {
-  if (one.is != "none") return one.is;
+  if (one.is != "none") return words_for_answer(one.property, one.is);
   for (const model::LeftProperty& other : d.left)
     if ((other.property == "growth" || other.property == "session") && !other.is.empty() && other.is != "none")
       return fmt::format("none is needed once the change with {} is included", other.is);

@@ -188,8 +188,8 @@ std::string noise_text(const model::PureError& noise) {
   if (noise.is_of_step) return size + ", the smallest that the step of these readings allows";
   if (noise.from_repeats) return size + " from repeats";
   return fmt::format(
-      "at most {}, from neighbouring readings (no target was repeated under the same conditions; the value depends on "
-      "the effects in the model)",
+      "at most {}, from neighbouring readings (no target was repeated under the same conditions, such as approach, "
+      "feed and load; the value depends on the effects in the model)",
       size);
 }
 

@@ -79,6 +79,8 @@ void add_by_unit(Json& answer, std::string_view unit,
 
 /// A property of a residual (model::LeftProperty) as an engineer asks for it: "over the position" of "position".
 [[nodiscard]] std::string words_for_property(const std::string& property);
+/// What it is, in words: "different in each run" of "session" and "run".
+[[nodiscard]] std::string words_for_answer(const std::string& property, const std::string& is);
 
 /// "forward", "reverse", "no approach"
 [[nodiscard]] std::string_view direction_text(int approach);

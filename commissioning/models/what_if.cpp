@@ -313,7 +313,7 @@ Result<WhatIfAnswer> what_if_answer(MessageSink& messages, const ModelWork& work
 
 std::string what_if_summary(const model::WhatIf& what, const model::Model& model, std::string_view unit) {
   std::string text = fmt::format(
-      "Compensation by the unit would {} the rms of the readings from {:.3f} to {:.3f} {} (peak {:.3f} {}), noise "
+      "Compensation by the unit would {} the rms of the readings from {:.3f} to {:.3f} {} (peak then {:.3f} {}), noise "
       "included.",
       what.rms_after_um > what.rms_now_um ? "increase" : "reduce", what.rms_now_um, what.rms_after_um, unit,
       what.peak_after_um, unit);

@@ -430,6 +430,21 @@ std::optional<std::string> slope_note(const Candidate& one, const Regressors& re
       place_text(one.effect));
 }
 
+/// That axes may share a scale error, where circles and diagonals alone show it.
+std::optional<std::string> share_note(const Candidate& one) {
+  const std::string_view scale = "scale";
+  if (!one.in_answer() || one.effect.definition().id != scale) return std::nullopt;
+  const auto other = std::ranges::find_if(one.rivals, [&](const EffectInstance& rival) {
+    return rival.definition().id == scale && rival.axis != one.effect.axis;
+  });
+  if (other == one.rivals.end()) return std::nullopt;
+  const char a = letter_of(*one.effect.axis), b = letter_of(*other->axis);
+  return fmt::format(
+      "these readings show one combination of the scale errors of {} and {} only, on a circle their difference: each "
+      "axis may have a part of it. Measure a line along {} or {}",
+      a, b, a, b);
+}
+
 /// From where the lever of an angle of the answer is counted, if the machine file does not state it and no line of the
 /// axis lies there: then what is the same in all lines looks like another cause.
 std::optional<std::string> lever_note(const Candidate& one, const Regressors& regressors) {
@@ -547,7 +562,8 @@ Result<Diagnosis> reported(const ReportInput& in) {
   for (std::string& note : untried_effects(data)) diagnosis.notes.push_back(std::move(note));
   if (const auto note = even_targets_note(data)) diagnosis.notes.push_back(*note);
   for (const Candidate& candidate : diagnosis.candidates)
-    for (const auto& note : {slope_note(candidate, in.regressors), lever_note(candidate, in.regressors)})
+    for (const auto& note :
+         {slope_note(candidate, in.regressors), lever_note(candidate, in.regressors), share_note(candidate)})
       if (note) diagnosis.notes.push_back(*note);
   for (const Candidate& candidate : diagnosis.candidates)
     for (const RivalOfPart& rival : candidate.in_part)

@@ -104,6 +104,18 @@ std::optional<EffectInstance> best_place(const State& state, const Regressors& r
   return effect_of(search.families()[found.front().family].effect, found.front());
 }
 
+/// Why no reading shows the effect, where the data lack what it reads; "" if they do not.
+std::string lacking_text(const Observations& data, const EffectInstance& effect) {
+  if (!effect.sensor.empty() && !data.sensors_degC.contains(effect.sensor)) {
+    std::vector<std::string> sensors;
+    for (const auto& each : data.sensors_degC) sensors.push_back(each.first);
+    return fmt::format("these data have no sensor {}; they have {}", effect.sensor,
+                       sensors.empty() ? "none" : fmt::format("{}", fmt::join(sensors, ", ")));
+  }
+  const std::string_view lacking = what_is_lacking(data, effect.definition());
+  return lacking.empty() ? "" : fmt::format("it needs {}, which these data do not have", lacking);
+}
+
 }  // namespace
 
 AddRequest request_of(const EffectInstance& effect) {
@@ -194,14 +206,16 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
   if (fit.effects.back().readings == 0 || fit.effects.back().rms_um == 0.0) {
     const bool is_there =
         std::ranges::any_of(model.effects, [&](const EffectInstance& one) { return same_candidate(one, *effect); });
-    const std::string why = note_of_no_reading(*effect, data, regressors.acting(*effect));
+    const std::string why = note_of_no_reading(*effect, data, regressors.acting(*effect)),
+                      unread = lacking_text(data, *effect);
     return problem(
         ProblemKind::usage,
         fmt::format("{}: {}", to_text(*effect),
-                    is_there       ? "it is in the model already"
-                    : !why.empty() ? why
-                                   : "no reading of these data depends on it (`ecs laser show` lists their axes, "
-                                     "senses and columns)"));
+                    is_there          ? "it is in the model already"
+                    : !unread.empty() ? unread
+                    : !why.empty()    ? why
+                                      : "no reading of these data depends on it (`ecs laser show` lists their axes, "
+                                        "senses and columns)"));
   }
   added.effect = fit.effects.back();
   added.effect.effect.tied_with = added.model.effects.back().tied_with;

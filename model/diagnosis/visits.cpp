@@ -32,7 +32,7 @@ constexpr double kByChance = 1e-3;
 constexpr double kMostHeldOut = 0.5;
 
 /// The readings of one group.
-struct Group {
+struct Visit {
   MatrixXd columns;  ///< (readings × freedoms): what a shift [um] and a turn [um/m] about the centre do to each
   VectorXd off_um;
   std::vector<Vector3> point_mm;  ///< of each reading
@@ -90,16 +90,16 @@ VectorXd off_points(const Observations& data, const VectorXd& residual) {
   return off;
 }
 
-std::map<double, Group> groups_by(const Observations& data, const Labels& labels, const VectorXd& off_um) {
+std::map<double, Visit> groups_by(const Observations& data, const Labels& labels, const VectorXd& off_um) {
   Vector3 centre_mm{};
   for (const Vector3& position : data.position_mm)
     for (std::size_t i = 0; i < kAxes; ++i) centre_mm[i] += position[i] / static_cast<double>(data.size());
   std::map<double, std::vector<std::size_t>> rows;
   for (std::size_t k = 0; k < data.size(); ++k)
     if (!std::isnan(off_um(static_cast<Index>(k)))) rows[labels[k]].push_back(k);
-  std::map<double, Group> groups;
+  std::map<double, Visit> groups;
   for (const auto& [label, of_group] : rows) {
-    Group& group = groups[label];
+    Visit& group = groups[label];
     group.columns = MatrixXd::Zero(static_cast<Index>(of_group.size()), kFreedoms);
     group.off_um.resize(static_cast<Index>(of_group.size()));
     for (Index i = 0; i < group.off_um.size(); ++i) {
@@ -121,7 +121,7 @@ std::map<double, Group> groups_by(const Observations& data, const Labels& labels
 }
 
 /// Squares at readings that the motion of their group was not fitted to: point by point, or reading by reading.
-double held_out_squares(const Group& group) {
+double held_out_squares(const Visit& group) {
   const std::set<Vector3> points(group.point_mm.begin(), group.point_mm.end());
   const Index n = group.off_um.size();
   double squares = 0.0;
@@ -143,7 +143,7 @@ double held_out_squares(const Group& group) {
 
 std::optional<MotionsOfGroups> motions_by(const Observations& data, const std::string& by, const Labels& labels,
                                           const VectorXd& off_um, double chance) {
-  const std::map<double, Group> groups = groups_by(data, labels, off_um);
+  const std::map<double, Visit> groups = groups_by(data, labels, off_um);
   if (groups.size() < kFewestGroups) return std::nullopt;
   double before = 0.0, after = 0.0, held_out = 0.0, shifts = 0.0, turns = 0.0;
   Index readings = 0;

@@ -448,7 +448,8 @@ std::string objection_by_wave_in_time(const Observations& data, const Whitener& 
   const double price = 2.0 * std::log(readings) + 2.0 * std::log(std::max(1.0, highest - kFewestTurnsOfWave));
   if (most - price < score + 2.0 * std::log(kFarMore)) return "";
   return fmt::format(
-      "a wave in time with a period of {:.2g} min explains more. Look for a cause outside the machine with this "
+      "a wave in time with a period of {:.2g} min explains the readings better than these effects do. Look for a cause "
+      "outside the machine with this "
       "period (cooling, air conditioning)",
       period_s / 60.0);
 }

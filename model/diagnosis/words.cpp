@@ -171,6 +171,14 @@ std::string probability_text(double probability) {
                               : fmt::format("{:.0f} %", kPercent * probability);
 }
 
+/// "Lost motion" inside a sentence.
+std::string with_small_letter(std::string_view title) {
+  std::string text(title);
+  if (!text.empty() && !text.starts_with("Abbe"))
+    text.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(text.front())));
+  return text;
+}
+
 /// The finding with its id in brackets. Beside it, likeliest first, what these data cannot tell from it and what is
 /// more probable than it, unless that is named itself.
 /// @param part  of the answer that is one cause with it; null: none
@@ -181,19 +189,24 @@ std::string with_alternatives(const std::string& finding, const Candidate& candi
   for (const SetMember& member : candidate.set) probabilities[member.place] += member.probability;
   const std::string own = place_text(candidate.effect);
   const double own_probability = probabilities.try_emplace(own, candidate.probability).first->second;
-  std::set<std::string> others;
-  for (const EffectInstance& rival : candidate.rivals) others.insert(place_text(rival));
+  std::map<std::string, std::string> others;  // what each is called
+  for (const EffectInstance& rival : candidate.rivals) others[place_text(rival)] = rival.definition().title;
   for (const auto& [place, probability] : probabilities)
-    if (probability > own_probability + kEqualShare) others.insert(place);
-  std::erase_if(others, [&](const std::string& place) {
+    if (probability > own_probability + kEqualShare) others.try_emplace(place);
+  std::erase_if(others, [&](const auto& other) {
+    const std::string& place = other.first;
     const bool is_third_approach = part != nullptr && place.starts_with(to_text(candidate.effect));
     return place == own || is_third_approach || named_at(place, diagnosis) > 0;
   });
   if (others.empty()) return fmt::format("{} ({})", finding, id);
   std::vector<std::pair<double, std::string>> causes{
       {own_probability, fmt::format("{} ({}, {})", finding, id, probability_text(own_probability))}};
-  for (const std::string& place : others)
-    causes.emplace_back(probabilities[place], fmt::format("{} ({})", place, probability_text(probabilities[place])));
+  for (const auto& [place, title] : others) {
+    const std::string probability = probability_text(probabilities[place]);
+    causes.emplace_back(probabilities[place],
+                        title.empty() ? fmt::format("{} ({})", place, probability)
+                                      : fmt::format("{} ({}, {})", with_small_letter(title), place, probability));
+  }
   sort_greatest_first(causes, [](const auto& cause) { return cause.first; });
   std::vector<std::string> texts;
   for (auto& [probability, text] : causes) texts.push_back(std::move(text));
@@ -446,6 +459,12 @@ std::string finding_text(const EffectInstance& found_effect, const std::vector<P
     if (const auto targets = targets_of(data); targets.contains(*effect.axis) && targets.at(*effect.axis).size() == 1)
       text.replace(at, kEverywhere.size(), "at the only target");
   if (const std::size_t sign = text.find("+-an "); sign != std::string::npos) text.erase(sign, 2);
+  constexpr std::string_view kNegative = "read -", kLate = " late ";
+  if (const std::size_t sign = text.find(kNegative), late = text.find(kLate);
+      sign < late && late != std::string::npos) {
+    text.replace(late, kLate.size(), " early ");
+    text.erase(sign + kNegative.size() - 1, 1);
+  }
   text += smaller_wave_text({found_effect, found_parameters}, data);
   if (effect.approach != ApproachMode::both) text += fmt::format(", only when moving {}", name_of(effect.approach));
   return text;

@@ -251,6 +251,9 @@ struct EffectTraits {
   bool several_alike = false;  ///< may act several times at one place
   // of which axes it is an error
   bool on_rotary_axes = false;  ///< of A, B, C too
+
+  /// Of optics set up for a line: no bar of a circle and no diagonal has it.
+  [[nodiscard]] bool of_optics() const { return until_new_set_up && of_measurement; }
 };
 
 /// What data must have for an effect to act.

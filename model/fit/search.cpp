@@ -30,8 +30,6 @@ constexpr double kSamePeriod = 0.01, kMostSlip = 0.25;
 constexpr double kUserTrials = 12.0;
 /// A refinement goes so far beyond the neighbours on the grid, in distances to the nearer one.
 constexpr double kBeyondNeighbour = 1.2;
-/// Beyond this many standard deviations a sum of squares is no noise.
-constexpr double kMostOfNoise = 3.0;
 /// A value this close to a limit, as a share of it, is at the limit: a refinement ends within a thousandth.
 constexpr double kAtLimit = 0.005;
 /// A refinement ends at this share of its range: a peak is missed by the square of it, 1e-10 of its height, which no
@@ -401,11 +399,10 @@ Solution Search::alone_with(bool far) const {
 Solution Search::best_alone() const {
   Solution usual = alone_with(false);
   const double freedom = static_cast<double>(usual.space.y.size() - usual.space.q.cols());
-  const double noise = freedom + kMostOfNoise * std::sqrt(2.0 * freedom);
-  if (usual.space.chi2() <= noise) return usual;
+  if (is_no_more_than_noise(usual.space.chi2(), freedom)) return usual;
   // what is hidden must not be taken for a wave: only one that leaves nothing but noise
   Solution far = alone_with(true);
-  return far.space.chi2() <= noise ? far : usual;
+  return is_no_more_than_noise(far.space.chi2(), freedom) ? far : usual;
 }
 
 namespace {

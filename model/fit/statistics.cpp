@@ -72,6 +72,11 @@ double ln_f_tail(double f, double k, double v) {
 
 double normal_two_sided(double z) { return boost::math::erfc(std::abs(z) / std::sqrt(2.0)); }
 
+bool is_no_more_than_noise(double chi2, double freedom) {
+  constexpr double kDeviations = 3.0;
+  return chi2 <= freedom + kDeviations * std::sqrt(2.0 * freedom);
+}
+
 double tail_probability(std::vector<double> noise_replicates, double value) {
   constexpr std::size_t kTailPart = 5;    // a fifth: a choice; less leaves too few excesses, more is no tail
   constexpr double kFewReached = 3.0;     // counts up to this vary more than the fitted tail does

@@ -27,6 +27,8 @@ inline constexpr double kBeyondAll = 1e300;
 [[nodiscard]] double ln_f_tail(double f, double k, double v);
 /// Two-sided chance of a normal variable beyond ±z.
 [[nodiscard]] double normal_two_sided(double z);
+/// Whether a sum of squares in units of the noise is within three standard deviations of what noise leaves.
+[[nodiscard]] bool is_no_more_than_noise(double chi2, double freedom);
 
 /// Chance, 0 … 1, that noise alone reaches `value`: the share of the replicates that do, and beyond them an exponential
 /// tail fitted to the upper fifth of them. 1 without replicates.

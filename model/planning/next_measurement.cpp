@@ -32,8 +32,6 @@ using Eigen::MatrixXd;
 constexpr double kTelling = 1.0;
 /// Separation that the next diagnosis takes for certain in spite of chance: three sigmas of difference, three of luck.
 constexpr double kDecides = 6.0;
-/// Sigmas beyond which more does not tell more.
-constexpr double kEnough = 8.0;
 /// Lines whose runs are weighed, and proposals listed: choices of processor time and of what a person reads.
 constexpr std::size_t kMostLines = 6;
 constexpr std::size_t kMostProposals = 8;
@@ -59,7 +57,7 @@ Worth worth_of(const MatrixXd& sigma, Question question) {
   if (question != Question::separate) {
     std::vector<double> seen;
     for (Index i = 0; i < count; ++i) {
-      worth.mean_sigma += std::min(sigma(i, count), kEnough);
+      worth.mean_sigma += std::min(sigma(i, count), kEnoughSigma);
       asked += 1.0;
       if (sigma(i, count) >= kSeparates) seen.push_back(sigma(i, count));
     }
@@ -71,7 +69,7 @@ Worth worth_of(const MatrixXd& sigma, Question question) {
       for (Index j = 0; j < count; ++j) {
         if (i == j) continue;
         most = std::max(most, sigma(i, j));
-        worth.mean_sigma += std::min(sigma(i, j), kEnough);
+        worth.mean_sigma += std::min(sigma(i, j), kEnoughSigma);
         asked += 1.0;
       }
       worth.sure_sigma = std::min(worth.sure_sigma, most);
@@ -240,7 +238,9 @@ void take_proposals(NextMeasurement& next, std::vector<Weighed> best, Question q
 }
 
 /// Why nothing separates a group.
-std::string why_not(const OpenGroup& group, const Separations& separations, std::size_t options) {
+std::string why_not(const OpenGroup& group, const Separations& separations,
+                    const std::vector<MeasurementProposal>& proposals) {
+  const std::size_t options = proposals.size();
   double apart = 0.0, seen = 0.0;
   const auto count = static_cast<Index>(group.rivals.size());
   for (std::size_t i = 0; i < options; ++i) {
@@ -249,6 +249,12 @@ std::string why_not(const OpenGroup& group, const Separations& separations, std:
     seen = std::max(seen, sigma.col(count).maxCoeff());
   }
   const std::string names = fmt::format("{}", fmt::join(group.names, ", "));
+  const bool only_circles = std::ranges::all_of(proposals, [](const auto& one) { return one.circle.has_value(); });
+  if (apart < kSeparates && seen >= kSeparates && only_circles)
+    return fmt::format(
+        "no circle that can be proposed separates {}. Measure a line along one of their axes; with --machine circles "
+        "in other planes are proposed too",
+        names);
   if (apart < kSeparates && seen >= kSeparates)
     return fmt::format(
         "no run can separate {}: they contribute equally on every line and at every condition that can be set; check "
@@ -331,7 +337,7 @@ Result<void> ask_group_by(NextMeasurement& next, const Setting& in, OpenGroup gr
   const Question question = group.rivals.size() > 1 ? Question::separate : Question::confirm;
   take_proposals(next, weighed(options, separations, group.names, question, in.times), question);
   if (next.proposals.empty())
-    next.notes.push_back(why_not(group, separations, options.size()));
+    next.notes.push_back(why_not(group, separations, options));
   else if (next.proposals.front().separation_sigma < kSeparates)
     next.notes.push_back(
         fmt::format("no run of up to five repeats reaches {:.0f} sigma; these are the best", kSeparates));

@@ -119,6 +119,9 @@ struct MeasuringTimes {
   bool zeroed_each_run = false;            ///< the readout is set to zero at the start of each run
 };
 
+/// Sigmas beyond which more does not tell more.
+inline constexpr double kEnoughSigma = 8.0;
+
 /// Proposals, best separation per minute first; empty where nothing separates (said in `notes`, with the reason).
 struct NextMeasurement {
   std::vector<std::string> rivals;  ///< what is to be distinguished

@@ -198,8 +198,8 @@ class Conditions {
     move_sensors("after workshop and machine have cooled by {:.0f} degC in a night", all, -1.0, 0.0);
     if (of_machine.size() > 1)
       for (const std::string& sensor : of_machine)
-        move_sensors(fmt::format("after {} alone has been warmed by {{:.0f}} degC", sensor), {sensor}, 1.0,
-                     times_.warm_minutes_per_degC);
+        move_sensors(fmt::format("after the part with sensor {} alone has been warmed by {{:.0f}} degC", sensor),
+                     {sensor}, 1.0, times_.warm_minutes_per_degC);
   }
 
   void time_and_air() {

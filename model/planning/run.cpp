@@ -129,14 +129,16 @@ void add(std::vector<MeasurementProposal>& all, MeasurementProposal one, const s
   all.push_back(std::move(one));
 }
 
+/// @param feed  what the feed of `now` is called
 void add_at_feeds(std::vector<MeasurementProposal>& all, const MeasurementProposal& now, const std::string& how,
-                  const MeasuringTimes& times) {
+                  std::string_view feed, const MeasuringTimes& times) {
   add(all, now, how);
   MeasurementProposal slower = now, faster = now;
   slower.feed_mm_min = kSlowerFeed * now.feed_mm_min;
-  add(all, std::move(slower), how + ", at a quarter of the feed");
+  add(all, std::move(slower), fmt::format("{}, at a quarter of {}", how, feed));
   faster.feed_mm_min = kFasterFeed * now.feed_mm_min;
-  if (faster.feed_mm_min <= times.greatest_feed_mm_min) add(all, std::move(faster), how + ", at twice the feed");
+  if (faster.feed_mm_min <= times.greatest_feed_mm_min)
+    add(all, std::move(faster), fmt::format("{}, at twice {}", how, feed));
 }
 
 /// The largest circle of a ball bar in the middle of both travels, of another radius than the present ones.
@@ -175,17 +177,23 @@ bool has_circles(const Observations& data) {
 
 std::vector<MeasurementProposal> circle_options(const Observations& data, const MeasuringTimes& times) {
   std::vector<MeasurementProposal> all;
+  std::optional<double> feed_mm_min;  // of the circles measured, where they state it
   for (std::size_t path = 1; path <= data.paths.size(); ++path) {
     if (data.paths[path - 1].kind != PathKind::circle) continue;
     const MeasurementProposal now = circle_as_now(data, path, times);
-    add_at_feeds(all, now, "as now", times);
+    add_at_feeds(all, now, "as now", "the feed", times);
+    if (now.feed_mm_min != kUsualFeed_mm_min) feed_mm_min = now.feed_mm_min;
     MeasurementProposal closer = now;
     closer.circle_step_deg = readable_step_deg(now.circle_step_deg / kCloser);
     if (closer.circle_step_deg < now.circle_step_deg) add(all, std::move(closer), "readings three times as close");
   }
   for (const auto& plane : kPlanes)
-    if (const auto circle = free_circle(data, plane))
-      add_at_feeds(all, on_circle(data, *circle, times), fmt::format("of {:g} mm", circle->radius_mm), times);
+    if (const auto circle = free_circle(data, plane)) {
+      MeasurementProposal one = on_circle(data, *circle, times);
+      one.feed_mm_min = feed_mm_min.value_or(one.feed_mm_min);
+      add_at_feeds(all, one, fmt::format("of {:g} mm", circle->radius_mm),
+                   feed_mm_min ? "the present feed" : "the usual feed", times);
+    }
   return all;
 }
 

@@ -158,10 +158,11 @@ void add_at(const Site& site, CandidatesAt EffectDefinition::*kind, bool usual_o
 
 /// What a circle shows too little of, so that it would stand for other causes: lost motion shows at both ends alone,
 /// where the axis turns round, so not how it varies between them; of a bend that counts from a zero far away a piece,
-/// which is a bow and a slope. A line measured along the axis sees both.
+/// which is a bow and a slope. A line measured along the axis sees both, and has the optics of a line.
 bool needs_line(const EffectInstance& effect) {
   const EffectTraits& traits = effect.traits();
-  return (traits.is_curve && traits.of_approach) || (traits.is_smooth && !traits.is_curve && !traits.of_condition);
+  return traits.of_optics() || (traits.is_curve && traits.of_approach) ||
+         (traits.is_smooth && !traits.is_curve && !traits.of_condition);
 }
 bool seen_by_line(const Observations& all, const EffectInstance& effect) {
   if (!needs_line(effect)) return true;

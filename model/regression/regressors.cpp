@@ -134,6 +134,7 @@ Acting Regressors::acting(const EffectInstance& effect) const {
   } else {
     for (std::size_t k = 0; k < motions_.size(); ++k) {
       if (!acts_by_place(motions_, k, effect)) continue;
+      if (data_.moved && data_.moved->on_path[k] && effect.traits().of_optics()) continue;
       const bool far_from_reversal = data_.moved && data_.moved->on_path[k] && follows_reversal(effect.definition());
       if (!has_needs(motions_, k, effect))
         acting.skipped += far_from_reversal ? 0 : 1;

@@ -109,7 +109,8 @@ std::optional<ReportedDiagnosis> diagnosis_in(const Json& object) {
     if (one.is_object()) out.where.push_back({text_at(one, "variable"), number_at(one, "strength").value_or(0.0)});
   for (const Json& one : member(object, "left"))
     if (one.is_object() && !text_at(one, "is").empty())
-      out.left.push_back(fmt::format("{}: {}. {}.", words_for_property(text_at(one, "property")), text_at(one, "is"),
+      out.left.push_back(fmt::format("{}: {}. {}.", words_for_property(text_at(one, "property")),
+                                     words_for_answer(text_at(one, "property"), text_at(one, "is")),
                                      text_at(one, "because")));
   if (const Json& formula = member(object, "formula"); formula.is_object() && member(formula, "formula").is_object())
     for (const auto& [sense, text] : member(formula, "formula").items())

@@ -106,6 +106,18 @@ Problem with_hint(Problem why) {
   return why;
 }
 
+/// Of an effect that may act several times: that the model had one already.
+std::string second_text(const model::Added& added) {
+  const auto& effects = added.model.effects;
+  const auto like = std::ranges::count_if(
+      effects, [&](const model::EffectInstance& one) { return model::same_candidate(one, added.effect.effect); });
+  return like < 2
+             ? std::string()
+             : paragraph(fmt::format("The model contained {} already: it now contains it {} times, each with values "
+                                     "of its own.",
+                                     to_text(added.effect.effect), like));
+}
+
 /// Where the effect does not lower the error of readings that were not used for the fit: that, and how to take it back.
 std::string no_better_text(const model::Added& added, std::string_view unit, const std::string& output) {
   const std::vector<model::LadderStep>& steps = added.model.history;
@@ -126,10 +138,10 @@ Cell added_cell(const model::Added& added, std::string_view unit, const std::str
                   name_with_alternatives(added.effect.effect), added.step.rms_before_um, added.step.rms_um, unit,
                   outliers > 0 ? fmt::format(" without {} outlier{}", outliers, outliers == 1 ? "" : "s") : "",
                   added.noise_is_upper_limit ? "at most " : "", added.noise_um, unit));
-  return record_cell("{summary}{effect}\n{history}{no_better}{model}\n", "summary"_shown(summary),
-                     "rms_before_um"_is(added.rms_before_um), "rms_after_um"_is(added.rms_after_um),
-                     "noise_um"_is(added.noise_um), "peak_um"_is(added.step.peak_um),
-                     "held_out_rms_um"_is(added.step.held_out_rms_um),
+  return record_cell("{summary}{effect}\n{history}{second}{no_better}{model}\n", "summary"_shown(summary),
+                     "second"_shown(second_text(added)), "rms_before_um"_is(added.rms_before_um),
+                     "rms_after_um"_is(added.rms_after_um), "noise_um"_is(added.noise_um),
+                     "peak_um"_is(added.step.peak_um), "held_out_rms_um"_is(added.step.held_out_rms_um),
                      "effect"_is(std::move(effect), paragraph(parameters_text(added.effect.parameters), 2, 4)),
                      "history"_is(ladder_cell(added.model)),
                      "model"_is(output.empty() ? null_cell("not saved: give -o MODEL to save it")

@@ -87,7 +87,7 @@ struct NextRequest {
   std::string check, program, targets;
   int proposal = 1;
   bool ball_bar = false;
-  double noise_um = 0.5;
+  std::optional<double> noise_um;
   static Fields<NextRequest> fields() {
     using R = NextRequest;
     return {{&R::common, ModelArguments::fields(Need::optional)},
@@ -99,7 +99,8 @@ struct NextRequest {
              Is::output},
             {"--ball-bar", &R::ball_bar,
              "a ball bar is available: propose circles too; default where DATA contain circles"},
-            {"--noise", &R::noise_um, "noise of one reading for --check without DATA [um]", Range{1e-6, 1e6}}};
+            {"--noise", &R::noise_um, "noise of one reading for --check without DATA [um]; default: 0.5",
+             Range{1e-6, 1e6}}};
   }
 };
 
@@ -155,7 +156,9 @@ Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& 
   Cell proposals{Json::array(), {}};
   for (const MeasurementProposal& one : next.proposals) proposals.add(proposal_cell(one, proposals.json.size() + 1));
   if (proposals.json.size() > 1 && !next.proposals.front().pairs.empty())
-    proposals.text += "\nProposal 1 distinguishes these causes best per minute.\n";
+    proposals.text += fmt::format("\nProposal 1 {} best per minute; more than {:g} sigma count as {:g}.\n",
+                                  next.rivals.size() > 1 ? "distinguishes these causes" : "shows this cause",
+                                  model::kEnoughSigma, model::kEnoughSigma);
   return record_cell("{verdict}{rivals}{proposals}{notes}",
                      "verdict"_is(name_of(diagnosis.verdict), paragraph(diagnosis.headline)),
                      "rivals"_is(next.rivals, rivals_text(next, diagnosis)), "proposals"_is(std::move(proposals)),
@@ -212,15 +215,16 @@ Result<Outcome> propose(VerbContext& context, const NextRequest& request) {
 
 // --- the check of a plan
 
-/// Of one reading: from the data where there are any, else as given.
+/// Of one reading: from the data where there are any, else as given, else assumed.
 Result<double> noise_to_expect(VerbContext& context, const NextRequest& request) {
-  if (request.common.data.empty()) return request.noise_um;
+  constexpr double kAssumed_um = 0.5;
+  if (request.common.data.empty()) return request.noise_um.value_or(kAssumed_um);
   ECS_TRY(work, model_work(context.console, request.common));
   ECS_TRY(fit, in_file(model::fit(work.model, work.data), request.common.model));
   return fit.noise.noise_um;
 }
 
-Cell check_cell(const PlanCheck& check, double noise_um, std::size_t readings) {
+Cell check_cell(const PlanCheck& check, double noise_um, bool noise_is_assumed, std::size_t readings) {
   Cell effects{Json::array(), fmt::format("{} {:>15}  unit\n", padded("effect and parameter", 40), "expected sigma")};
   for (const model::EffectFit& effect : check.effects)
     effects.add(record_cell("{place}  ({readings} readings)\n{parameters}", inlined({effect_json(effect.effect), ""}),
@@ -231,12 +235,14 @@ Cell check_cell(const PlanCheck& check, double noise_um, std::size_t readings) {
   for (const std::string& one : check.undetermined) undetermined += paragraph("undetermined: " + one, 0, 2);
   for (const std::string& one : check.assumed) assumed += paragraph("assumed: " + one, 0, 2);
   return record_cell(
-      "{determines}\n{readings} readings, noise {noise_um} um, condition number {condition}\n\n{effects}"
+      "{determines}\n{readings} readings, noise {noise_um} um{noise_of}, condition number {condition}\n\n{effects}"
       "{undetermined}{assumed}",
       "determines"_is(check.determines, "The plan determines every parameter of the model.",
                       "The plan does not determine the model."),
-      "readings"_is(readings), "noise_um"_is(noise_um, 3), "condition"_is(check.condition, few_digits(check.condition)),
-      "undetermined"_is(check.undetermined, undetermined), "effects"_is(std::move(effects)), "assumed"_shown(assumed));
+      "readings"_is(readings), "noise_um"_is(noise_um, 3),
+      "noise_of"_shown(noise_is_assumed ? " (assumed: give DATA or --noise)" : ""),
+      "condition"_is(check.condition, few_digits(check.condition)), "undetermined"_is(check.undetermined, undetermined),
+      "effects"_is(std::move(effects)), "assumed"_shown(assumed));
 }
 
 Result<Outcome> check_planned(VerbContext& context, const NextRequest& request) {
@@ -247,7 +253,8 @@ Result<Outcome> check_planned(VerbContext& context, const NextRequest& request) 
   ECS_TRY(noise_um, noise_to_expect(context, request));
   const model::Observations rows = model::observations_of(plan.set, *model, machine);
   ECS_TRY(result, in_file(model::check_plan(*model, rows, noise_um), request.common.model));
-  return outcome_of(check_cell(result, noise_um, rows.size()), result.determines ? kDone : kDoesNotHold);
+  return outcome_of(check_cell(result, noise_um, request.common.data.empty() && !request.noise_um, rows.size()),
+                    result.determines ? kDone : kDoesNotHold);
 }
 
 Result<Outcome> next(VerbContext& context, const NextRequest& request) {

@@ -288,7 +288,8 @@ Model with_its_map() {
   model.map = laser::ErrorMap{};
   for (const double side : {1.0, -1.0}) {
     laser::MapTable table{Component::EXX, side > 0.0 ? Approach::forward : Approach::reverse, {}, {}};
-    for (double at_mm = 0.0; at_mm <= 1100.0; at_mm += 25.0) {
+    for (int k = 0; k <= 44; ++k) {
+      const double at_mm = 25.0 * k;
       table.position_mm.push_back(at_mm);
       table.compensation.push_back(-error_um(at_mm, side));
     }

@@ -165,7 +165,7 @@ TEST_CASE("a wave that needs a step is no cause unless it is a pitch; one beside
 
 TEST_CASE("a wave of any of many periods is no pitch beside two other shapes") {
   const MetreOfX x;
-  const auto objection = [&](std::vector<Choice> chosen, const std::vector<std::size_t>& periods) {
+  const auto objection = [&](const std::vector<Choice>& chosen, const std::vector<std::size_t>& periods) {
     return objection_to_waves(x.of.data, x.of.search.families(), chosen, std::vector<bool>(chosen.size(), true),
                               periods);
   };

@@ -35,7 +35,7 @@ void check_finite(const Diagnosis& found) {
 }
 
 Diagnosis answer(const Model& model, const Set& set) {
-  const auto result = must(diagnose(model, observations_of(set, model, mill())));
+  auto result = must(diagnose(model, observations_of(set, model, mill())));
   check_finite(result);
   return result;
 }
