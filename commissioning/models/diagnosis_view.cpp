@@ -18,6 +18,12 @@ using model::Comparison;
 /// A residual of this many times the noise of one reading is no noise, whatever a test against repeats says.
 constexpr double kFarAboveNoise = 2.0;
 
+double largest_in(const std::vector<ShapePoint>& points) {
+  double largest = 0.0;
+  for (const ShapePoint& point : points) largest = std::max(largest, std::abs(point.um));
+  return largest;
+}
+
 /// That a model fits the scatter of repeats says little where the runs differ far more than readings of one run.
 bool runs_differ(const std::optional<model::LackOfFit>& test, double rms_um, double noise_um) {
   return test && !test->fails() && !test->is_in_doubt() && rms_um > kFarAboveNoise * noise_um;
@@ -117,9 +123,9 @@ Cell variables_cell(const Comparison& c) {
     if (!sense.empty() && !is_worth) one.text.clear();
     list.add(one);
     if (!is_worth || view->bins.empty() || (senses.size() > 1 && sense.empty())) continue;  // a product has no axis
-    if (++shapes > kMostShapes) continue;
     std::vector<ShapePoint> points;
     for (const model::ResidualBin& bin : view->bins) points.push_back({0.5 * (bin.from + bin.to), bin.mean_um});
+    if (largest_in(points) < kWorthABar * c.noise.noise_um || ++shapes > kMostShapes) continue;
     shown += "\n" + shape_text(variable, points, c.noise.unit,
                                sense.empty() ? std::vector<std::string>() : std::vector{sense});
   }
@@ -351,8 +357,12 @@ Cell candidates_cell(const Diagnosis& d) {
                : fmt::format("\n{}{}\n{}{}", title, d.outliers.empty() ? "" : " (without the outliers)", head(d), rows);
   };
   if (d.verdict == Verdict::adequate || d.verdict == Verdict::cannot_tell) return {std::move(list), closest_text(d)};
+  const bool of_groups =
+      std::ranges::any_of(d.candidates, [](const Candidate& one) { return one.in_answer() && one.set.size() > 1; });
   return {std::move(list),
-          titled_table(d.verdict == Verdict::missing_effect ? "missing effects" : "proved effects", named) +
+          titled_table(fmt::format("{}{}", d.verdict == Verdict::missing_effect ? "missing effects" : "proved effects",
+                                   of_groups ? "; of causes that cannot be distinguished, the one fitted" : ""),
+                       named) +
               titled_table("likely effects, not proved", likely) + add_text(d) +
               titled_table("rivals and weaker explanations, each alone", rivals)};
 }
@@ -362,12 +372,6 @@ std::vector<ShapePoint> shape_of(const model::Dependence& one) {
   for (std::size_t i = 0; i < std::min(one.at.size(), one.mean_um.size()); ++i)
     points.push_back({one.at[i], one.mean_um[i]});
   return points;
-}
-
-double largest_in(const std::vector<ShapePoint>& points) {
-  double largest = 0.0;
-  for (const ShapePoint& point : points) largest = std::max(largest, std::abs(point.um));
-  return largest;
 }
 
 constexpr double kLeastProbability = 1e-300;  ///< smaller ones are stated as this
@@ -395,7 +399,8 @@ Cell where_cell(const Diagnosis& d) {
   std::size_t shapes = 0;
   for (const model::Dependence& one : d.where) {
     const std::vector<ShapePoint> points = shape_of(one);
-    if (one.strength < kWorthAShape || largest_in(points) < 0.3 * d.noise.noise_um || ++shapes > kMostShapes) continue;
+    if (one.strength < kWorthAShape || largest_in(points) < kWorthABar * d.noise.noise_um || ++shapes > kMostShapes)
+      continue;
     if (shapes == 1 && with_answer && any) where.text += "  before any effect is added\n";
     where.text += "\n" + shape_text(one.variable, points, d.noise.unit);
   }

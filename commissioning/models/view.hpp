@@ -107,6 +107,8 @@ struct ShapePoint {
 
 /// A variable with a smaller share of the residual variance gets no picture of its own.
 inline constexpr double kWorthAShape = 0.1;
+/// Its bars are shown from this many times the noise: below it only the sign changes with something else. A choice.
+inline constexpr double kWorthABar = 0.3;
 
 /// Pictures of variables in one answer.
 inline constexpr std::size_t kMostShapes = 2;

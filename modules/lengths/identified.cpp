@@ -361,7 +361,7 @@ class LengthReport {
 
   void compare_repeats(Identification& out) const {
     if (!out.repeat_um) {
-      out.notes.push_back("no pose is measured in two runs: the noise is estimated from the residuals alone");
+      out.notes.push_back("no length is measured in two runs: the noise is estimated from the residuals alone");
       return;
     }
     constexpr double kMuchMore = 1.3;

@@ -503,7 +503,7 @@ cli::Fields<LengthsCompared> LengthsCompared::fields() {
 }
 
 std::string repeats_text(const model::LengthComparison& found) {
-  if (!found.repeat_um) return "  no pose is measured in two runs: the scatter is not known\n";
+  if (!found.repeat_um) return "  no length is measured in two runs: the scatter is not known\n";
   constexpr double kMuchMore = 1.3;  // as in the notes of `lengths fit`: scatter from a few repeats is known to a fifth
   return fmt::format("  repeated poses scatter by {:.2f} um: {}\n", *found.repeat_um,
                      found.left_um > kMuchMore * *found.repeat_um

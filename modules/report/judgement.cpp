@@ -19,6 +19,7 @@
 #include "model/planning/next_measurement.hpp"
 #include "modules/report/content.hpp"
 #include "modules/report/markup.hpp"
+#include "modules/report/page.hpp"
 
 namespace ecs::app {
 namespace {
@@ -292,7 +293,8 @@ void model_to_do(const ReportContent& content, std::vector<std::string>& next) {
   if (verdict == "cannot_tell") return;
   for (const ReportedEffect& effect : content.diagnosis->effects)
     if (effect.named && !effect.next_measurement.empty())
-      next.push_back(fmt::format("Error model: {} ({}) is {}missing from it. {}", effect.title, effect.place,
+      next.push_back(fmt::format("Error model: {} ({}){} is {}missing from it. {}", effect.title, effect.place,
+                                 effect.rivals.empty() ? "" : ", or " + first_few(effect.rivals),
                                  effect.but.empty() ? "" : "probably ", effect.next_measurement));
 }
 
@@ -310,7 +312,8 @@ void gaps_to_do(const ReportContent& content, std::vector<std::string>& next) {
                     "curves.",
                     fmt::join(few, ", ")));
   if (!unlimited.empty())
-    next.push_back(fmt::format("{}: no limit is known. State it in the plan.", fmt::join(unlimited, ", ")));
+    next.push_back(
+        fmt::format("{}: no limit is known. State it in a measurement plan (--plan).", fmt::join(unlimited, ", ")));
   if (content.map && !content.map->map.header.declared_zero.empty()) {
     std::vector<std::string_view> zero;
     for (const laser::DeclaredZero& one : content.map->map.header.declared_zero) zero.push_back(name_of(one.component));

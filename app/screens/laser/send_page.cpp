@@ -66,7 +66,7 @@ class SendPage final : public LaserPage {
     if (!map.complete() && map.parameters) lines.say("missing", missing_in(map), Tone::warning);
     if (d.sent_is_current() && !d.busy()) lines.say("next", "step 9 reads it back and compares it.");
     if (map.parameters && (!map.complete() || d.sent_is_current())) lines.skip();
-    lines.say("also saved",
+    lines.say("Enter also saves",
               d.choices().opened_map.empty()
                   ? fmt::format("{} (parameters) and {} (`ecs map build` makes the same map from it)", files.parameters,
                                 files.recipe)
@@ -100,6 +100,8 @@ class SendPage final : public LaserPage {
   }
 
   void check_and_send() {
+    if (!controller().work().map.parameters)
+      return controller().message().say("the map needs parameters: choose them in step 6", Tone::bad);
     if (!controller().work().map.complete())
       return controller().message().say(
           "the map is incomplete, and the unit refuses incomplete maps: step 6 lists the missing components",
@@ -108,7 +110,7 @@ class SendPage final : public LaserPage {
   }
 
   [[nodiscard]] std::string map_text(const LaserMapWork& map) const {
-    if (!map.parameters) return "none yet: choose the parameters in step 6";
+    if (!map.parameters) return "none yet: it needs parameters, which step 6 chooses";
     if (!map.made) return "cannot be built: see step 6";
     const laser::ErrorMap& made = map.made->map.map;
     std::set<Component> curves;

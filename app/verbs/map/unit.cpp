@@ -104,8 +104,8 @@ Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
   constexpr std::string_view kSigns =
       "values: compensation, which the unit adds to the position (the sign is opposite to that of the error)\n";
   constexpr std::string_view kUncertainty =
-      "uncertainty: standard uncertainties (k = 1), um or um/m; value: of each value alone; pass: common to a whole "
-      "pass\n";
+      "uncertainty: standard uncertainties (k = 1), um or um/m; value: of each value alone; pass: common to a pass, "
+      "which is one run in one direction\n";
   return outcome_of(record_cell("{header}\n{tables}{signs}{uncertainty}{findings}{plot}", "map"_is(found.name),
                                 "uncertainty"_shown(found.map.header.uncertainty.empty() ? "" : kUncertainty),
                                 "signs"_shown(tables.empty() ? "" : kSigns), "header"_is(header_cell(found.map.header)),

@@ -156,9 +156,10 @@ Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& 
   Cell proposals{Json::array(), {}};
   for (const MeasurementProposal& one : next.proposals) proposals.add(proposal_cell(one, proposals.json.size() + 1));
   if (proposals.json.size() > 1 && !next.proposals.front().pairs.empty())
-    proposals.text += fmt::format("\nProposal 1 {} best per minute; more than {:g} sigma count as {:g}.\n",
-                                  next.rivals.size() > 1 ? "distinguishes these causes" : "shows this cause",
-                                  model::kEnoughSigma, model::kEnoughSigma);
+    proposals.text +=
+        "\n" + paragraph(fmt::format("Proposal 1 {} best per minute; more than {:g} sigma count as {:g}.",
+                                     next.rivals.size() > 1 ? "distinguishes these causes" : "shows this cause",
+                                     model::kEnoughSigma, model::kEnoughSigma));
   return record_cell("{verdict}{rivals}{proposals}{notes}",
                      "verdict"_is(name_of(diagnosis.verdict), paragraph(diagnosis.headline)),
                      "rivals"_is(next.rivals, rivals_text(next, diagnosis)), "proposals"_is(std::move(proposals)),

@@ -331,8 +331,9 @@ std::string hidden_text(const HiddenTruth& truth) {
   if (said.empty()) said = truth.kind;
   std::string text = paragraph(said.starts_with("Hidden: ") ? said : "Hidden: " + said, 0, 2);
   for (const HiddenEffect& effect : truth.effects)
-    text += fmt::format("  {}: rms {:.3f} um, {:.1f} times the noise of {:.3f} um\n", effect.name, effect.rms_um,
-                        effect.snr, truth.noise_um);
+    text += fmt::format(
+        "  {}: rms {:.3f} um in the readings; the starting model leaves {:.1f} times the noise of {:.3f} um\n",
+        effect.name, effect.rms_um, effect.snr, truth.noise_um);
   if (!truth.group.empty())
     text += paragraph(fmt::format("these data cannot distinguish: {}", fmt::join(truth.group, ", ")), 2, 4);
   if (!truth.variables.empty())
