@@ -12,8 +12,8 @@ EffectDefinition progressive() {
       .cause = "wear of screw or guideway, form of the guideway",
       .tells_apart = "a smooth curve over position, the same in both approaches, with no single period",
       .check =
-          "compare an error of position with the certificate of screw or scale, a straightness with a straight edge along "
-          "the way; check for wear where the axis works most",
+          "compare an error of position with the certificate of screw or scale, a straightness with a straight edge; "
+          "check for wear where the axis works most",
       .headline = "{where} with a smooth error along the travel, {rms_um}",
       .parameters = {{"rms_um", "um", "size of the curve", Coding::size_of_curve}},
       .carrier = Carrier::error_map,
