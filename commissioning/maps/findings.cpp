@@ -86,16 +86,23 @@ std::string coverage_text(const laser::ErrorMap& map) {
 }  // namespace
 
 std::string verdict_text(const laser::ErrorMap& map, const std::vector<laser::MapFinding>& findings,
-                         bool of_two_machines) {
+                         bool of_two_machines, bool enter_squareness) {
   if (of_two_machines)
     return fmt::format("the map is {}{} map and parameters belong to different machines: `ecs map send` refuses it\n",
                        completeness(findings), has_objections(findings) ? ", and" : ", but");
   const std::string coverage = coverage_text(map);
-  if (findings.empty() && coverage.empty()) return "the map is complete and can be sent\n";
-  if (findings.empty()) return paragraph("the map can be sent: " + coverage);
+  const std::string sent =
+      fmt::format("can be sent{}", enter_squareness ? " after the squareness above has been entered" : "");
+  if (findings.empty() && coverage.empty()) return fmt::format("the map is complete and {}\n", sent);
+  if (findings.empty()) return paragraph(fmt::format("the map {}: {}", sent, coverage));
   if (has_objections(findings)) return "the map is not complete: `ecs map send` refuses it until this is corrected\n";
-  return fmt::format("the map is {}: it can be sent, but read {} first\n{}", completeness(findings),
+  return fmt::format("the map is {}: it {}, but read {} first\n{}", completeness(findings), sent,
                      findings.size() == 1 ? "it" : "them", coverage.empty() ? "" : paragraph(coverage));
+}
+
+bool squareness_differs(const UnitParameters& a, const UnitParameters& b) {
+  const auto differs = [&](Component c) { return squareness_um_per_m(a, c) != squareness_um_per_m(b, c); };
+  return differs(Component::C0Y) || differs(Component::B0Z) || differs(Component::A0Z);
 }
 
 Result<laser::DeclaredZero> declared_zero_in(const std::string& word) {

@@ -49,8 +49,10 @@ inline constexpr const char* kEvenly =
 
 /// What a verb says below the findings of a map that it built.
 /// @param of_two_machines  map and parameters name different ones
+/// @param enter_squareness  the squareness in the answer is not yet in the parameters
 [[nodiscard]] std::string verdict_text(const laser::ErrorMap& map, const std::vector<laser::MapFinding>& findings,
-                                       bool of_two_machines = false);
+                                       bool of_two_machines, bool enter_squareness);
+[[nodiscard]] bool squareness_differs(const UnitParameters& a, const UnitParameters& b);
 
 /// A `usage` problem for anything but CODE=reason.
 [[nodiscard]] Result<laser::DeclaredZero> declared_zero_in(const std::string& word);

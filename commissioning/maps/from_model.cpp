@@ -324,7 +324,9 @@ Result<MapFromModel> built_from(MessageSink& messages, const FromModelArguments&
   note_temperatures(built, *model, *machine);
   ECS_DO(complete_header(built, arguments));
   ECS_DO(add_rotary(built.compiled.map.header, arguments.rotary, arguments.machine, built.notes));
+  const UnitParameters given = built.parameters.parameters;
   take_squareness(built.parameters.parameters, built.compiled);
+  built.enter_squareness = arguments.params_out.empty() && squareness_differs(given, built.parameters.parameters);
   declare_missing_zero(built, arguments.zero_missing);
   built.findings = laser::findings_for(built.compiled.map, built.parameters.parameters, travels_of(*machine));
   find_unmeasured_directions(built, *model, *machine);
@@ -457,7 +459,8 @@ Cell from_model_cell(const MapFromModel& b, const FromModelArguments& arguments)
       "squareness"_is(squareness_of_model(b, arguments)), "declared"_shown(declared_text(b)),
       "missing"_is(lines_cell(objections_in(b.findings), "")), "findings"_is(findings_cell(b.findings)),
       "verdict"_shown(verdict_text(b.compiled.map, b.findings,
-                                   !made_for_two_machines(b.compiled.map.header, b.parameters.identity).empty())),
+                                   !made_for_two_machines(b.compiled.map.header, b.parameters.identity).empty(),
+                                   b.enter_squareness)),
       "holds_at"_is(lines_cell(b.holds_at, "")), "notes"_is(paragraphs_cell(b.notes, "note: ")),
       "header"_is(header_cell(b.compiled.map.header)));
 }

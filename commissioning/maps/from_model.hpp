@@ -43,6 +43,7 @@ struct MapFromModel {
   std::vector<std::string> holds_at;  ///< temperatures at which the effects that it leaves out are zero
   std::vector<std::string> notes;
   std::vector<laser::MapFinding> findings;
+  bool enter_squareness = false;   ///< it is in no parameter file yet
   std::vector<Component> missing;  ///< needed by the parameters, without an effect, not declared zero
   [[nodiscard]] bool complete() const { return !has_objections(findings); }
 };

@@ -411,8 +411,9 @@ void ModelController::write_map(const std::string& zero_reason) {
     NoMessages messages;
     Written written{map_from_model(messages, arguments), {}};
     if (written.map)  // the last line of the answer first: it is what matters
-      written.lines = owned_lines_of(verdict_text(written.map->compiled.map, written.map->findings) + "\n" +
-                                     from_model_cell(*written.map, arguments).text);
+      written.lines = owned_lines_of(
+          verdict_text(written.map->compiled.map, written.map->findings, false, written.map->enter_squareness) + "\n" +
+          from_model_cell(*written.map, arguments).text);
     return written;
   };
   task_.start("writing the map", write, [this, arguments](Written written) {

@@ -169,6 +169,7 @@ struct Built {
   laser::SuggestedRecipe by;
   MadeMap made;
   params::ParametersFile parameters;  ///< with the measured squareness
+  bool enter_squareness = false;      ///< it is in no parameter file yet
   std::vector<std::uint8_t> image;    ///< where it was asked for
 };
 
@@ -179,10 +180,12 @@ Result<Built> built(const BuildRequest& request, const laser::FileReader& read) 
   ECS_DO(complete(recipe.recipe, request));
   ECS_TRY(travels, travels_given(request.machine, request.params, parameters));
   ECS_TRY(made, made_map(recipe.recipe, parameters, travels, read));
+  const bool enter_squareness =
+      request.params_out.empty() && squareness_differs(parameters.parameters, made.map.parameters);
   parameters.parameters = made.map.parameters;
   ECS_DO(add_rotary(made.map.map.header, request.rotary, request.machine, made.map.notes));
   if (!request.rotary.empty()) made.findings = findings_before_sending(made.map.map, parameters.parameters, travels);
-  return Built{std::move(recipe), std::move(made), std::move(parameters), {}};
+  return Built{std::move(recipe), std::move(made), std::move(parameters), enter_squareness, {}};
 }
 
 Cell outcome_cell(const Built& b, const laser::ComponentOutcome& one) {
@@ -238,7 +241,8 @@ Cell built_cell(const Built& b, const BuildRequest& request) {
       "rotary"_shown(rotary_cell(b.made.map.map.header).text), "squareness"_is(squareness_of(b, request)),
       "missing"_is(lines_cell(objections_in(b.made.findings), "")), "findings"_is(findings_cell(b.made.findings)),
       "verdict"_shown(verdict_text(b.made.map.map, b.made.findings,
-                                   !made_for_two_machines(b.made.map.map.header, b.parameters.identity).empty())),
+                                   !made_for_two_machines(b.made.map.map.header, b.parameters.identity).empty(),
+                                   b.enter_squareness)),
       "unused"_is(lines_cell(b.by.unused, "not used: ")), "notes"_is(lines_cell(b.made.map.notes, "note: ")),
       "header"_is(header_cell(b.made.map.map.header)));
 }
