@@ -184,10 +184,11 @@ void add_notes(Normalised& done, const Normalisation& how) {
       shortest(how.fixed_mm)));
   done.notes.push_back(
       fmt::format("a coefficient error of 1 um/(m degC) causes up to {:.3f} um here", done.per_coefficient_um));
-  done.notes.push_back(
-      "one coefficient is used for the whole machine: if scale, screw, bed and column differ in material or "
-      "temperature, it can be grossly wrong (thesis 6.3.1). For a machine that works at this temperature it may be "
-      "better to measure the map without normalisation");
+  if (how.coefficient_um_per_m_degC != 0.0)
+    done.notes.push_back(
+        "one coefficient is used for the whole machine: if scale, screw, bed and column differ in material or "
+        "temperature, it can be grossly wrong (thesis 6.3.1). For a machine that works at this temperature it may be "
+        "better to measure the map without normalisation");
   const double spread_degC = spread_of_sensors_degC(done.set);
   if (spread_degC > 0.5)
     done.notes.push_back(fmt::format(

@@ -314,7 +314,10 @@ Result<Outcome> normalise(VerbContext& context, const NormaliseRequest& request)
   }
   ECS_DO(written(request.output, done->set));
   return outcome_of(record_cell(
-      "{changed} of {readings} readings normalised to 20 degC, changed by up to {largest_um} um\n{notes}{output}",
+      how.coefficient_um_per_m_degC == 0.0
+          ? "correction of the instrument removed from {changed} of {readings} readings, which changed by up to "
+            "{largest_um} um\n{notes}{output}"
+          : "{changed} of {readings} readings normalised to 20 degC, changed by up to {largest_um} um\n{notes}{output}",
       "file"_is(request.file), "coefficient_um_per_m_degC"_is(how.coefficient_um_per_m_degC),
       "instrument_um_per_m_degC"_is(done->instrument_um_per_m_degC), "least_degC"_is(done->least_degC),
       "most_degC"_is(done->most_degC), "fixed_mm"_is(how.fixed_mm), "changed"_is(done->changed),
