@@ -443,8 +443,9 @@ cli::Fields<PrepareRequest> PrepareRequest::fields() {
   return {{"FILE", &R::files, "measurement files of the line; they are joined", cli::Need::required},
           {"--line", &R::line, "line to use if the files contain several: \"EX along X at Y -1400, Z 0\""},
           {"--place", &R::place, "position of the other axes; overrides --parked and the files: y=-1400,z=0"},
-          {"--leave-out-run", &R::runs, "run to exclude, with the reason: 3=vibration"},
-          {"--leave-out-reading", &R::readings, "reading of the line to exclude, counted from 1: \"17=beam broken\""},
+          {"--leave-out-run", &R::runs, "run to exclude: 3, or 3=vibration to record the reason"},
+          {"--leave-out-reading", &R::readings,
+           "reading of the line to exclude, counted from 1: 17, or \"17=beam broken\""},
           {"-o,--output", &R::output, "measurement CSV to write", cli::Is::output, cli::Need::required},
           &R::import};
 }
@@ -480,7 +481,10 @@ Result<laser::MeasurementSet> prepared_line(const PrepareRequest& request) {
     if (line == nullptr) return no_such_line(lines, stated);
   }
   ECS_DO(all_there(*line, left_out));
-  return prepared_set(*line, left_out);
+  laser::MeasurementSet prepared = prepared_set(*line, left_out);
+  if (prepared.readings.empty())
+    return problem(ProblemKind::refused, "{}: every reading is excluded", fmt::join(line->files, ", "));
+  return prepared;
 }
 
 std::optional<std::vector<std::string>> prepare_words(const LaserLine& line, const LaserLineChoice& left_out,
