@@ -180,7 +180,8 @@ PlotPanel slice_panel(const std::string& title, const VolumeSlice& slice, const 
   const Grid& grid = slice.grid;
   const auto name = [](std::size_t a) { return fmt::format("{} mm", letter_of(static_cast<Axis>(a))); };
   PlotPanel panel{title, name(slice.across), name(slice.up), {}};
-  PlotSeries arrows{fmt::format("error in the plane, enlarged {:.0f} times", larger), Mark::arrow, {}};
+  PlotSeries arrows{
+      fmt::format("error in the plane (mean of both approaches), enlarged {:.0f} times", larger), Mark::arrow, {}};
   GridIndex index{};
   for (index[slice.across] = 0; index[slice.across] < grid.mm[slice.across].size(); ++index[slice.across])
     for (index[slice.up] = 0; index[slice.up] < grid.mm[slice.up].size(); ++index[slice.up]) {
@@ -302,9 +303,10 @@ Result<PlotFigure> volume_figure(const VolumeWork& work) {
   const double larger_after = left_um > kDrawn_um ? enlargement(left_um, longest_of(machine.travel_mm)) : larger;
   figure.panels.push_back(bounded ? bounded_slice_panel(work, "after" + place, slice)
                                   : slice_panel("after" + place, slice, slice.errors.after, larger_after));
-  figure.panels.push_back(diagonal_panel("before, body diagonals", wires, on_wires.before));
-  figure.panels.push_back(bounded ? bounded_diagonal_panel(work, wires, on_wires.after)
-                                  : diagonal_panel("after, body diagonals", wires, on_wires.after));
+  figure.panels.push_back(diagonal_panel("before, body diagonals: mean of both approaches", wires, on_wires.before));
+  figure.panels.push_back(
+      bounded ? bounded_diagonal_panel(work, wires, on_wires.after)
+              : diagonal_panel("after, body diagonals: mean of both approaches", wires, on_wires.after));
   return figure;
 }
 

@@ -89,10 +89,18 @@ Cell size_cell(std::string_view name, const volume::VolumeSize& size, const Volu
   return all;
 }
 
+/// True errors that the uncertainty of the map does not cover.
+bool exceeds_bound(const VolumeWork& work) {
+  return work.prepared.errors_from == "the errors file" &&
+         (work.answer.after.all.largest_um > work.uncertainty.largest_95_um ||
+          work.answer.after.all.rms_um > work.uncertainty.rms_95_um);
+}
+
 /// Below the sizes of what is left: what may be there, by the uncertainty of the map.
 std::string bound_row(const VolumeWork& work) {
-  return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   95 % confidence\n", "after, at most",
-                     work.uncertainty.largest_95_um, "-", work.uncertainty.rms_95_um);
+  return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   95 % confidence{}\n", "after, at most",
+                     work.uncertainty.largest_95_um, "-", work.uncertainty.rms_95_um,
+                     exceeds_bound(work) ? ", exceeded" : "");
 }
 
 Json budget_json(const VolumeWork& work) {
@@ -132,6 +140,16 @@ Json uncertainty_json(const VolumeWork& work) {
                    "components"_is(budget_json(work)));
 }
 
+/// "" within the bound.
+std::string exceeded_text(const VolumeWork& work) {
+  if (!exceeds_bound(work)) return {};
+  return paragraph(
+      fmt::format("THE BOUND IS EXCEEDED: the true error is {:.1f} um at the worst position and {:.1f} um rms. Compare "
+                  "the components that are declared zero or missing with the errors file: the bound assumes a standard "
+                  "uncertainty of {:g} um or um/m for each (--zero-uncertainty).",
+                  work.answer.after.all.largest_um, work.answer.after.all.rms_um, work.settings.declared_zero));
+}
+
 std::string bound_text(const VolumeWork& work) {
   const volume::VolumeUncertainty& u = work.uncertainty;
   std::vector<std::string> shares;
@@ -140,12 +158,14 @@ std::string bound_text(const VolumeWork& work) {
       shares.push_back(
           fmt::format("{} {:.0f} %", one.rotary.empty() ? name_of(one.component) : one.rotary, 100.0 * one.share));
   return paragraph(fmt::format(
-      "With 95 % confidence the remaining error is at most {:.1f} um anywhere and {:.1f} um rms, with 50 % "
-      "confidence {:.1f} and {:.1f} um. This contains the errors that the map is known to leave, the "
-      "uncertainty of the map{}, and the uncertainty assumed for components that were not measured. Errors "
-      "beyond these assumptions (short periods, heat, load) add to it. Largest contributions to this uncertainty: {}.",
-      u.largest_95_um, u.rms_95_um, u.largest_50_um, u.rms_50_um,
-      work.prepared.machine.rotary ? " and of the rotary axes" : "", fmt::join(shares, ", ")));
+             "With 95 % confidence the remaining error is at most {:.1f} um anywhere and {:.1f} um rms, with 50 % "
+             "confidence {:.1f} and {:.1f} um. This contains the errors that the map is known to leave, the "
+             "uncertainty of the map{}, and the uncertainty assumed for components that were not measured. Errors "
+             "beyond these assumptions (short periods, heat, load) add to it. Largest contributions to this "
+             "uncertainty: {}.",
+             u.largest_95_um, u.rms_95_um, u.largest_50_um, u.rms_50_um,
+             work.prepared.machine.rotary ? " and of the rotary axes" : "", fmt::join(shares, ", "))) +
+         exceeded_text(work);
 }
 
 Cell side_of_place_cell(const PlaceAnswer& at, std::size_t side) {
@@ -200,7 +220,8 @@ std::string slice_text(const VolumeSlice& slice) {
   for (std::size_t a = 0; a < kAxes; ++a)
     if (slice.grid.exists[a] && a != slice.across && a != slice.up)
       at = fmt::format(" at {} {:g} mm", letter(a), slice.grid.mm[a].front());
-  std::string text = fmt::format("slice {}{}{}: um before (after)\n", letter(slice.across), letter(slice.up), at);
+  std::string text = fmt::format("slice {}{}{}: um before (after), mean of both approaches\n", letter(slice.across),
+                                 letter(slice.up), at);
   volume::GridIndex index{};
   for (std::size_t row = slice.grid.mm[slice.up].size(); row-- > 0;) {
     index[slice.up] = row;
