@@ -88,6 +88,7 @@ extern const FileFormat kApiReport{
     .read = read_report,
     .written_extensions = {".pos"},
     .write = [](const MeasurementSet& set, const std::string&) { return to_api_pos(set); },
+    .writes_means = true,
 };
 
 }  // namespace ecs::laser

@@ -52,6 +52,7 @@ struct FileFormat {
   Result<EnvironmentSeries> (*read_environment)(std::string_view text, const std::string& file_name) = nullptr;
   std::vector<std::string_view> written_extensions = {};  ///< ".rtl"; none: not written
   Result<std::string> (*write)(const MeasurementSet& set, const std::string& file_name) = nullptr;
+  bool writes_means = false;  ///< … as means at each target
   ErrorUnits units = ErrorUnits::usual;
   bool holds_um = false;           ///< translations in um instead of mm
   PerAxis<bool> states_place{};    ///< axes whose coordinates the file states

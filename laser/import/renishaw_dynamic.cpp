@@ -256,6 +256,7 @@ extern const FileFormat kRenishawTable{
     .read = read_table,
     .written_extensions = {".ren"},
     .write = [](const MeasurementSet& set, const std::string&) { return to_renishaw_table(set); },
+    .writes_means = true,
 };
 
 }  // namespace ecs::laser

@@ -160,7 +160,7 @@ std::string fault_of(const MeasurementSet& set) {
   const Reading& first = set.readings.front();
   if (!is_rotation(first.sense) && first.sense != static_cast<Sense>(index_of(first.axis)))
     return "expected a displacement along the axis or a rotation";
-  if (!first.time_s || !set.readings[1].time_s) return "expected a time with every sample";
+  if (!first.time_s || !set.readings[1].time_s) return "expected the time of each reading (time_s), found none";
   const double step_s = *set.readings[1].time_s - *first.time_s;
   if (!(step_s > 0.0)) return "expected increasing times";
   for (std::size_t i = 0; i < set.readings.size(); ++i) {
@@ -212,7 +212,10 @@ void append_sample(std::string& bytes, double value) {
 }  // namespace
 
 Result<std::string> to_renishaw_dynamic(const MeasurementSet& set, const std::string& file_name) {
-  if (const std::string fault = fault_of(set); !fault.empty()) return problem(ProblemKind::refused, fault);
+  if (const std::string fault = fault_of(set); !fault.empty())
+    return problem(ProblemKind::refused,
+                   "a capture (.rtx) consists of samples at a constant rate: {}. Write another format, such as .csv",
+                   fault);
   std::string bytes = head(set, file_name);
   for (const Reading& reading : set.readings) append_sample(bytes, reading.error / kUmPerMm);
   return bytes + "\r\nEOF::\r\n";

@@ -64,23 +64,29 @@ Cell format_cell(const Json& files) {
   return {files.front()["format"], {}};
 }
 
+/// The format that the output's extension names; the measurement CSV for any other.
+const laser::FileFormat& format_of(const std::string& output) {
+  return laser::format_written_as(std::filesystem::path(output).extension().string());
+}
+
 Cell answer_cell(const Cell& files, const laser::MeasurementSet& set, const std::string& output,
                  const std::string& profile) {
   AnswerFields fields = described("format"_is(format_cell(files.json)));
   append(fields, set_fields(set));
   append(fields,
-         "output"_is(output.empty()
-                         ? null_cell("not saved: give -o OUT.csv to save it\n")
-                         : Cell{output, fmt::format("{} readings written to {}\n", set.readings.size(), output)}),
+         "output"_is(output.empty() ? null_cell("not saved: give -o OUT.csv to save it\n")
+                                    : Cell{output, fmt::format("{}{} readings written to {}\n",
+                                                               format_of(output).writes_means ? "means of " : "",
+                                                               set.readings.size(), output)}),
          "files"_is(files), "profile"_shown(profile));
   return record_cell("{files}{profile}{output}", fields);
 }
 
-/// The set in the form that the output's extension names; the measurement CSV for any other.
 Result<void> write_set(const std::string& output, const laser::MeasurementSet& set) {
-  const auto& format = laser::format_written_as(std::filesystem::path(output).extension().string());
-  ECS_TRY(content, format.write(set, output));
-  return write_file(output, content);
+  auto content = format_of(output).write(set, output);
+  if (!content && content.error().file.empty()) content.error().file = output;
+  if (!content) return tl::unexpected(std::move(content.error()));
+  return write_file(output, *content);
 }
 
 Result<Outcome> import(VerbContext& context, const FileImportRequest& request) {
@@ -151,6 +157,15 @@ Cell targets_cell(const std::vector<laser::TargetReadings>& targets, bool rotary
                   "n", "reversal"));
 }
 
+/// "circle XY ...: deviation of the radius"; "" off a path (docs/laser.md).
+std::string path_text(const laser::Reading& reading) {
+  const auto path = reading.text_extras.find("path");
+  if (path == reading.text_extras.end()) return {};
+  const bool circle = path->second.starts_with("circle ");
+  if (!circle && !path->second.starts_with("diagonal ")) return {};
+  return fmt::format("{}: deviation of the {}", path->second, circle ? "radius" : "distance from the start");
+}
+
 Result<Outcome> show(VerbContext&, const ShowRequest& request) {
   ECS_TRY(imported, read_measurements(request.file, request.import));
   const laser::MeasurementSet& set = imported.set;
@@ -164,9 +179,13 @@ Result<Outcome> show(VerbContext&, const ShowRequest& request) {
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const Cell targets =
         targets_cell(laser::targets_of(set, groups[i], laser::target_tolerance_mm(set, groups[i])), groups[i].rotary);
-    answer.text += laid_out("\n{component} ({sense} along {axis}), parked at {parked_mm} mm, in {unit}\n",
-                            measured_line_fields(groups[i])) +
-                   targets.text;
+    const laser::Reading& first = set.readings[groups[i].readings.front()];
+    const std::string path = path_text(first);
+    answer.text += path.empty()
+                       ? laid_out("\n{component} ({sense} along {axis}), parked at {parked_mm} mm, in {unit}\n",
+                                  measured_line_fields(groups[i]))
+                       : fmt::format("\n{}, in um, by the coordinate of {}\n", path, letter_of(first.axis));
+    answer.text += targets.text;
     answer.json["lines"][i]["by_target"] = targets.json;
   }
   return outcome_of(answer);
