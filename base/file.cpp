@@ -54,7 +54,9 @@ std::string files_in_words(const std::filesystem::path& folder) {
       names.push_back(name);
   std::sort(names.begin(), names.end());
   if (names.empty()) return {};
-  const std::string first = (folder / names.front()).string();
+  const auto is_data = [](const std::string& name) { return !name.ends_with(".md"); };
+  const auto data = std::find_if(names.begin(), names.end(), is_data);
+  const std::string first = (folder / (data == names.end() ? names.front() : *data)).string();
   const std::size_t more = names.size() - std::min(names.size(), kShown);
   names.resize(names.size() - more);
   return fmt::format("; it contains {}{}: give a file, as in {}", fmt::join(names, ", "),

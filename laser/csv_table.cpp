@@ -137,7 +137,8 @@ std::vector<std::string> columns_in(const CsvLine& header, int line, std::span<c
   for (const std::string_view needed : needed_columns) {
     if (std::ranges::find(columns, needed) != columns.end()) continue;
     const std::string near = nearest_word(needed, columns);
-    findings.add(line, 1, "header: expected a column {}, found none{}", needed,
+    findings.add(line, 1, "header: expected a column {}{}, found none{}", needed,
+                 needed == "axis" ? " (or read a table by --columns \"x_mm=x_mm,reading=reading[um]\")" : "",
                  near.empty() ? "" : fmt::format("; is {} meant?", in_quotes(near)));
   }
   return columns;

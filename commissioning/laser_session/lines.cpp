@@ -398,7 +398,7 @@ Result<void> all_there(const LaserLine& line, const LaserLineChoice& left_out) {
   for (const laser::Reading& reading : line.set->readings) runs.insert(reading.run);
   for (const auto& [run, reason] : left_out.runs)
     if (!runs.contains(run))
-      return problem(ProblemKind::usage, "--leave-out-run {}: there is no such run; there are {}", run,
+      return problem(ProblemKind::usage, "--leave-out-run {}: there is no such run; existing: {}", run,
                      fmt::join(runs, ", "));
   for (const auto& [place, reason] : left_out.readings)
     if (place >= line.set->readings.size())

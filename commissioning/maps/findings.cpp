@@ -109,6 +109,9 @@ Result<laser::DeclaredZero> declared_zero_in(const std::string& word) {
   const std::size_t sign = word.find('=');
   const auto component = component_of(trimmed(std::string_view(word).substr(0, sign)));
   const std::string reason = sign == std::string::npos ? "" : std::string(trimmed(word.substr(sign + 1)));
+  if (!component && !reason.empty())
+    return problem(ProblemKind::usage, "--zero: expected the code of a component, such as EBY or C0Y, got \"{}\"",
+                   word.substr(0, sign));
   if (!component || reason.empty())
     return problem(
         ProblemKind::usage,

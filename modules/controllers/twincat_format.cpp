@@ -148,8 +148,8 @@ Result<ControllerTables> read_twincat(const ReadRequest& request) {
 
 const FormatOption kSign{.name = "ssfk-sign",
                          .help =
-                             "whether TwinCAT subtracts or adds a value; default: as a list written by ecs states, "
-                             "else subtracts, as in its manual",
+                             "whether TwinCAT subtracts or adds a value; default: as stated in the list if ecs "
+                             "wrote it, else subtracts, as in its manual",
                          .words = {"subtracts", "adds"}};
 
 }  // namespace

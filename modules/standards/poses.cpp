@@ -47,9 +47,9 @@ Visited visited_points(const MeasurementSet& set, Findings& findings) {
     seen[number] |= 1 << index_of(direction_of(reading.sense));
   }
   if (all.nominal_mm.size() < kLeastPoints || all.seen.size() < kLeastVisits)
-    findings.add(0, 0, "expected {} points or more in {} visits or more, found {} point{} in {} visit{}", kLeastPoints,
-                 kLeastVisits, all.nominal_mm.size(), all.nominal_mm.size() == 1 ? "" : "s", all.seen.size(),
-                 all.seen.size() == 1 ? "" : "s");
+    findings.add(0, 0, "expected {} points or more in {} visits (runs) or more, found {} point{} in {} visit{}",
+                 kLeastPoints, kLeastVisits, all.nominal_mm.size(), all.nominal_mm.size() == 1 ? "" : "s",
+                 all.seen.size(), all.seen.size() == 1 ? "" : "s");
   for (const auto& [visit, seen] : all.seen)
     if (seen.size() != all.nominal_mm.size() || std::ranges::any_of(seen, [](int bits) { return bits != 7; }))
       findings.add(0, 0, "visit {}: expected EX, EY and EZ of all {} points", visit, all.nominal_mm.size());
