@@ -195,7 +195,7 @@ Result<Outcome> follow(VerbContext& context, UnitLink& unit, double wait_s) {
                                             ? std::string("the unit returned to integration mode")
                                             : fault_sentence(snapshot.status));
     const std::string stages = stages_of(snapshot);
-    if (stages != noted) context.console.note(fmt::format("datuming: {}", stages));
+    if (stages != noted) context.console.note(fmt::format("referencing: {}", stages));
     noted = stages;
     if (Clock::now() >= end)
       return outcome_of(snapshot,
@@ -203,7 +203,7 @@ Result<Outcome> follow(VerbContext& context, UnitLink& unit, double wait_s) {
                                     "referenced; `ecs utility status` shows the progress",
                                     wait_s, stages),
                         wait_s > 0.0 ? kDoesNotHold : kDone);
-    if (!unit.client().link().pause(kPoll)) return problem(ProblemKind::link, "stopped while datuming");
+    if (!unit.client().link().pause(kPoll)) return problem(ProblemKind::link, "stopped while referencing");
   }
 }
 
