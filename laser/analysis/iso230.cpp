@@ -103,13 +103,15 @@ void note_left_out(const Iso230& axis, std::vector<std::string>& notes) {
   const auto single = lacks(&Iso230Target::mean_forward, &Iso230Target::s_forward) +
                       lacks(&Iso230Target::mean_reverse, &Iso230Target::s_reverse);
   if (single > 0)
-    notes.push_back(fmt::format(
-        "{} single readings give no standard deviation: they are not used for R, A and the 3 sigma band", single));
+    notes.push_back(
+        fmt::format("single readings at a target: {}. They give no standard deviation and are not used for R, A and "
+                    "the 3 sigma band",
+                    single));
   const auto one_sided = std::ranges::count_if(axis.targets, [](const Iso230Target& target) {
     return target.mean_forward.has_value() != target.mean_reverse.has_value();
   });
   if (axis.B && one_sided > 0)
-    notes.push_back(fmt::format("{} targets have one approach only: they are not used for B, M and R", one_sided));
+    notes.push_back(fmt::format("targets with one approach only: {}. They are not used for B, M and R", one_sided));
 }
 
 /// One sentence for each condition that is not met (clause 5: targets, runs, approaches) and for readings left out.

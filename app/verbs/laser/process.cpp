@@ -204,7 +204,7 @@ Result<void> all_fit(const std::vector<laser::Exclusion>& exclusions, const lase
   for (std::size_t i = 0; i < exclusions.size(); ++i) {
     if (selection.left_out[i] > 0) continue;
     const std::string message = exclusions[i].run
-                                    ? fmt::format("--exclude-run {}: there is no such run; there are {}",
+                                    ? fmt::format("--exclude-run {}: there is no such run; existing: {}",
                                                   *exclusions[i].run, fmt::join(runs, ", "))
                                     : fmt::format("--exclude-row {}: there is no such data row; the last one is {}",
                                                   exclusions[i].row.value_or(0), last_row);

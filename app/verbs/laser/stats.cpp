@@ -358,7 +358,7 @@ Cell turn_cell(const MeasuredLine& line) {
 Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, const StatsRequest& request) {
   const auto unit = laser::unit_of(iso.sense);
   std::string layout =
-      "{file}: {component} ({sense} along {axis}), parked at {parked_mm} mm, {count} targets, "
+      "{file}: {component} ({sense} along {axis}), parked at {parked_mm} mm, {count} target{s}, "
       "{compensation}\n";
   AnswerFields fields =
       described("file"_is(line.files.front(), fmt::format("{}", fmt::join(line.files, " + "))), "files"_is(line.files));
@@ -375,7 +375,7 @@ Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, const Stats
                                 [&](const auto& target) {
                                   return Cell{target_json(target, iso.rotary), {}};
                                 })),
-         "count"_shown(iso.targets.size()),
+         "count"_shown(iso.targets.size()), "s"_shown(iso.targets.size() == 1 ? "" : "s"),
          "outliers"_is(outliers_cell(line, request.all ? SIZE_MAX : kMostOutliers, request.import)),
          "drift"_is(drift_cell(line)), "growth"_is(growth_cell(line)), "turn"_is(turn_cell(line)),
          "notes"_is(lines_cell(iso.notes, "  note: ")));
