@@ -188,7 +188,8 @@ Result<RunFile> run_file_in(std::string_view text, const std::string& file_name,
   int number = 0;
   for (const std::string_view line : lines) {
     if (file.has_end) break;
-    const bool cut = ends_in_a_line && static_cast<std::size_t>(++number) == lines.size() && reader.in_deviations(line);
+    ++number;
+    const bool cut = ends_in_a_line && static_cast<std::size_t>(number) == lines.size() && reader.in_deviations(line);
     if (cut && accept_truncated) break;  // even a number that can be read may lack digits
     const bool sound = findings.empty();
     reader.take(line, number);

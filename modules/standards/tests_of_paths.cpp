@@ -106,8 +106,9 @@ Cell diagnosis_cell(const model::CircleDiagnosis& diagnosis) {
   const std::string heading =
       diagnosis.faults.empty()
           ? std::string("  no fault of the library exceeds the noise\n")
-          : fmt::format("  share: of the sum of the mean squares of these causes\n  {:>8} {:>8} {:>8}  {}\n", "share",
-                        "rms [um]", "G [um]", "cause, with its size +- standard uncertainty (k = 1)");
+          : fmt::format(
+                "  share: of the sum of the mean squares of all causes and of the residual\n  {:>8} {:>8} {:>8}  {}\n",
+                "share", "rms [um]", "G [um]", "cause, with its size +- standard uncertainty (k = 1)");
   return record_cell(
       "causes: deviations {rms_um} um rms about the centre, noise {noise_um} um{from}, residual {left_um} um "
       "rms\n{faults}{notes}",

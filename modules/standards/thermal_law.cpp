@@ -223,10 +223,7 @@ std::vector<std::string> beyond_others(const std::vector<Run>& runs, std::size_t
 std::vector<Run> runs_in(const MeasurementSet& set, const std::vector<std::string>& sensors, Findings& findings) {
   std::map<int, Run> by_number;
   for (const Reading& reading : set.readings) {
-    if (!reading.time_s)
-      findings.add(reading.line, 0,
-                   "time_s: expected the time of each reading, found none. Add a column time_s [s] to the measurement "
-                   "CSV, or read the log of the instrument with --columns \"time_s=...\"");
+    if (!reading.time_s) findings.add(reading.line, 0, kTimeIsNeeded);
     for (const std::string& sensor : sensors)
       if (!reading.sensors_degC.contains(sensor)) findings.add(reading.line, 0, "{}: expected a temperature", sensor);
     if (!findings.empty()) return {};

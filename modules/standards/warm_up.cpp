@@ -16,6 +16,7 @@
 #include "base/units.hpp"
 #include "laser/findings.hpp"
 #include "laser/groups.hpp"
+#include "modules/standards/thermal_law.hpp"
 
 namespace ecs::laser {
 
@@ -74,9 +75,7 @@ Result<DriftTest> drift_test_of(const MeasurementSet& set, double window_h) {
   bool any = false;
   for (const Reading& reading : set.readings) {
     if (!reading.time_s) {
-      findings.add(reading.line, 0,
-                   "time_s: expected the time of each reading, found none. Add a column time_s [s] to the measurement "
-                   "CSV, or read the log of the instrument with --columns \"time_s=...\"");
+      findings.add(reading.line, 0, kTimeIsNeeded);
       break;
     }
     start_s = any ? std::min(start_s, *reading.time_s) : *reading.time_s;
@@ -215,9 +214,7 @@ void check_times_and_axis(const MeasurementSet& set, Findings& findings) {
   if (set.readings.empty()) findings.add(0, 0, "expected readings, found none");
   for (const Reading& reading : set.readings) {
     if (!reading.time_s)
-      findings.add(reading.line, 0,
-                   "time_s: expected the time of each reading, found none. Add a column time_s [s] to the measurement "
-                   "CSV, or read the log of the instrument with --columns \"time_s=...\"");
+      findings.add(reading.line, 0, kTimeIsNeeded);
     else if (reading.rotary)
       findings.add(reading.line, 0, "expected a linear axis, found {}", letter_of(reading.axis, true));
     else if (reading.axis != set.readings.front().axis)
