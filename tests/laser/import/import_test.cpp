@@ -99,6 +99,10 @@ TEST_CASE("a run file cut short is refused unless asked for") {
   ImportOptions accept;
   accept.accept_truncated = true;
   CHECK(imported("broken_cut.rtl", accept).set.readings.size() == 4);
+  const std::string whole = sample_text("broken_cut.rtl");
+  const std::string cut = whole.substr(0, whole.find_last_not_of("\r\n") - 2);  // digits of the last point are missing
+  CHECK(contains(to_text(parse_any(cut, "cut.rtl", {}).error()), "--accept-truncated"));
+  CHECK(parse_any(cut, "cut.rtl", accept)->set.readings.size() == 3);
 }
 
 TEST_CASE("every bad point of a run file is reported with its line") {
