@@ -211,12 +211,11 @@ void find_missing(const ErrorMap& map, const UnitParameters& parameters, std::ve
     const auto c = static_cast<Component>(i);
     if (needed.contains(c)) {
       if (has_both_approaches(map, c) || is_declared_zero(map, c)) continue;
-      findings.push_back(
-          {true,
-           has_any(map, c)
-               ? fmt::format("{} ({}) has one approach only: give both, or approach 0", name_of(c), description_of(c))
-               : fmt::format("{} ({}) is missing: measure it, or declare it zero with a reason (--zero)", name_of(c),
-                             description_of(c))});
+      findings.push_back({true, has_any(map, c)
+                                    ? fmt::format("{} ({}) has one approach only: give both, or approach 0", name_of(c),
+                                                  description_of(c))
+                                    : fmt::format("{} ({}) is missing: measure it, or declare it zero with a reason",
+                                                  name_of(c), description_of(c))});
     } else if (has_any(map, c)) {
       findings.push_back({false, fmt::format("{} is not used by a {} machine in this scope", name_of(c),
                                              configuration_of(parameters))});
@@ -233,7 +232,7 @@ void find_squareness(const ErrorMap& map, const UnitParameters& parameters, std:
     if (!needed.contains(c) || measured || is_declared_zero(map, c) || squareness_um_per_m(parameters, c) != 0.0)
       continue;
     findings.push_back({true, fmt::format("{} ({}) is needed: its parameter is 0 and no file states that it was "
-                                          "measured; set it, or declare it zero with a reason (--zero)",
+                                          "measured; set it, or declare it zero with a reason",
                                           name_of(c), description_of(c))});
   }
 }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/linear/decompositions.hpp"
+#include "model/diagnosis/e_value.hpp"
 #include "model/diagnosis/structure.hpp"
 #include "model/diagnosis/waves.hpp"
 #include "model/diagnosis/weighing.hpp"

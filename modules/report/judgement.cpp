@@ -313,7 +313,7 @@ void gaps_to_do(const ReportContent& content, std::vector<std::string>& next) {
                     fmt::join(few, ", ")));
   if (!unlimited.empty())
     next.push_back(
-        fmt::format("{}: no limit is known. State it in a measurement plan (--plan).", fmt::join(unlimited, ", ")));
+        fmt::format("{}: no limit is known. State it in a measurement plan (plan.toml).", fmt::join(unlimited, ", ")));
   if (content.map && !content.map->map.header.declared_zero.empty()) {
     std::vector<std::string_view> zero;
     for (const laser::DeclaredZero& one : content.map->map.header.declared_zero) zero.push_back(name_of(one.component));

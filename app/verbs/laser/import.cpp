@@ -84,7 +84,7 @@ Cell answer_cell(const Cell& files, const laser::MeasurementSet& set, const std:
 
 Result<void> write_set(const std::string& output, const laser::MeasurementSet& set) {
   auto content = format_of(output).write(set, output);
-  if (!content && content.error().file.empty()) content.error().file = output;
+  if (!content && !content.error().message.starts_with(output)) content.error().file = output;
   if (!content) return tl::unexpected(std::move(content.error()));
   return write_file(output, *content);
 }
