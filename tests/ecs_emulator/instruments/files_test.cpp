@@ -179,7 +179,7 @@ TEST_CASE("what a format cannot hold is refused with the reason") {
   CHECK(contains(because(there_and_back(Sense::EY), "a.ren"), "positioning only"));
   CHECK(contains(because(there_and_back(Sense::EC), "a.dat"), "positioning only"));
   CHECK(contains(because(there_and_back(), "a.rta"), "ends in .csv, .rtl"));
-  CHECK(contains(because(there_and_back(), "a.rtx"), "a time with every sample"));
+  CHECK(contains(because(there_and_back(), "a.rtx"), "expected the time of each reading"));
   auto uneven = there_and_back();
   for (Reading& r : uneven.readings)
     if (r.position_mm[0] == -100.0) r.position_mm[0] = -110.0;
