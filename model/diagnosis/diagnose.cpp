@@ -432,11 +432,12 @@ std::optional<std::string> slope_note(const Candidate& one, const Regressors& re
 
 /// That axes may share a scale error, where circles and diagonals alone show it.
 std::optional<std::string> share_note(const Candidate& one) {
-  const std::string_view scale = "scale";
-  if (!one.in_answer() || one.effect.definition().id != scale) return std::nullopt;
-  const auto other = std::ranges::find_if(one.rivals, [&](const EffectInstance& rival) {
-    return rival.definition().id == scale && rival.axis != one.effect.axis;
-  });
+  const auto is_scale = [](const EffectInstance& effect) {
+    return effect.definition().id == "scale" && effect.sense && effect.axis &&
+           direction_of(*effect.sense) == *effect.axis && !is_rotation(*effect.sense);
+  };
+  if (!one.in_answer() || !is_scale(one.effect)) return std::nullopt;
+  const auto other = std::ranges::find_if(one.rivals, is_scale);
   if (other == one.rivals.end()) return std::nullopt;
   const char a = letter_of(*one.effect.axis), b = letter_of(*other->axis);
   return fmt::format(

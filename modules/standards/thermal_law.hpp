@@ -15,9 +15,8 @@ namespace ecs::laser {
 
 /// What tests over time say of a reading without a time.
 inline constexpr const char* kTimeIsNeeded =
-    "time_s: expected the time of each reading, found none. Add a column time_s [s] to the measurement CSV, or read "
-    "the "
-    "log of the instrument with --columns \"time_s=...\"";
+    "time_s: expected the time of each reading, found none. Add a column time_s [s] to the measurement CSV, or "
+    "read the log of the instrument with --columns \"time_s=...\"";
 
 /// Where the displacement of a run counts from.
 enum class RunZero {
