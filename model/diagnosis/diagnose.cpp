@@ -618,6 +618,11 @@ Result<Diagnosis> reported(const ReportInput& in) {
 /// start, slopes and lost motion, is there among what is sought, and all readings show the errors of several axes.
 constexpr std::size_t kMostOfSeveralAxes = 6;
 
+/// Number of axes along which readings were taken.
+std::size_t axes_moved(const Observations& data) {
+  return std::set<Axis>(data.axis.begin(), data.axis.end()).size();
+}
+
 /// Searches the readings, of large sets an even choice.
 /// @param answer  from a ReportInput about all readings
 template <class Answered>
@@ -648,6 +653,7 @@ Result<Answered> diagnosed(Result<Answered> (*answer)(const ReportInput&), const
   if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to diagnose");
   if (!data.paths.empty() || !data.through_chain.empty())
     options.most_effects = std::max(options.most_effects, kMostOfSeveralAxes);
+  options.most_effects *= axes_moved(data);
   try {
     const Regressors regressors(data);
     ECS_TRY(base, base_of(model, regressors, options.plain, nullptr));

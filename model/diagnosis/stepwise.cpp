@@ -38,6 +38,10 @@ constexpr std::size_t kLaterBranches = 5;
 constexpr std::size_t kBesideOwn = 8;    ///< of the first step, started without a term of the model
 constexpr std::size_t kHiddenPairs = 6;  ///< that are refined together
 constexpr std::size_t kBeam = 12;
+/// From this number of effects on, which only readings along several axes have, fewer sets are followed: the effects of
+/// one axis leave those of another as they are.
+constexpr std::size_t kDeep = 3;
+constexpr std::size_t kDeepBranches = 3, kDeepBeam = 2;
 constexpr std::size_t kExchangeExact = 5, kRivalExact = 4;  ///< refined where one effect is replaced; for its rivals
 constexpr double kWorthFollowing = 0.2;                     ///< of the best score
 constexpr int kExchanges = 3;
@@ -407,7 +411,7 @@ class NextSets {
   void follow(const Solution& state, const std::vector<Choice>& list, std::size_t branches, bool again) {
     for (std::size_t i = 0; i < std::min(branches, list.size()); ++i) {
       if (list[i].score() < options_.entry_score || list[i].score() < kWorthFollowing * list.front().score()) break;
-      if (list[i].gain < (depth_ < 2 ? options_.entry_gain : options_.late_gain)) continue;
+      if (list[i].gain < (depth_ < 2 ? options_.entry_gain : options_.late_gain * share_along_axis(list[i]))) continue;
       try_set(with(state.chosen, list[i]), state.own, again);
     }
   }
@@ -426,11 +430,19 @@ class NextSets {
     for (auto& [key, solution] : best_)
       if (solution) list.push_back(std::move(*solution));
     sort_greatest_first(list, [](const Solution& solution) { return solution.score(); });
-    if (list.size() > kBeam) list.resize(kBeam);
+    const std::size_t most = depth_ < kDeep ? kBeam : kDeepBeam;
+    if (list.size() > most) list.resize(most);
     return list;
   }
 
  private:
+  /// Of all readings, those along the axis of an effect: what is little of a whole set may be much of one line.
+  [[nodiscard]] double share_along_axis(const Choice& choice) const {
+    const std::optional<Axis> axis = search_.families()[choice.family].effect.axis;
+    const std::vector<Axis>& along = search_.data().axis;
+    return axis ? static_cast<double>(std::ranges::count(along, *axis)) / static_cast<double>(along.size()) : 1.0;
+  }
+
   const Search& search_;
   const StepwiseOptions& options_;
   std::size_t depth_;
@@ -480,7 +492,10 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
     NextSets next(search, options, depth);
     for (const Solution& state : beam)
       next.follow(state, search.expand(state.space, depth == 0 ? kFirstExact : kLaterBranches + 1),
-                  depth == 0 ? kFirstBranches : kLaterBranches, false);
+                  depth == 0      ? kFirstBranches
+                  : depth < kDeep ? kLaterBranches
+                                  : kDeepBranches,
+                  false);
     // what is hidden may live in the freedom of a term of the model: begin without that term too
     for (std::size_t i = 0; depth == 0 && i < best.own.size(); ++i) {
       const Solution& alone = beam.front();

@@ -186,6 +186,27 @@ TEST_CASE("two causes at once are both named") {
   CHECK(found.rms_after_um == Approx(0.3).epsilon(0.15));
 }
 
+TEST_CASE("causes of two axes measured together are all named, though there are more than one line may have") {
+  laser::MeasurementSet set = measured({}, 1.2, [](const Reading& r) {
+    return 2.0 * d(r) + 4.0 * std::sin(2.0 * std::numbers::pi * p(r) / 70.0);
+  });
+  measure(
+      set, {.axis = Axis::Y, .sense = Sense::EY}, 0.3,
+      [](const Reading& r) {
+        const double y = p(r, Axis::Y);
+        return 1.2 * d(r) + (y > 430.0 ? 2.5 : 0.0) + 1.4 * std::sin(2.0 * std::numbers::pi * y / 90.0);
+      },
+      2);
+  Model model = straight();
+  for (const EffectInstance& one : straight(Axis::Y, Sense::EY).effects) model.effects.push_back(one);
+  const Diagnosis found = diagnosed(model, set);
+  CHECK(found.verdict == Verdict::missing_effect);
+  std::set<std::string> names;
+  for (const Candidate& one : found.candidates)
+    if (one.named) names.insert(to_text(one.effect));
+  CHECK(names == std::set<std::string>{"backlash:X:EX", "cyclic:X:EX", "backlash:Y:EY", "step:Y:EY", "cyclic:Y:EY"});
+}
+
 TEST_CASE(
     "a new model has offset, slope and lost motion of every measured curve, and what is hidden is named over it") {
   const auto set = measured({}, 0.3, [](const Reading& r) {
