@@ -38,11 +38,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// ", beside a rising trend of 13 um over all runs": without it the means of the runs differ by another amount.
+/// ", in addition to a rising trend of 13 um over all runs": without it the means of the runs differ by another amount.
 std::string trend_text(const StepOfRuns& step, std::string_view unit) {
   constexpr double kWorthSaying = 0.1;
   if (std::abs(step.trend_um) < kWorthSaying * std::abs(step.height_um)) return "";
-  return fmt::format(", beside a {} trend of {:.2g} {} over all runs", step.trend_um > 0.0 ? "rising" : "falling",
+  return fmt::format(", in addition to a {} trend of {:.2g} {} over all runs", step.trend_um > 0.0 ? "rising" : "falling",
                      std::abs(step.trend_um), unit);
 }
 

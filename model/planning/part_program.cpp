@@ -33,6 +33,8 @@ class ProgramWriter {
   }
 
   std::string text() {
+    note("Every block begins with >; $REP n ... $END is a loop, G04H a dwell in s, M08 a reading.");
+    note("Translate these words for another control: at most controls M08 switches the coolant on.");
     if (plan_.ball) {
       ball(*plan_.ball);
       return text_;
@@ -179,8 +181,8 @@ class ProgramWriter {
     conditions();
     note(fmt::format("{} targets, {} {}, {}", targets_.size(), plan_.runs, plan_.runs == 1 ? "run" : "runs",
                      plan_.bidirectional  ? "both ways"
-                     : plan_.approach < 0 ? "downwards only"
-                                          : "upwards only"));
+                     : plan_.approach < 0 ? "in negative direction only"
+                                          : "in positive direction only"));
     if (plan_.dwell_s <= 0.0) note("readings on the fly: no dwell before the trigger");
     note(fmt::format("about {:.0f} min in all", plan_.minutes));
     for (const int d : pass_senses(plan_)) {

@@ -121,6 +121,7 @@ std::string program_text(const WarmUpPlan& plan, const params::Machine& machine,
   for (const WarmedAxis& one : plan.axes)
     text += fmt::format("; {}: {:g} to {:g} mm at {:.0f} mm/min, moves {:.0f} % of the time\n", letter_of(one.axis),
                         one.from_mm, one.to_mm, one.speed_mm_min, 100.0 * one.duty);
+  text += "; every block begins with >; $REP n ... $END is a loop: translate these words for another control\n";
   text += "; check that tool, workpiece and optics clear every motion before starting\n";
   if (request.spindle_rpm) text += fmt::format("> M03S{:g}\n", *request.spindle_rpm);
   for (const WarmedAxis& one : plan.axes)
