@@ -88,20 +88,6 @@ std::vector<std::string> objections_to_owner(const laser::MapHeader& header, con
   return objections;
 }
 
-/// Squareness that was measured for the map while the parameters hold 0.
-void note_squareness_left_behind(ExportWork& work) {
-  const auto values = squareness_of(work.source.parameters);
-  for (const Component square : {Component::C0Y, Component::B0Z, Component::A0Z}) {
-    const auto named = [&](const laser::SourceFile& file) { return file.component == name_of(square); };
-    const auto& sources = work.source.map.header.sources;
-    if (values[index_of(square)] == 0.0 && std::any_of(sources.begin(), sources.end(), named))
-      work.notes.push_back(
-          fmt::format("{} was measured for this map, but its parameter is 0: give the parameters written by `map build "
-                      "--params-out`",
-                      name_of(square)));
-  }
-}
-
 }  // namespace
 
 cli::Fields<ExportArguments> ExportArguments::fields(const std::string& output_help) {
@@ -130,7 +116,8 @@ Result<ExportWork> export_work(MessageSink& messages, const ExportArguments& arg
       return tl::unexpected(*why);
   work.source.map = std::move(found.map);
   work.source.travel_mm = travels_for(work.source.map, with.parameters, machine);
-  note_squareness_left_behind(work);
+  if (auto left = laser::squareness_left_behind(work.source.map.header, work.source.parameters))
+    work.notes.push_back(std::move(*left));
   for (const std::string& input : {arguments.map, arguments.machine, arguments.model})
     if (!input.empty()) work.inputs.push_back(input);
   if (const auto& rows = work.source.map.header.thermal; !rows.empty())

@@ -44,17 +44,7 @@ std::vector<std::string> objections_to_map(const laser::ErrorMap& map, const Uni
   std::vector<std::string> objections;
   for (const laser::MapFinding& finding : laser::findings_for(map, parameters))
     if (finding.objection) objections.push_back(finding.message);
-  for (std::size_t i = kCurves; i < kComponents; ++i) {
-    const auto component = static_cast<Component>(i);
-    const auto name = name_of(component);
-    const bool measured = std::any_of(map.header.sources.begin(), map.header.sources.end(),
-                                      [&](const laser::SourceFile& source) { return source.component == name; });
-    if (measured && squareness_um_per_m(parameters, component) == 0.0)
-      objections.push_back(
-          fmt::format("{} was measured for this map, but its parameter is 0: use the parameters written by `ecs map "
-                      "build --params-out`",
-                      name));
-  }
+  if (auto left = laser::squareness_left_behind(map.header, parameters)) objections.push_back(std::move(*left));
   return objections;
 }
 

@@ -177,8 +177,10 @@ std::string rotary_in_words(const VolumeWork& work) {
 
 namespace {
 
+/// The zero of a readout and what only the readings show say nothing of how an error depends on the position.
 bool knows(const model::Model& model, Component component) {
   return std::any_of(model.effects.begin(), model.effects.end(), [&](const model::EffectInstance& effect) {
+    if (effect.traits().of_measurement || effect.definition().id == "offset") return false;
     if (effect.code || is_squareness(component)) return effect.code == component;
     return effect.sense == sense_of(component) && (!effect.axis || *effect.axis == moving_axis(component));
   });
@@ -453,6 +455,14 @@ Result<VolumeWork> volume_work(MessageSink& messages, const VolumeArguments& arg
   volume::CompensatedMachine& evaluated_machine = work.prepared.machine;
   evaluated_machine.tool_offset_mm = tool;
   if (!model) evaluated_machine.errors = volume::errors_of_map(evaluated_machine.map, parameters, tool);
+  if (!model && arguments.errors.empty())
+    if (auto left = laser::squareness_left_behind(evaluated_machine.map.header, parameters))
+      return tl::unexpected(Problem{ProblemKind::refused,
+                                    "the remaining error would not contain squareness: " + *left,
+                                    arguments.params,
+                                    0,
+                                    0,
+                                    {}});
   ECS_DO(check_travels(work));
   volume::CompensatedMachine expected = evaluated_machine;  // what is known before the true errors are
   ECS_DO(take_errors(arguments, machine_file, machine, work));

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "laser/groups.hpp"
 #include "laser/map/rotary_map.hpp"
@@ -336,6 +337,19 @@ void find_in_tables(const ErrorMap& map, const UnitParameters& parameters, std::
 }
 
 }  // namespace
+
+std::optional<std::string> squareness_left_behind(const MapHeader& header, const UnitParameters& parameters) {
+  std::vector<std::string_view> names;
+  for (const Component square : {Component::C0Y, Component::B0Z, Component::A0Z}) {
+    const auto is_named = [&](const SourceFile& file) { return file.component == name_of(square); };
+    if (squareness_um_per_m(parameters, square) == 0.0 && std::ranges::any_of(header.sources, is_named))
+      names.push_back(name_of(square));
+  }
+  if (names.empty()) return std::nullopt;
+  return fmt::format("{} {} measured for this map, but {} 0: use the parameters written by `ecs map build --params-out`",
+                     fmt::join(names, ", "), names.size() == 1 ? "was" : "were",
+                     names.size() == 1 ? "its parameter is" : "their parameters are");
+}
 
 std::vector<MapFinding> findings_for(const ErrorMap& map, const UnitParameters& parameters) {
   return findings_for(map, parameters, Travels{});
