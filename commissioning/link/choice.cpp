@@ -72,6 +72,7 @@ Result<LinkChoice> parsed_link(std::string_view text, std::string origin) {
   auto address = protocol::link_address_of(text);
   if (!address) {
     Problem wrong = address.error();
+    if (!text.starts_with("rtu:") && !text.starts_with("tcp:")) wrong.message += ", or emulator[:machine.toml]";
     if (origin != "--link") wrong.message += fmt::format(" (from the {})", origin);
     return tl::unexpected(wrong);
   }
