@@ -454,7 +454,7 @@ Cell repair_cell(const RepairAnswer& answer) {
       "in both approaches",
       answer.readings, answer.noise_um, answer.places);
   if (has_circle)
-    head += fmt::format(", a circle of {:.0f} mm in {} through the middle", answer.diameter_mm, answer.plane);
+    head += fmt::format(", a circle of {:.0f} mm diameter in {} through the middle", answer.diameter_mm, answer.plane);
   head += ". The volume and the circle contain only the causes of the model, not the residual";
   return record_cell(
       "{head}\n                                left       compensated          repaired\n{causes}{notes}",

@@ -31,7 +31,7 @@ EffectDefinition linear_axes() {
   return {
       .id = "linear_axes",
       .title = "Scale and squareness of X, Y and Z",
-      .formula = "k p of X, Y, Z; C0Y, B0Z, A0Z; through the chain",
+      .formula = "scale k p and squareness of X, Y and Z",
       .cause = "scale or squareness of the linear axes, which follow the ball",
       .tells_apart = "grows with the distance that the linear axes move while a rotary axis turns",
       .check = "measure the positioning of X, Y and Z with a laser, and their squareness with a square",

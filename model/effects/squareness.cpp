@@ -9,7 +9,7 @@ EffectDefinition squareness() {
   return {
       .id = "squareness",
       .title = "Squareness",
-      .formula = "linear in another axis",
+      .formula = "-C0Y y or B0Z z in EX, -A0Z z in EY",
       .cause = "two axes not square to each other",
       .tells_apart = "one direction leans in proportion to the position of another axis",
       .check = "set a granite square against both axes, or measure both diagonals of a square of equal travels",

@@ -191,7 +191,7 @@ std::vector<MeasurementProposal> circle_options(const Observations& data, const 
     if (const auto circle = free_circle(data, plane)) {
       MeasurementProposal one = on_circle(data, *circle, times);
       one.feed_mm_min = feed_mm_min.value_or(one.feed_mm_min);
-      add_at_feeds(all, one, fmt::format("of {:g} mm", circle->radius_mm),
+      add_at_feeds(all, one, fmt::format("radius {:g} mm", circle->radius_mm),
                    feed_mm_min ? "the present feed" : "the usual feed", times);
     }
   return all;

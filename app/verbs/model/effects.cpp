@@ -95,7 +95,7 @@ Result<Outcome> effects(VerbContext&, const EffectsRequest& request) {
     all.add({object_of(fields_of(effect)), row_of(effect)});
   return outcome_of(
       record_cell("{effects}`ecs model effects NAME` explains one. Thermal rows are the part of a map that follows\n"
-                  "temperatures and load; `ecs utility inputs` shows them\n",
+                  "temperatures, load and motion; `ecs utility inputs` shows them\n",
                   "effects"_is(std::move(all))));
 }
 
