@@ -78,6 +78,21 @@ std::vector<double> pitches(const Observations& data, Axis axis, double travel_m
   return facts;
 }
 
+/// Frequencies around pitches that uneven targets reach only there: a pitch of the machine file may be wrong by this
+/// part, and a wave that is out of step with it over the travel hides it. Not where that are too many to try.
+void add_near_pitches(const Observations& data, Axis axis, double travel_mm, double highest, TriedValues& tried) {
+  constexpr double kWrong = 0.02;
+  constexpr double kMostNear = 400.0;
+  const auto& machine_axis = data.machine.axes[index_of(axis)];
+  if (!machine_axis) return;
+  for (const auto& pitch : {machine_axis->screw_pitch_mm, machine_axis->scale_pitch_mm}) {
+    if (!pitch || 1.0 / *pitch <= highest) continue;
+    const double least = (1.0 - kWrong) / *pitch, count = 2.0 * kWrong / *pitch * kOversampling * travel_mm;
+    for (int i = 0; count <= kMostNear && i <= static_cast<int>(count); ++i)
+      tried.values.push_back(1.0 / (least + i / (kOversampling * travel_mm)));
+  }
+}
+
 /// A scan has this share of its steps alike, within this part of a step.
 constexpr double kScanShare = 0.8, kAlike = 0.01;
 
@@ -150,6 +165,7 @@ TriedValues periods(const Observations& data, const EffectInstance& effect, cons
     if (step > 0.0 && frequency > highest * kRounding) break;
     tried.values.push_back(1.0 / frequency);
   }
+  if (step <= 0.0) add_near_pitches(data, *effect.axis, travel, highest, tried);
   tried.far = mean_step / kHighestTurns;
   tried.independent = kWays * std::max(2.0, static_cast<double>(tried.values.size()) / kOversampling);
   tried.facts = pitches(data, *effect.axis, travel, step > 0.0 ? 1.0 / (highest * kRounding) : 0.0);

@@ -58,6 +58,23 @@ TEST_CASE("a short wave is named where nothing is repeated and the noise was est
   }
 }
 
+TEST_CASE("a pitch of the machine file that is up to two percent wrong does not hide the wave of the true pitch") {
+  for (const double period_mm : {9.82, 9.95, 9.98, 10.0, 10.04, 10.17}) {
+    CAPTURE(period_mm);
+    const auto set = measured({.step_mm = 100.0, .both_ways = false}, 0.3, [&](const Reading& r) {
+      return 2.0 * std::sin(2.0 * std::numbers::pi * p(r) / period_mm);
+    });
+    const Diagnosis found = diagnosed(straight(), set);
+    CHECK(found.verdict == Verdict::missing_effect);
+    REQUIRE_FALSE(found.candidates.empty());
+    CHECK(to_text(found.candidates.front().effect) == "cyclic:X:EX");
+    const auto& parameters = found.candidates.front().parameters;
+    const auto period = std::ranges::find(parameters, "period_mm", &ParameterEstimate::name);
+    REQUIRE(period != parameters.end());
+    CHECK(period->value == Approx(period_mm).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("noise alone is adequate where nothing is repeated") {
   int named = 0;
   for (unsigned seed = 1; seed <= 40; ++seed)
