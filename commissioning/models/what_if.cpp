@@ -112,8 +112,10 @@ std::vector<double> about_mean(std::vector<double> values) {
 }
 
 /// Constant, slope and difference of the directions of readings of one sense along one axis, one after the other.
-void add_parts(const Observations& after, const std::vector<std::size_t>& rows, std::vector<RestPart>& parts) {
-  constexpr double kFitted = 3.0;
+/// @param predicted  the same of what the compensation was predicted to leave
+void add_parts(const Observations& after, const std::vector<std::size_t>& rows, const std::vector<RestPart>& predicted,
+               std::vector<RestPart>& parts) {
+  constexpr double kFitted = 3.0, kAsPredicted = 0.5;
   const Sense sense = after.sense[rows.front()];
   const Axis axis = after.axis[rows.front()];
   std::vector<double> left, place, side;
@@ -135,6 +137,11 @@ void add_parts(const Observations& after, const std::vector<std::size_t>& rows, 
     const double rms_um = root_mean(taken.squares, after.size());
     const std::string share =
         rows.size() < after.size() ? fmt::format(" ({} of the {} readings)", rows.size(), after.size()) : std::string();
+    const bool is_predicted = std::ranges::any_of(predicted, [&](const RestPart& one) {
+      return one.shape == shape && one.sense == sense && one.axis == axis &&
+             std::abs(one.size - taken.size) < kAsPredicted * std::abs(taken.size);
+    });
+    if (is_predicted) cause = "it was there before, and the unit does not compensate it";
     parts.push_back(
         {shape, sense, axis, taken.size, rms_um,
          fmt::format("{}{} contributes {:.2g} {} to this rms: {}.", part, share, rms_um, after.reading_unit(), cause)});
@@ -150,9 +157,8 @@ void add_parts(const Observations& after, const std::vector<std::size_t>& rows, 
       "lost motion");
 }
 
-}  // namespace
-
-std::vector<RestPart> parts_of_rest(const Observations& after) {
+/// Largest first; those that stand out of the scatter of their line and are a twentieth of the squares at least.
+std::vector<RestPart> parts_of_rest(const Observations& after, const std::vector<RestPart>& predicted) {
   std::map<std::tuple<Sense, Axis>, std::vector<std::size_t>> lines;
   double squares = 0.0;
   for (std::size_t k = 0; k < after.size(); ++k) {
@@ -160,14 +166,12 @@ std::vector<RestPart> parts_of_rest(const Observations& after) {
     if (!after.on_path(k)) lines[{after.sense[k], after.axis[k]}].push_back(k);
   }
   std::vector<RestPart> parts;
-  for (const auto& [line, rows] : lines) add_parts(after, rows, parts);
+  for (const auto& [line, rows] : lines) add_parts(after, rows, predicted, parts);
   const double least_um = std::sqrt(kWorthTelling) * root_mean(squares, after.size());
   std::erase_if(parts, [&](const RestPart& part) { return part.rms_um < least_um; });
   std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.rms_um > b.rms_um; });
   return parts;
 }
-
-namespace {
 
 Result<std::optional<Achieved>> achieved(MessageSink& messages, const ModelWork& work,
                                          const std::vector<std::string>& after, const ImportArguments& import) {
@@ -229,7 +233,7 @@ Cell directions_cell(const WhatIfAnswer& answer) {
 /// "A constant shift of Z positions by -0.5 um (126 of the 426 readings) contributes 0.33 um to this rms: the zero …"
 Cell rest_cell(const WhatIfAnswer& answer) {
   Cell list{Json::array(), ""};
-  for (const RestPart& part : parts_of_rest(answer.achieved->data)) {
+  for (const RestPart& part : answer.achieved->rest) {
     list.text += " " + part.text;
     list.json.push_back(object_of("shape"_is(part.shape), "sense"_is(name_of(part.sense)),
                                   "axis"_is(axis_json(part.axis, answer.rotary)), "size"_is(part.size),
@@ -306,6 +310,11 @@ Result<WhatIfAnswer> what_if_answer(MessageSink& messages, const ModelWork& work
     return problem_at(after.front(), 0, 0,
                       "no line of this file is among the lines measured before: there is nothing to compare. Give the "
                       "same lines, measured again on the same machine");
+  if (again) {
+    model::Observations predicted = work.data;
+    predicted.reading = left_over(fit, work.data);
+    again->rest = parts_of_rest(again->data, parts_of_rest(predicted, {}));
+  }
   std::vector<std::string> notes = notes_on(work, what, again, directions);
   return WhatIfAnswer{
       what, std::move(directions), again, std::move(notes), work.model, work.data.rotary, work.data.reading_unit()};

@@ -41,15 +41,14 @@ struct RestPart {
   double rms_um = 0.0;  ///< of it, over all readings
   std::string text;     ///< a sentence: the part, its readings, its share of the rms, and its cause
 };
-/// Largest first; those that stand out of the scatter of their line and are a twentieth of the squares at least.
-[[nodiscard]] std::vector<RestPart> parts_of_rest(const model::Observations& after);
 
 /// What was measured with the unit compensating.
 struct Achieved {
   model::Observations data;
   double rms_um = 0.0;
   double peak_um = 0.0;
-  std::size_t left_out = 0;  ///< readings marked as taken without compensation
+  std::size_t left_out = 0;      ///< readings marked as taken without compensation
+  std::vector<RestPart> rest{};  ///< largest first
 };
 
 struct WhatIfAnswer {
