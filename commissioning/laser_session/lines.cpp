@@ -123,24 +123,6 @@ std::string key_of(const laser::Group& group, bool square) {
   return key;
 }
 
-/// Axes whose place the columns of a table say.
-void take_columns(PerAxis<bool>& known, const std::vector<std::string>& columns) {
-  for (const Axis a : kAllAxes)
-    if (std::find(columns.begin(), columns.end(), lower(std::string(1, letter_of(a))) + "_mm") != columns.end())
-      known[index_of(a)] = true;
-}
-
-/// Which axes' places the file itself says; where it does not, a reader takes 0.
-PerAxis<bool> places_in(const laser::Imported& imported, const laser::ImportOptions& options) {
-  PerAxis<bool> known = imported.format->states_place;
-  if (imported.format->places_in_columns) take_columns(known, imported.set.columns);
-  if (!options.mapping) return known;
-  std::vector<std::string> fields;
-  for (const laser::ColumnRule& rule : options.mapping->rules) fields.push_back(rule.field);
-  take_columns(known, fields);
-  return known;
-}
-
 /// The axis that moves stays where it was.
 void put_at(laser::MeasurementSet& set, const PerAxis<bool>& which, const Vector3& place_mm) {
   for (laser::Reading& reading : set.readings)
@@ -152,7 +134,7 @@ void put_at(laser::MeasurementSet& set, const PerAxis<bool>& which, const Vector
 PerAxis<bool> take_places(laser::Imported& imported, const ImportArguments& given) {
   const auto options = import_options(given);
   if (!options) return {};
-  PerAxis<bool> known = places_in(imported, *options), answered{};
+  PerAxis<bool> known = laser::places_stated(imported, *options), answered{};
   for (std::size_t k = 0; k < known.size(); ++k) {
     answered[k] = options->parked_stated[k] && !known[k];
     known[k] = known[k] || answered[k];

@@ -120,14 +120,21 @@ Result<ExportWork> export_work(MessageSink& messages, const ExportArguments& arg
     work.notes.push_back(std::move(*left));
   for (const std::string& input : {arguments.map, arguments.machine, arguments.model})
     if (!input.empty()) work.inputs.push_back(input);
-  if (const auto& rows = work.source.map.header.thermal; !rows.empty())
-    work.notes.push_back(fmt::format("{} thermal row(s) of the map are not in the tables of a control", rows.size()));
-  if (const auto& header = work.source.map.header; !header.rotary.empty())
-    work.notes.push_back(
+  return work;
+}
+
+std::vector<std::string> left_to_machine(const laser::MapHeader& header) {
+  std::vector<std::string> notes;
+  if (!header.thermal.empty())
+    notes.push_back(
+        fmt::format("{} {} of the map {} not in the tables of a control", header.thermal.size(),
+                    header.thermal.size() == 1 ? "thermal row" : "thermal rows", header.thermal.size() == 1 ? "is" : "are"));
+  if (!header.rotary.empty())
+    notes.push_back(
         fmt::format("the errors of the rotary axes of the map ({}) are left out, also from the predicted error: the "
                     "machine keeps them",
                     header.rotary_configuration));
-  return work;
+  return notes;
 }
 
 PerAxis<std::optional<std::array<double, 2>>> travels_for(const laser::ErrorMap& map, const UnitParameters& parameters,

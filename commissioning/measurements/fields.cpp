@@ -70,7 +70,7 @@ std::string parked_text(const laser::Group& group) {
 }
 
 std::string_view compensated_text(const laser::Group& group) {
-  if (!group.compensated) return "?";
+  if (!group.compensated) return "not stated";
   return *group.compensated ? "yes" : "no";
 }
 

@@ -183,23 +183,22 @@ Iso230Target target_of(const TargetReadings& readings, bool approach_known) {
 void set_systematic(Iso230& axis) {
   Extent forward, reverse, both, means;
   double sum_B = 0.0;
-  int count_B = 0, count_mean = 0;
+  int count_B = 0;
   for (const Iso230Target& target : axis.targets) {
     forward.take(target.mean_forward, 0.0);
     reverse.take(target.mean_reverse, 0.0);
-    means.take(target.mean, 0.0);
-    count_mean += target.mean ? 1 : 0;
     both.take(target.mean_forward, 0.0);
     both.take(target.mean_reverse, 0.0);
     axis.B = larger(axis.B, absolute(target.B));
     if (target.B) {
+      means.take(target.mean, 0.0);
       sum_B += *target.B;
       ++count_B;
     }
   }
   axis.E_forward = forward.range();
   axis.E_reverse = reverse.range();
-  if (count_mean > 1) axis.M = means.range();
+  if (count_B > 1) axis.M = means.range();
   if (axis.E_forward && axis.E_reverse) axis.E = both.range();
   if (count_B > 0) axis.B_mean = sum_B / count_B;
 }

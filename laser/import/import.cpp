@@ -87,20 +87,27 @@ Result<Imported> turned(Result<Imported> imported, const ImportOptions& options)
   for (Reading& reading : imported->set.readings) {
     if (reading.rotary || reading.axis != *options.axis) continue;
     if (!holds_positions && !is_rotation(reading.sense))
-      return tl::unexpected(
-          usage(imported->set.source,
-                fmt::format("a rotary axis is measured as an angle: expected the sense EA, EB or EC, found {}",
-                            ecs::name_of(reading.sense))));
+      return tl::unexpected(usage(
+          imported->set.source,
+          fmt::format("{} contains lengths, and a rotary axis needs angles: give a linear axis, X, Y or Z, or read the "
+                      "file as a table (--columns)",
+                      imported->format->title)));
     const std::size_t i = index_of(reading.axis);
+    const auto about = static_cast<Sense>(kAxes + i);
+    if (holds_positions && options.sense.value_or(about) != about)
+      return tl::unexpected(
+          usage(imported->set.source, fmt::format("the file contains positions of the axis: expected the sense {}, "
+                                                  "found {}",
+                                                  ecs::name_of(about), ecs::name_of(*options.sense))));
     reading.rotary = true;
     reading.angle_deg[i] = reading.position_mm[i] * to_deg;
     reading.position_mm[i] = options.parked_mm[i];
     if (!holds_positions) continue;
-    reading.sense = static_cast<Sense>(kAxes + i);
+    reading.sense = about;
     reading.error *= to_deg * kUmPerMPerDegree / kUmPerMm;
   }
-  imported->set.notes.push_back(fmt::format("targets read as {} of the rotary axis {}",
-                                            options.target_unit ? options.target_unit->name : "deg",
+  imported->set.notes.push_back(fmt::format("{} read as {} of the rotary axis {}",
+                                            holds_positions ? "targets and readings" : "targets", options.target_unit ? options.target_unit->name : "deg",
                                             letter_of(*options.axis, true)));
   return imported;
 }
@@ -151,7 +158,41 @@ bool gives_measured_positions(const ImportOptions& options) {
          any([](const ColumnRule& rule) { return role_of(rule.field) == Role::position; });
 }
 
+/// Axes whose place the columns of a table state.
+void take_columns(PerAxis<bool>& known, const std::vector<std::string>& columns) {
+  for (const Axis a : kAllAxes)
+    if (std::ranges::find(columns, lower(std::string(1, letter_of(a))) + "_mm") != columns.end())
+      known[index_of(a)] = true;
+}
+
+/// A place that is assumed decides over levers and squareness: a measuring instrument's file has none.
+void note_assumed_places(Imported& imported, const ImportOptions& options) {
+  if (imported.format->places_in_columns || options.mapping || options.matrix || imported.set.readings.empty()) return;
+  const PerAxis<bool> known = places_stated(imported, options);
+  std::vector<std::string> axes, example;
+  for (const Axis a : kAllAxes) {
+    const auto moves = [&](const Reading& one) { return one.axis == a && !one.rotary; };
+    if (known[index_of(a)] || options.parked_stated[index_of(a)] || std::ranges::any_of(imported.set.readings, moves))
+      continue;
+    axes.emplace_back(1, letter_of(a));
+    example.push_back(lower(axes.back()) + "=MM");
+  }
+  if (axes.empty()) return;
+  imported.set.notes.push_back(fmt::format("the file does not state where {} stood; 0 is assumed (--parked {})",
+                                           fmt::join(axes, " and "), fmt::join(example, ",")));
+}
+
 }  // namespace
+
+PerAxis<bool> places_stated(const Imported& imported, const ImportOptions& options) {
+  PerAxis<bool> known = imported.format->states_place;
+  if (imported.format->places_in_columns) take_columns(known, imported.set.columns);
+  if (!options.mapping) return known;
+  std::vector<std::string> fields;
+  for (const ColumnRule& rule : options.mapping->rules) fields.push_back(rule.field);
+  take_columns(known, fields);
+  return known;
+}
 
 Result<Imported> parse_any(std::string_view bytes, const std::string& file_name, const ImportOptions& options) {
   const bool is_mapped = options.mapping || options.matrix;
@@ -170,11 +211,12 @@ Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
   if (imported && !imported->set.readings.empty() && (options.at_rest_mm || options.average)) {
     keep_at_rest(imported->set, options.at_rest_mm, options.average);
     if (imported->set.readings.empty())
-      return problem_at(file_name, 0, 0, "expected readings at rest, found none: give a larger --at-rest");
+      return problem_at(file_name, 0, 0, "expected readings at rest, which need three consecutive rows at one position, found none: give a larger --at-rest, or omit it");
   }
   if (imported)
     if (auto refused = implausible(imported->set, file_name)) return tl::unexpected(std::move(*refused));
   if (imported && (options.mapping || imported->format->places_in_columns)) note_exchanged(imported->set);
+  if (imported) note_assumed_places(*imported, options);
   if (imported && !options.note.empty()) imported->set.notes.push_back(options.note);
   if (imported && text.encoding != Encoding::utf8)
     imported->set.notes.push_back(fmt::format("not UTF-8: read as {}", name_of(text.encoding)));
@@ -209,8 +251,10 @@ Result<Axis> axis_wanted(const ImportOptions& options, const std::string& file_n
 }
 
 Result<Sense> positioning_sense(const ImportOptions& options, Axis axis, const std::string& file_name) {
-  const Sense sense = options.sense.value_or(static_cast<Sense>(index_of(axis)));
+  const auto along = static_cast<Sense>(index_of(axis));
+  const Sense sense = options.sense.value_or(along);
   if (!is_rotation(sense)) return sense;
+  if (options.rotary) return along;  // becomes an angle afterwards, where that is possible
   return tl::unexpected(
       usage(file_name,
             fmt::format("the file contains lengths: expected the sense EX, EY or EZ, found {}", ecs::name_of(sense))));

@@ -69,6 +69,9 @@ struct Imported {
 /// options that import that.
 [[nodiscard]] Problem explanation_of(std::string_view text, const std::string& file_name);
 
+/// Axes whose place the file states, or its columns do; a reader takes 0 for the others.
+[[nodiscard]] PerAxis<bool> places_stated(const Imported& imported, const ImportOptions& options);
+
 /// Reads a file's bytes as whatever they are. Refused with an explanation if they are no known format, with a `usage`
 /// problem if the options lack what the file does not say.
 [[nodiscard]] Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,

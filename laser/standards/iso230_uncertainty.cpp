@@ -88,7 +88,7 @@ std::vector<BudgetInput> inputs_of(const Iso230Conditions& c, double length_mm) 
   const double length_m = length_mm / kMmPerM;
   const double cosine_um = c.misalignment_mm * c.misalignment_mm / (2.0 * length_mm) * kUmPerMm;
   return {
-      {"instrument", 0.0, c.instrument_um_per_m / kCoverage * length_m},
+      {"instrument, length-proportional part", 0.0, c.instrument_um_per_m / kCoverage * length_m},
       {"instrument, constant part", 0.0, c.instrument_um / kCoverage},
       {"misalignment", 0.0, u_of_range(cosine_um)},
       {"temperature of the machine", 0.0, u_of_range(c.temperature_range_degC) * c.expansion_um_per_m_degC * length_m},

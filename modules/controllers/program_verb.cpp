@@ -194,6 +194,7 @@ Result<void> read_source(VerbContext& context, const ProgramRequest& request, Pr
   ECS_TRY(work, export_work(context.console, from, std::move(found)));
   source.name = work.map_name;
   source.notes = work.notes;
+  for (std::string& note : left_to_machine(work.source.map.header)) source.notes.push_back(std::move(note));
   source.inputs = work.inputs;
   source.parameters = work.source.parameters;
   source.work = std::move(work);

@@ -111,7 +111,9 @@ Result<ExportWork> read_export_work(VerbContext& context, const ExportArguments&
   if (!arguments.model.empty() && arguments.machine.empty())
     return problem(ProblemKind::usage, "--model needs --machine: the model counts from the datum of its axes");
   ECS_TRY(found, found_map(context, arguments.map, arguments.unit));
-  return export_work(context.console, arguments, std::move(found));
+  ECS_TRY(work, export_work(context.console, arguments, std::move(found)));
+  for (std::string& note : left_to_machine(work.source.map.header)) work.notes.push_back(std::move(note));
+  return work;
 }
 
 Result<Outcome> exported(VerbContext& context, const WriteRequest& request,

@@ -69,15 +69,22 @@ const laser::FileFormat& format_of(const std::string& output) {
   return laser::format_written_as(std::filesystem::path(output).extension().string());
 }
 
+/// Said where the extension promises another form than CSV.
+std::string_view form_text(const std::string& output) {
+  const std::string extension = lower(std::filesystem::path(output).extension().string());
+  const bool as_named = extension.empty() || extension == ".csv" || extension == ".txt";
+  return as_named || &format_of(output) != laser::file_formats().front() ? "" : " as measurement CSV";
+}
+
 Cell answer_cell(const Cell& files, const laser::MeasurementSet& set, const std::string& output,
                  const std::string& profile) {
   AnswerFields fields = described("format"_is(format_cell(files.json)));
   append(fields, set_fields(set));
   append(fields,
          "output"_is(output.empty() ? null_cell("not saved: give -o OUT.csv to save it\n")
-                                    : Cell{output, fmt::format("{}{} readings written to {}\n",
+                                    : Cell{output, fmt::format("{}{} readings written to {}{}\n",
                                                                format_of(output).writes_means ? "means of " : "",
-                                                               set.readings.size(), output)}),
+                                                               set.readings.size(), output, form_text(output))}),
          "files"_is(files), "profile"_shown(profile));
   return record_cell("{files}{profile}{output}", fields);
 }
