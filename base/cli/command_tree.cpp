@@ -304,6 +304,12 @@ Request CommandTree::parsed(const std::vector<std::string>& words) {
     return {Request::Kind::help, wrapped_help(end.app->help(end.parent))};
   } catch (const CLI::CallForVersion&) {
     return {Request::Kind::version, {}};
+  } catch (const CLI::ExtrasError&) {  // which lists the words backwards
+    const std::vector<std::string> extras = root_->remaining(true);
+    return {Request::Kind::wrong,
+            usage_text(*root_, words,
+                       fmt::format("The following argument{} not expected: {}", extras.size() == 1 ? " was" : "s were",
+                                   fmt::join(extras, " ")))};
   } catch (const CLI::ParseError& error) {
     return {Request::Kind::wrong, usage_text(*root_, words, error.what())};
   }
