@@ -90,7 +90,7 @@ struct ServeRequest {
             {"--workshop", &R::workshop, "socket for `ecs-emulator workshop`"},
             {&R::options, pace},
             {"--modules", &R::memory_modules, "axis memory modules in the rack, 1 to 5", cli::Range{1, 5}},
-            {"--mode", &R::mode, "mode after power-up; auto: integration if a host is present, else compensation",
+            {"--mode", &R::mode, "mode after power-up; auto: integration if a host requests it or arms itself within 0.5 s, else compensation",
              Words{"auto", "compensate", "integrate"}},
             {&R::options,
              Fields<O>{{"--arm-code", &O::arm_code, "arming code shown by the unit; six random digits if not given"},
