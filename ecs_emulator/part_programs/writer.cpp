@@ -64,6 +64,7 @@ class PlanProgram {
                      plan_.targets_mm.size(), word(plan_.targets_mm.front()), word(plan_.targets_mm.back()), plan_.runs,
                      plan_.runs == 1 ? "run" : "runs", plan_.bidirectional ? "there and back" : "one way"));
     note(fmt::format("run with --axis {} --sense {} --instrument {}", name_, name_of(plan_.sense), name_of(kind)));
+    note("M08 switches the coolant on at most controls: change it before the program runs on a machine.");
     if (plan_.on_the_fly) note("readings at standstill, although the plan specifies readings on the fly");
   }
 
