@@ -201,6 +201,17 @@ void send(protocol::UnitClient& client, const Load& load, const protocol::Progre
   report.bytes = sent->bytes;
 }
 
+/// Whether the unit has what would be sent, so that nothing is sent in any mode.
+bool holds(protocol::UnitClient& client, const protocol::Identity& identity, const Load& load) {
+  if (!load.map) {
+    const auto parameters = receive_parameters(client);
+    return parameters && *parameters == load.parameters;
+  }
+  const auto image = addressed(load.map->image.bytes, identity, Addressee::as_stated);
+  const auto active = client.active_map();
+  return image && active && active->digest == protocol::digest_of(*image);
+}
+
 void attempt(const PlannedUnit& unit, BatchMode mode, const protocol::ProgressCallback& progress, BatchReport& report) {
   const auto load = prepared(unit);
   if (!load) return fail(report, BatchState::failed, load.error());
@@ -216,6 +227,14 @@ void attempt(const PlannedUnit& unit, BatchMode mode, const protocol::ProgressCa
   if (!armed_s) return fail(report, BatchState::failed, armed_s.error());
   if (*armed_s == 0 && !link->client().knows_code())
     report.notes.push_back("the unit is not armed and no arm_code is given: it would refuse all writes");
+  const auto status = link->client().status();
+  if (!status) return fail(report, BatchState::failed, status.error());
+  if (status->mode != UnitMode::integration && !holds(link->client(), *identity, *load))
+    return fail(report, BatchState::failed,
+                problem(ProblemKind::refused,
+                        "the unit is {}, and accepts data only in integration mode: run `ecs utility mode integrate`",
+                        name_of(status->mode))
+                    .value());
   report.state = BatchState::ready;
   report.bytes = load->map ? load->map->image.bytes.size() : 0;
 }

@@ -99,6 +99,21 @@ TEST_CASE("a batch that was stopped goes on with the units that it had not reach
   CHECK(count_of(rest, BatchState::sent) == 6);
 }
 
+TEST_CASE("a dry run names the mode of a unit that accepts no data, unless nothing would be sent") {
+  const Files files;
+  auto unit = protocol::Workshop::on_tcp();
+  const std::vector<PlannedUnit> plan{files.unit(unit.address(), "ECS-0042")};
+  const auto enter = [&](UnitMode mode) { unit.in_model([mode](auto& model) { model.mode = mode; }); };
+  enter(UnitMode::datuming);
+  const auto refused = run_batch(plan, BatchMode::dry_run, 1);
+  CHECK(refused.front().state == BatchState::failed);
+  CHECK(contains(refused.front().problem->message, "the unit is datuming"));
+  enter(UnitMode::integration);
+  REQUIRE(run_batch(plan, BatchMode::send, 1).front().state == BatchState::sent);
+  enter(UnitMode::compensating);
+  CHECK(run_batch(plan, BatchMode::dry_run, 1).front().state == BatchState::ready);
+}
+
 TEST_CASE("units on one line take turns in the order of the plan") {
   const Files files;
   auto unit = protocol::Workshop::on_tcp();
