@@ -259,15 +259,15 @@ struct AdjustRequest {
     using R = AdjustRequest;
     return {{"COMPONENT", &R::component, "squareness value", Words{"C0Y", "B0Z", "A0Z"}, Need::required},
             {"UM", &R::reading_um,
-             "displacement of the tool that the indicator shows: along X for C0Y and B0Z, along Y for A0Z [um]",
+             "displacement of the tool that the indicator shows now: along X for C0Y and B0Z, along Y for A0Z [um]",
              Need::required},
             {"--over-mm", &R::over_mm,
              "distance over which it shows this, in the positive direction of Y for C0Y, of Z for B0Z and A0Z [mm]",
              Range{1.0, 1e5}, Need::required},
             {"--nothing-um", &R::nothing_um, "largest reading that counts as zero [um]", Range{0.0, 1e3}},
             {"--trial", &R::trial,
-             "only try the value: the unit keeps compensating, and stores the value when the command is given without "
-             "--trial"}};
+             "only try the value: the unit keeps compensating and stores nothing. A reading of 0 without --trial stores "
+             "the value that is tried"}};
   }
 };
 
@@ -299,18 +299,24 @@ Result<void> send_adjusted(VerbContext& context, UnitLink& unit, const UnitParam
   return {};
 }
 
+std::string command_that_stores(const AdjustRequest& request) {
+  return fmt::format("`ecs params adjust {} 0 --over-mm {}`", request.component, request.over_mm);
+}
+
 /// What is done with a value: its words, and whether the unit stores it.
 struct Adjusted {
-  std::string_view done, then;
+  std::string_view done;
+  std::string then;
   bool sends = false;
 };
 Adjusted adjusted(const AdjustRequest& request, bool shows_nothing, bool tried, bool compensated) {
   if (shows_nothing && (request.trial || !tried))
-    return {"{component}: {before} um/m stays: the indicator reads zero within {nothing_um} um\n",
-            tried ? "it is only tried: give the command without --trial to store it\n" : ""};
+    return {"{component}: {before} um/m stays: the indicator reads zero within {nothing_um} um\n{then}",
+            tried ? fmt::format("it is only tried: {} stores it\n", command_that_stores(request)) : ""};
   if (request.trial)
     return {"{component}: {before} -> {after} um/m, tried\n{then}",
-            "the unit keeps compensating; measure again, and give the command without --trial to store the value\n"};
+            fmt::format("the unit keeps compensating; measure again. When the indicator reads zero, {} stores the value\n",
+                        command_that_stores(request))};
   return {"{component}: {before} -> {after} um/m, sent and verified\n{then}",
           compensated ? "the unit compensates again when every axis has been referenced; then measure again\n"
                       : "the unit is in integration mode\n",
@@ -341,11 +347,17 @@ Result<Outcome> adjust(VerbContext& context, const AdjustRequest& request) {
       if (std::abs(lines.squareness_um_per_m[i] - stored[i]) > protocol::kSquarenessStep_um_per_m)
         values[i] = lines.squareness_um_per_m[i];
   }
-  double& value = values[static_cast<std::size_t>(component) - static_cast<std::size_t>(Component::C0Y)];
+  const std::size_t place = static_cast<std::size_t>(component) - static_cast<std::size_t>(Component::C0Y);
+  double& value = values[place];
   const double before = value;
   // a parameter of 0 says that nobody has measured it, and a map that needs it would not fit
   constexpr double kMeasuredAsZero_um_per_m = 1e-4;
   const bool shows_nothing = std::abs(request.reading_um) <= request.nothing_um;
+  if (!shows_nothing && !request.trial && before != stored[place])  // the reading may be the one that has been tried
+    return problem(ProblemKind::refused,
+                   "{} {:.2f} um/m is tried and not stored, and this reading would change it again. If the indicator now "
+                   "reads zero, store the value with {}; else try the present reading first, with --trial",
+                   request.component, before, command_that_stores(request));
   if (!shows_nothing) value = before + *left;
   if (!shows_nothing && std::abs(value) < kMeasuredAsZero_um_per_m) value = kMeasuredAsZero_um_per_m;
   const bool compensated = status.mode == UnitMode::compensating || status.mode == UnitMode::datuming;
@@ -366,7 +378,7 @@ Result<Outcome> adjust(VerbContext& context, const AdjustRequest& request) {
   return outcome_of(record_cell(told.done, "component"_is(request.component), "before"_is(before, 2),
                                 "after"_is(value, 2), "nothing_um"_is(request.nothing_um),
                                 "adjusted"_is(!shows_nothing), "stored"_is(told.sends),
-                                "then"_shown(others + std::string(told.then))));
+                                "then"_shown(others + told.then)));
 }
 
 struct SendRequest {
