@@ -43,16 +43,21 @@ std::string monitor_rows(const protocol::MonitorSample& sample, const Surroundin
   for (const Axis axis : kAllAxes) {
     const protocol::AxisSample& a = sample.axes[index_of(axis)];
     if (!a.present) continue;
+    const std::string approach = a.approach == Approach::unknown ? "" : std::to_string(static_cast<int>(a.approach));
     rows += fmt::format("{:.6f},{},{},{},{},{},{:d},{:d},{:d},{},{},{},{:d},{}\n",
                         static_cast<double>(sample.unit_time_us) * 1e-6, ecs::name_of(sample.mode),
                         ecs::text_of(sample.fault).name, letter_of(axis), a.position_mm, a.speed_mm_min, a.referenced,
-                        a.switch_active, a.marker, static_cast<int>(a.approach), a.compensation_um, a.output_counts,
+                        a.switch_active, a.marker, approach, a.compensation_um, a.output_counts,
                         a.relay_closed, temperatures);
   }
   return rows;
 }
 
+std::string counted(std::size_t samples) { return fmt::format("{} sample{}", samples, samples == 1 ? "" : "s"); }
+
 }  // namespace
+
+std::string MonitorRecording::summary() const { return fmt::format("{} written to {}", counted(samples_), name_); }
 
 Result<MonitorRecording> MonitorRecording::begun(const std::string& file) {
   MonitorRecording made;
@@ -90,7 +95,7 @@ Result<void> MonitorRecording::broken(int error) {
   if (!part_.empty() && !kept) disc::remove(part_);
   return output_problem(
       name_, fmt::format("cannot write: {}{}", std::strerror(error),
-                         kept ? fmt::format("; {} contains {} samples", part_.string(), samples_) : std::string()));
+                         kept ? fmt::format("; {} contains {}", part_.string(), counted(samples_)) : std::string()));
 }
 
 Result<void> MonitorRecording::write(std::string_view text) {

@@ -54,6 +54,7 @@ class MonitorRecording {
   [[nodiscard]] bool runs() const { return handle_ >= 0; }  ///< false: ended, or broken by a write error
   [[nodiscard]] std::size_t samples() const { return samples_; }
   [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::string summary() const;  ///< "3 samples written to axes.csv"
 
  private:
   MonitorRecording() = default;

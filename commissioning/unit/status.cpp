@@ -299,8 +299,7 @@ Cell axis_cell(Axis letter, const AxisStatus& axis) {
       "datum_stage"_is(ecs::name_of(axis.datum_stage)),
       "datum_failure"_is(failure, failed ? fmt::format("      datum failed: {}; ", failure) : ""),
       "datum_advice"_is(failed ? Cell{advice, fmt::format("{}\n", advice)} : null_cell()),
-      "position_mm"_is(axis.referenced ? number_cell(axis.position_mm, 4) : null_cell("unknown")),
-      "last_approach"_is(name_of(axis.last_approach)), "relay_closed"_is(axis.relay_closed, "closed", "open"));
+      "position_mm"_is(axis.position_mm, 4), "last_approach"_is(approach_cell(axis.last_approach)), "relay_closed"_is(axis.relay_closed, "closed", "open"));
 }
 
 Cell axes_cell(const StatusSnapshot& snapshot) {
@@ -331,7 +330,7 @@ Cell pointers_cell(const StatusSnapshot& snapshot) {
   for (std::size_t i = 0; i < kCurves; ++i)
     if (const auto& pointer = snapshot.status.pointers[i]; pointer.address != protocol::kUnused)
       pointers.add(pointer_cell(static_cast<Component>(i), pointer, snapshot.selected[i]));
-  if (pointers.json.empty()) pointers.text = "address pointers: none in use\n";
+  if (pointers.json.empty()) pointers.text = "values of the map in use now: none\n";
   return pointers;
 }
 
@@ -412,6 +411,18 @@ std::string_view name_of(Approach approach) {
   return approach == Approach::reverse ? "reverse" : "unknown";
 }
 
+Cell approach_cell(Approach approach) {
+  return approach == Approach::unknown ? null_cell(name_of(approach)) : cell_of(name_of(approach));
+}
+
+std::string unreferenced_text(const protocol::MonitorSample& sample) {
+  std::string axes;
+  for (const Axis axis : kAllAxes)
+    if (const protocol::AxisSample& a = sample.axes[index_of(axis)]; a.present && !a.referenced)
+      axes += fmt::format("{}{}", axes.empty() ? "" : ", ", letter_of(axis));
+  return axes.empty() ? "" : axes + " not referenced: counted from switch-on, or from the position set";
+}
+
 Cell rotary_axes_cell(const protocol::RotarySample& sample) {
   Cell axes{Json::object(), {}};
   for (const protocol::RotaryAxisSample& axis : sample.axes) {
@@ -419,7 +430,7 @@ Cell rotary_axes_cell(const protocol::RotarySample& sample) {
     const std::string letter(1, axis.letter);
     const Cell one = record_cell("{axis:<5} {angle_deg:>10}  {approach}\n", "axis"_shown(letter),
                                  "angle_deg"_is(axis.sensed ? number_cell(axis.angle_deg, 4) : null_cell("unknown")),
-                                 "approach"_is(name_of(axis.approach)));
+                                 "approach"_is(approach_cell(axis.approach)));
     axes.json[letter] = one.json;
     axes.text += one.text;
   }
@@ -462,6 +473,11 @@ Cell events_cell(const std::vector<protocol::HostEvent>& events) {
   return list_cell(events, event_cell, "events by hosts\n");
 }
 
+std::string mode_in_words(UnitMode mode) {
+  const std::string name(ecs::name_of(mode));
+  return mode == UnitMode::integration ? name + " (positions are counted, compensation off)" : name;
+}
+
 Cell status_cell(const StatusSnapshot& snapshot) {
   const UnitStatus& s = snapshot.status;
   Cell fault = fault_cell(s);
@@ -481,7 +497,7 @@ Cell status_cell(const StatusSnapshot& snapshot) {
       "{mode}\n{fault}\n\n{ram_test}{block_check}{map}{battery}{control_on}{loop}, "
       "watchdog trips {watchdog_trips}\nup for       {uptime_s} s\n\n{axes}{rotary}\n{pointers}{events}",
       "taken"_is(text_cell(snapshot.taken)), "link"_is(text_cell(snapshot.link)), "unit"_is(unit_cell(snapshot)),
-      "mode"_is(ecs::name_of(s.mode)), "fault"_is(std::move(fault)), "ram_test"_is(ram_test_cell(s)),
+      "mode"_is(ecs::name_of(s.mode), mode_in_words(s.mode)), "fault"_is(std::move(fault)), "ram_test"_is(ram_test_cell(s)),
       "block_check"_is(block_check_cell(s)), "map"_is(map_cell(s)),
       "battery"_is(lines ? row("battery", battery_cell(*lines)) : null_cell()),
       "battery_age_s"_is(lines ? cell_of(lines->battery_age_s) : null_cell()),

@@ -54,6 +54,10 @@ struct StatusSnapshot {
 
 /// "forward", "reverse", "unknown"
 [[nodiscard]] std::string_view name_of(Approach approach);
+/// Unknown: null in JSON.
+[[nodiscard]] Cell approach_cell(Approach approach);
+/// What the positions of axes without reference are; empty: there are none.
+[[nodiscard]] std::string unreferenced_text(const protocol::MonitorSample& sample);
 
 /// All of it; lines of at most 80 columns.
 [[nodiscard]] Cell status_cell(const StatusSnapshot& snapshot);

@@ -42,7 +42,7 @@ struct AxisStatus {
   bool referenced = false;
   DatumStage datum_stage = DatumStage::waiting;
   DatumFailure datum_failure = DatumFailure::none;
-  double position_mm = 0.0;  ///< machine coordinates; meaningless until referenced
+  double position_mm = 0.0;  ///< until referenced: counted from switch-on, or from the position set
   Approach last_approach = Approach::unknown;
   bool relay_closed = false;
   friend bool operator==(const AxisStatus&, const AxisStatus&) = default;

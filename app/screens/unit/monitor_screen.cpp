@@ -132,16 +132,6 @@ bool any_doubtful(const protocol::ControlLines& lines) {
          lines.battery == protocol::BatteryState::low;
 }
 
-/// What the positions of axes without reference are; empty: there are none.
-std::string unreferenced_text(const SampledUnit& unit) {
-  std::string axes;
-  if (!unit.samples.empty())
-    for (const Axis axis : kAllAxes)
-      if (const AxisSample& a = unit.samples.back().axes[index_of(axis)]; a.present && !a.referenced)
-        axes += fmt::format("{}{}", axes.empty() ? "" : ", ", letter_of(axis));
-  return axes.empty() ? "" : axes + " not referenced: the unit counts from the position at switch-on";
-}
-
 /// @param age_s  of the newest sample
 void draw_monitor(Canvas& canvas, const Area& area, const SampledUnit& unit, double age_s) {
   if (unit.samples.empty()) {
@@ -213,7 +203,8 @@ class MonitorScreen final : public KeyedScreen {
     const double age_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - seen_.newest_at).count();
     draw_monitor(canvas, area, seen_, age_s);
     const int above = any_axis(seen_.rotary) ? 9 : 8;
-    const std::string counting = surroundings_.empty() ? unreferenced_text(seen_) : "";
+    const std::string counting =
+        surroundings_.empty() && !seen_.samples.empty() ? unreferenced_text(seen_.samples.back()) : "";
     canvas.text({area.row, area.column, area.rows, area.columns - 1}, 1, 1, counting.empty() ? surroundings_ : counting,
                 counting.empty() ? Tone::strong : Tone::warning);
     const auto now = std::chrono::steady_clock::now();
@@ -343,7 +334,7 @@ class MonitorScreen final : public KeyedScreen {
                                    path_word(recording_->name())};
     if (recorded_with_thermometer_) words.insert(words.end(), {"--environment", "temper"});
     note_on_unit(*connection_, std::move(words));
-    message_.say(fmt::format("{} samples written to {}", recording_->samples(), recording_->name()));
+    message_.say(recording_->summary());
   }
 
   /// The samples that came since the last look.

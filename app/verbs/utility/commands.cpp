@@ -46,7 +46,7 @@ Result<Outcome> set_position(VerbContext& context, const PositionRequest& reques
   const params::PositionUnit& shown_in = position_unit_for(context, unit);
   const std::string given = fmt::format("{} mm", request.position_mm);
   return outcome_of(record_cell(
-      "axis {axis} now shows {position_mm}", "axis"_is(request.axis),
+      "axis {axis} now shows {position_mm}; this does not reference the axis", "axis"_is(request.axis),
       "position_mm"_is(
           request.position_mm,
           shown_in.mm == 1.0 ? given : fmt::format("{} ({})", shown_in.with_unit(request.position_mm), given))));

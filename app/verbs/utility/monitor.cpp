@@ -47,9 +47,9 @@ Cell axis_cell(Axis axis, const AxisSample& a, const params::PositionUnit& unit)
       "{axis:<4} {position_mm:>11} {speed_mm_min:>14} {referenced:<3} {switch:<6} {marker:<6} {approach:<8} "
       "{compensation_um:>7} {output_counts:>6} {relay_closed}\n",
       "axis"_shown(std::string(1, letter_of(axis))),
-      "position_mm"_is(a.position_mm, a.referenced ? unit.position(a.position_mm) : "unknown"),
+      "position_mm"_is(a.position_mm, unit.position(a.position_mm)),
       "speed_mm_min"_is(a.speed_mm_min, unit.speed_of(a.speed_mm_min)), "referenced"_is(a.referenced, "yes", "no"),
-      "switch"_is(a.switch_active, "on", "off"), "marker"_is(a.marker, "seen", "-"), "approach"_is(name_of(a.approach)),
+      "switch"_is(a.switch_active, "on", "off"), "marker"_is(a.marker, "seen", "-"), "approach"_is(approach_cell(a.approach)),
       "compensation_um"_is(a.compensation_um, 2), "output_counts"_is(a.output_counts),
       "relay_closed"_is(a.relay_closed, "closed", "open"));
 }
@@ -63,6 +63,7 @@ Cell axes_cell(const MonitorSample& sample, const params::PositionUnit& unit) {
     axes.json[std::string(1, letter_of(axis))] = one.json;
     axes.text += one.text;
   }
+  if (const std::string remark = unreferenced_text(sample); !remark.empty()) axes.text += remark + "\n";
   return axes;
 }
 
@@ -132,7 +133,7 @@ Result<Outcome> monitor(VerbContext& context, const MonitorRequest& request) {
   const auto watched = watch(context, unit, request, recording);
   if (recording && recording->runs() && recording->samples() > 0) {
     ECS_DO(recording->end());
-    context.console.note(fmt::format("{} samples written to {}", recording->samples(), request.record));
+    context.console.note(recording->summary());
   }
   if (!watched) return tl::unexpected(watched.error());
   return Outcome{};

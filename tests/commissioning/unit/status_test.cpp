@@ -21,6 +21,7 @@ StatusSnapshot faulty_unit() {
   s.status.ram_test = protocol::TestOutcome::failed;
   s.status.ram_test_address = 0x100ABC;
   s.status.active_bank = protocol::Bank::A;
+  s.status.axes[0].position_mm = -150.0;
   s.status.axes[1].datum_failure = DatumFailure::too_fast;
   s.status.pointers[index_of(Component::ECX)] = {12, 0x1002E0};
   s.selected[index_of(Component::ECX)] = SelectedValue{-250, -2.5};
@@ -42,7 +43,7 @@ TEST_CASE("a saved status decodes to the same fault, address, pointers and value
   CHECK(j["ram_test"]["outcome"] == "failed");
   CHECK(j["axes"].size() == 2);
   CHECK(j["axes"]["Y"]["datum_failure"] == "too fast");
-  CHECK(j["axes"]["X"]["position_mm"].is_null());
+  CHECK(j["axes"]["X"]["position_mm"] == -150.0);
   REQUIRE(j["pointers"].size() == 1);
   CHECK(j["pointers"][0]["component"] == "ECX");
   CHECK(j["pointers"][0]["address"] == "0x1002E0");
@@ -116,6 +117,17 @@ TEST_CASE("a fault of the tool names the tool") {
   s.status.fault = Fault::live_input;
   s.status.fault_address = kToolInput + 1;
   CHECK(contains(fault_sentence(s.status), "the tool: it is not in the table, or a copy of the table is damaged"));
+}
+
+TEST_CASE("an axis without reference has a counted position, and an approach that nobody knows") {
+  const Cell cell = status_cell(faulty_unit());
+  CHECK(contains(cell.text, "X     no          waiting            -150.0000  unknown   open"));
+  CHECK(cell.json["axes"]["X"]["last_approach"].is_null());
+  protocol::MonitorSample sample;
+  sample.axes[index_of(Axis::Y)] = {.present = true};
+  CHECK(unreferenced_text(sample) == "Y not referenced: counted from switch-on, or from the position set");
+  sample.axes[index_of(Axis::Y)].referenced = true;
+  CHECK(unreferenced_text(sample).empty());
 }
 
 TEST_CASE("the words say what to do next") {
