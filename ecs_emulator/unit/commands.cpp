@@ -287,7 +287,7 @@ protocol::CommandResult Unit::begin_staging(protocol::StagingFrom from) {
 
 /// Why what is staged is no image that this unit can take; `done` if it is.
 protocol::CommandResult Unit::commit_refused(std::uint32_t length, std::uint64_t digest) {
-  if (!staging_) return refused(UnitError::no_staging, "begin staging first");
+  if (!staging_) return refused(UnitError::no_staging);
   const Address bank = inactive_bank(memory_);
   const std::uint32_t size = bank_bytes(memory_.modules());
   if (length == 0 || length > size) return refused(UnitError::bad_argument, fmt::format("a bank has {} bytes", size));

@@ -441,7 +441,7 @@ Result<std::uint32_t> UnitClient::confirmed(std::uint32_t commit, const SentImag
 Result<void> UnitClient::nothing_else_committed(const ActiveMap& before) {
   ECS_TRY(now, active_map());
   if (now.commit_sequence == before.commit_sequence && now.active_bank == before.active_bank) return {};
-  return problem(ProblemKind::refused, "another host has sent a map in the meantime; this transfer was not committed");
+  return problem(ProblemKind::refused, "another host has sent a map in the meantime; this transfer changed nothing");
 }
 
 /// Takes back what was staged before any commit, even after a cancel, and says which map is active. What the unit has
@@ -453,15 +453,14 @@ Problem UnitClient::given_up(Problem why, const ActiveMap& before) {
   link_.heed_cancel(true);
   if (!now)
     why.message +=
-        "; this transfer was not committed, but staging could not be abandoned; the old map is active unless another "
-        "host "
-        "has sent one";
+        "; this transfer changed nothing, but it could not be cancelled; the old map is active unless another host has "
+        "sent one";
   else if (now->commit_sequence != before.commit_sequence)
     why.message += "; " + another_is_active(*now);
   else if (!key_)  // anybody can have answered
     why.message += before.active_bank == Bank::none
-                       ? "; this transfer was not committed; the unit contains no map unless another host has sent one"
-                       : "; this transfer was not committed; the old map is active unless another host has sent one";
+                       ? "; this transfer changed nothing; the unit contains no map unless another host has sent one"
+                       : "; this transfer changed nothing; the old map is active unless another host has sent one";
   else
     why.message += not_taken(before);
   return why;

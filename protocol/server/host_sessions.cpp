@@ -264,7 +264,7 @@ std::string arguments_in_words(const Command& command) {
       if (command.staging_from == StagingFrom::kept) return "on the inactive bank";
       return command.staging_from == StagingFrom::active ? "from the active map" : "";
     case CommandCode::commit_staged:
-      return fmt::format("{} B, SHA {:08X}", command.length, command.digest >> 32);
+      return fmt::format("{} bytes, SHA {:08X}", command.length, command.digest >> 32);
     case CommandCode::test_datum:
     case CommandCode::record_datum:
       return std::string(1, letter_of(command.axis));

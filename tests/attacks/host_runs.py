@@ -49,7 +49,7 @@ class Stalled(UploadRun):
             yield "ended before", judged(ending.code, ending.said, before, sent, now), ending, {}
             return
         if other == 0 and now == between and ending.code != 0:
-            told = SAYS_DOUBT.search(ending.said) or "not committed" in ending.said
+            told = SAYS_DOUBT.search(ending.said) or "this transfer changed nothing" in ending.said
             verdict = "right: refused, told" if told and not SAYS_NEW.search(ending.said) else "WRONG refused, unsaid"
         elif other == 0 and now == sent and ending.code == 0:
             verdict = "right: came last"  # it began again after the other one

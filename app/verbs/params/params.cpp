@@ -396,8 +396,9 @@ struct SendRequest {
 Outcome sent(const SendRequest& request, const SendReport& report, const params::ParametersFile& file) {
   return finished_outcome_of(record_cell(
       report.already_held
-          ? "the unit already has the parameters of {file}, commit {commit_sequence}: not sent again"
-          : "parameters of {file} sent and verified: {bytes} bytes, commit {commit_sequence}{map_kept}{map_dropped}",
+          ? "the unit already has the parameters of {file}, made active as no. {commit_sequence}: not sent again"
+          : "parameters of {file} sent and verified: {bytes} bytes, made active as no. "
+            "{commit_sequence}{map_kept}{map_dropped}",
       "file"_is(request.file), "bytes"_is(report.bytes), "commit_sequence"_is(report.commit_sequence),
       "verified"_is(true), "defaulted"_is(lines_cell(file.defaulted, "")),
       "map_kept"_is(report.map_kept, "\nthe map in the unit fits and is kept", ""),

@@ -56,7 +56,7 @@ TEST_CASE("what is sent is asked first, read back without a difference, and rece
 
 TEST_CASE("a refusal because no code was typed is told without options of a verb") {
   const std::string reason(protocol::text_of(protocol::UnitError::not_armed));
-  CHECK(is_not_armed({ProblemKind::refused, "the unit refuses \"begin staging\": " + reason, "", 0, 0, {}}));
+  CHECK(is_not_armed({ProblemKind::refused, "the unit refuses \"begin transfer\": " + reason, "", 0, 0, {}}));
   CHECK_FALSE(is_not_armed({ProblemKind::refused, "the unit is busy", "", 0, 0, {}}));
 }
 
