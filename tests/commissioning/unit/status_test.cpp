@@ -121,7 +121,7 @@ TEST_CASE("a fault of the tool names the tool") {
 
 TEST_CASE("an axis without reference has a counted position, and an approach that nobody knows") {
   const Cell cell = status_cell(faulty_unit());
-  CHECK(contains(cell.text, "X     no          waiting            -150.0000  unknown   open"));
+  CHECK(contains(cell.text, "X     no          waiting           -150.0000  unknown   open"));
   CHECK(cell.json["axes"]["X"]["last_approach"].is_null());
   protocol::MonitorSample sample;
   sample.axes[index_of(Axis::Y)] = {.present = true};

@@ -428,7 +428,7 @@ TEST_CASE(
   REQUIRE(unit.begin_staging(StagingFrom::cleared));
   shop.in_model([](UnitModel& model) { model.unit_clock.ms += 60'000; });
   const auto late = unit.begin_staging(StagingFrom::cleared);
-  CHECK(says(late, "the time for which this host was armed has ended; the unit is read-only"));
+  CHECK(says(late, "the time for which this host was armed has ended; this computer is not armed"));
 }
 
 TEST_CASE("begin staging of an armed host is one request: the clock need not be looked at") {
@@ -447,7 +447,7 @@ TEST_CASE("a host without the code says whether its time has ended or the unit w
   REQUIRE(unit.clear_fault());
   shop.in_model([](UnitModel& model) { model.unit_clock.ms += 60'000; });
   const auto late = unit.clear_fault();
-  CHECK(says(late, "the time for which this host was armed has ended; the unit is read-only"));
+  CHECK(says(late, "the time for which this host was armed has ended; this computer is not armed"));
   REQUIRE(unit.arm("271828", 1));
   REQUIRE(unit.clear_fault());
   shop.in_model([](UnitModel& model) { ++model.unit_clock.starts; });
