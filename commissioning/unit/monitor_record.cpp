@@ -47,8 +47,8 @@ std::string monitor_rows(const protocol::MonitorSample& sample, const Surroundin
     rows += fmt::format("{:.6f},{},{},{},{},{},{:d},{:d},{:d},{},{},{},{:d},{}\n",
                         static_cast<double>(sample.unit_time_us) * 1e-6, ecs::name_of(sample.mode),
                         ecs::text_of(sample.fault).name, letter_of(axis), a.position_mm, a.speed_mm_min, a.referenced,
-                        a.switch_active, a.marker, approach, a.compensation_um, a.output_counts,
-                        a.relay_closed, temperatures);
+                        a.switch_active, a.marker, approach, a.compensation_um, a.output_counts, a.relay_closed,
+                        temperatures);
   }
   return rows;
 }

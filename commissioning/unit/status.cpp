@@ -299,7 +299,8 @@ Cell axis_cell(Axis letter, const AxisStatus& axis) {
       "datum_stage"_is(ecs::name_of(axis.datum_stage)),
       "datum_failure"_is(failure, failed ? fmt::format("      datum failed: {}; ", failure) : ""),
       "datum_advice"_is(failed ? Cell{advice, fmt::format("{}\n", advice)} : null_cell()),
-      "position_mm"_is(axis.position_mm, 4), "last_approach"_is(approach_cell(axis.last_approach)), "relay_closed"_is(axis.relay_closed, "closed", "open"));
+      "position_mm"_is(axis.position_mm, 4), "last_approach"_is(approach_cell(axis.last_approach)),
+      "relay_closed"_is(axis.relay_closed, "closed", "open"));
 }
 
 Cell axes_cell(const StatusSnapshot& snapshot) {
@@ -497,8 +498,8 @@ Cell status_cell(const StatusSnapshot& snapshot) {
       "{mode}\n{fault}\n\n{ram_test}{block_check}{map}{battery}{control_on}{loop}, "
       "watchdog trips {watchdog_trips}\nup for       {uptime_s} s\n\n{axes}{rotary}\n{pointers}{events}",
       "taken"_is(text_cell(snapshot.taken)), "link"_is(text_cell(snapshot.link)), "unit"_is(unit_cell(snapshot)),
-      "mode"_is(ecs::name_of(s.mode), mode_in_words(s.mode)), "fault"_is(std::move(fault)), "ram_test"_is(ram_test_cell(s)),
-      "block_check"_is(block_check_cell(s)), "map"_is(map_cell(s)),
+      "mode"_is(ecs::name_of(s.mode), mode_in_words(s.mode)), "fault"_is(std::move(fault)),
+      "ram_test"_is(ram_test_cell(s)), "block_check"_is(block_check_cell(s)), "map"_is(map_cell(s)),
       "battery"_is(lines ? row("battery", battery_cell(*lines)) : null_cell()),
       "battery_age_s"_is(lines ? cell_of(lines->battery_age_s) : null_cell()),
       "control_on"_is(lines ? row("control", control_cell(*lines)) : null_cell()),

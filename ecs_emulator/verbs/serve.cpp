@@ -84,18 +84,20 @@ struct ServeRequest {
         {"--serial-number", &O::serial_number, "serial number of the unit, at most 16 characters"}};
     const Fields<O> pace = whole_number("--pace", [](O& o, long long baud) { o.pace_baud = static_cast<int>(baud); },
                                         "slow the line down to this baud rate, 300 to 921600", {300, 921600});
-    return {&R::machine,
-            {&R::options, of_line},
-            {"--memory", &R::memory, "file for the battery-backed axis memory"},
-            {"--workshop", &R::workshop, "socket for `ecs-emulator workshop`"},
-            {&R::options, pace},
-            {"--modules", &R::memory_modules, "axis memory modules in the rack, 1 to 5", cli::Range{1, 5}},
-            {"--mode", &R::mode, "mode after power-up; auto: integration if a host requests it or arms itself within 0.5 s, else compensation",
-             Words{"auto", "compensate", "integrate"}},
-            {&R::options,
-             Fields<O>{{"--arm-code", &O::arm_code, "arming code shown by the unit; six random digits if not given"},
-                       {"--real-time", &O::real_time, "run in real time; `state` counts missed periods"}}},
-            {"--with-parent", &R::with_parent, "end when the parent process ends"}};
+    return {
+        &R::machine,
+        {&R::options, of_line},
+        {"--memory", &R::memory, "file for the battery-backed axis memory"},
+        {"--workshop", &R::workshop, "socket for `ecs-emulator workshop`"},
+        {&R::options, pace},
+        {"--modules", &R::memory_modules, "axis memory modules in the rack, 1 to 5", cli::Range{1, 5}},
+        {"--mode", &R::mode,
+         "mode after power-up; auto: integration if a host requests it or arms itself within 0.5 s, else compensation",
+         Words{"auto", "compensate", "integrate"}},
+        {&R::options,
+         Fields<O>{{"--arm-code", &O::arm_code, "arming code shown by the unit; six random digits if not given"},
+                   {"--real-time", &O::real_time, "run in real time; `state` counts missed periods"}}},
+        {"--with-parent", &R::with_parent, "end when the parent process ends"}};
   }
 };
 

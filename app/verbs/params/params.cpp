@@ -257,17 +257,18 @@ struct AdjustRequest {
   bool trial = false;
   static Fields<AdjustRequest> fields() {
     using R = AdjustRequest;
-    return {{"COMPONENT", &R::component, "squareness value", Words{"C0Y", "B0Z", "A0Z"}, Need::required},
-            {"UM", &R::reading_um,
-             "displacement of the tool that the indicator shows now: along X for C0Y and B0Z, along Y for A0Z [um]",
-             Need::required},
-            {"--over-mm", &R::over_mm,
-             "distance over which it shows this, in the positive direction of Y for C0Y, of Z for B0Z and A0Z [mm]",
-             Range{1.0, 1e5}, Need::required},
-            {"--nothing-um", &R::nothing_um, "largest reading that counts as zero [um]", Range{0.0, 1e3}},
-            {"--trial", &R::trial,
-             "only try the value: the unit keeps compensating and stores nothing. A reading of 0 without --trial stores "
-             "the value that is tried"}};
+    return {
+        {"COMPONENT", &R::component, "squareness value", Words{"C0Y", "B0Z", "A0Z"}, Need::required},
+        {"UM", &R::reading_um,
+         "displacement of the tool that the indicator shows now: along X for C0Y and B0Z, along Y for A0Z [um]",
+         Need::required},
+        {"--over-mm", &R::over_mm,
+         "distance over which it shows this, in the positive direction of Y for C0Y, of Z for B0Z and A0Z [mm]",
+         Range{1.0, 1e5}, Need::required},
+        {"--nothing-um", &R::nothing_um, "largest reading that counts as zero [um]", Range{0.0, 1e3}},
+        {"--trial", &R::trial,
+         "only try the value: the unit keeps compensating and stores nothing. A reading of 0 without --trial stores "
+         "the value that is tried"}};
   }
 };
 
@@ -314,9 +315,10 @@ Adjusted adjusted(const AdjustRequest& request, bool shows_nothing, bool tried, 
     return {"{component}: {before} um/m stays: the indicator reads zero within {nothing_um} um\n{then}",
             tried ? fmt::format("it is only tried: {} stores it\n", command_that_stores(request)) : ""};
   if (request.trial)
-    return {"{component}: {before} -> {after} um/m, tried\n{then}",
-            fmt::format("the unit keeps compensating; measure again. When the indicator reads zero, {} stores the value\n",
-                        command_that_stores(request))};
+    return {
+        "{component}: {before} -> {after} um/m, tried\n{then}",
+        fmt::format("the unit keeps compensating; measure again. When the indicator reads zero, {} stores the value\n",
+                    command_that_stores(request))};
   return {"{component}: {before} -> {after} um/m, sent and verified\n{then}",
           compensated ? "the unit compensates again when every axis has been referenced; then measure again\n"
                       : "the unit is in integration mode\n",
@@ -354,10 +356,11 @@ Result<Outcome> adjust(VerbContext& context, const AdjustRequest& request) {
   constexpr double kMeasuredAsZero_um_per_m = 1e-4;
   const bool shows_nothing = std::abs(request.reading_um) <= request.nothing_um;
   if (!shows_nothing && !request.trial && before != stored[place])  // the reading may be the one that has been tried
-    return problem(ProblemKind::refused,
-                   "{} {:.2f} um/m is tried and not stored, and this reading would change it again. If the indicator now "
-                   "reads zero, store the value with {}; else try the present reading first, with --trial",
-                   request.component, before, command_that_stores(request));
+    return problem(
+        ProblemKind::refused,
+        "{} {:.2f} um/m is tried and not stored, and this reading would change it again. If the indicator now "
+        "reads zero, store the value with {}; else try the present reading first, with --trial",
+        request.component, before, command_that_stores(request));
   if (!shows_nothing) value = before + *left;
   if (!shows_nothing && std::abs(value) < kMeasuredAsZero_um_per_m) value = kMeasuredAsZero_um_per_m;
   const bool compensated = status.mode == UnitMode::compensating || status.mode == UnitMode::datuming;

@@ -46,12 +46,11 @@ Cell axis_cell(Axis axis, const AxisSample& a, const params::PositionUnit& unit)
   return record_cell(
       "{axis:<4} {position_mm:>11} {speed_mm_min:>14} {referenced:<3} {switch:<6} {marker:<6} {approach:<8} "
       "{compensation_um:>7} {output_counts:>6} {relay_closed}\n",
-      "axis"_shown(std::string(1, letter_of(axis))),
-      "position_mm"_is(a.position_mm, unit.position(a.position_mm)),
+      "axis"_shown(std::string(1, letter_of(axis))), "position_mm"_is(a.position_mm, unit.position(a.position_mm)),
       "speed_mm_min"_is(a.speed_mm_min, unit.speed_of(a.speed_mm_min)), "referenced"_is(a.referenced, "yes", "no"),
-      "switch"_is(a.switch_active, "on", "off"), "marker"_is(a.marker, "seen", "-"), "approach"_is(approach_cell(a.approach)),
-      "compensation_um"_is(a.compensation_um, 2), "output_counts"_is(a.output_counts),
-      "relay_closed"_is(a.relay_closed, "closed", "open"));
+      "switch"_is(a.switch_active, "on", "off"), "marker"_is(a.marker, "seen", "-"),
+      "approach"_is(approach_cell(a.approach)), "compensation_um"_is(a.compensation_um, 2),
+      "output_counts"_is(a.output_counts), "relay_closed"_is(a.relay_closed, "closed", "open"));
 }
 
 Cell axes_cell(const MonitorSample& sample, const params::PositionUnit& unit) {
