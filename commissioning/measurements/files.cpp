@@ -116,6 +116,8 @@ int largest_run(const MeasurementSet& set, const laser::Group& group) {
 }
 
 constexpr std::string_view kInstrument = "instrument";
+/// What each line has of its own: it says nothing that two files differ in it.
+constexpr std::string_view kOfEachLine[] = {kInstrument, "plan", "readings"};
 
 /// "; they are of another instrument": one line of two instruments is rarely meant.
 std::string other_instrument(const MeasurementSet& all, const MeasurementSet& more) {
@@ -158,7 +160,7 @@ Result<void> join_metadata(MeasurementSet& all, const MeasurementSet& more) {
     const auto known = laser::metadata_value(all, entry.key);
     if (!known)
       all.metadata.push_back(entry);
-    else if (*known != entry.value && entry.key != kInstrument)
+    else if (*known != entry.value && std::ranges::find(kOfEachLine, entry.key) == std::end(kOfEachLine))
       all.notes.push_back(
           fmt::format("{}: {} is \"{}\", the first file has \"{}\": all readings are used, the header keeps the value "
                       "of the first file",
