@@ -330,10 +330,11 @@ std::string add_text(const Diagnosis& d) {
       std::any_of(d.candidates.begin(), d.candidates.end(), [](const Candidate& candidate) { return candidate.named; });
   return "\n" + paragraph(fmt::format("To try it: add {}{} with `ecs model add MODEL EFFECT --data DATA`. On held-out "
                                       "readings the residual is "
-                                      "then expected to {} from {:.3g} to {:.3g} {} rms.",
+                                      "then expected to {} from {} to {} {} rms.",
                                       proved ? "the proved effects, then " : "", fmt::join(d.add->effects, ", then "),
                                       d.add->held_out_rms_um < d.add->held_out_rms_before_um ? "fall" : "change",
-                                      d.add->held_out_rms_before_um, d.add->held_out_rms_um, d.noise.unit),
+                                      model::in_digits(d.add->held_out_rms_before_um),
+                                      model::in_digits(d.add->held_out_rms_um), d.noise.unit),
                           0, 2);
 }
 
@@ -518,11 +519,10 @@ std::string formula_text(const Diagnosis& diagnosis) {
   const model::ProposedFormula& formula = *diagnosis.formula;
   return fmt::format(
       "As a formula of {} term{}: {}. `ecs model add MODEL formula --data DATA` adds it. On held-out readings the "
-      "residual is then "
-      "expected "
-      "to fall from {:.3g} to {:.3g} {} rms.",
+      "residual is then expected to fall from {} to {} {} rms.",
       formula.effect.user.size(), formula.effect.user.size() == 1 ? "" : "s", formulas_text(formula.effect),
-      formula.held_out_rms_before_um, formula.held_out_rms_um, diagnosis.noise.unit);
+      model::in_digits(formula.held_out_rms_before_um), model::in_digits(formula.held_out_rms_um),
+      diagnosis.noise.unit);
 }
 
 std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) {

@@ -144,7 +144,8 @@ void add_parts(const Observations& after, const std::vector<std::size_t>& rows, 
     if (is_predicted) cause = "it was there before, and the unit does not compensate it";
     parts.push_back(
         {shape, sense, axis, taken.size, rms_um,
-         fmt::format("{}{} contributes {:.2g} {} to this rms: {}.", part, share, rms_um, after.reading_unit(), cause)});
+         fmt::format("{}{} contributes {} {} to this rms: {}.", part, share, model::in_digits(rms_um, 2),
+                     after.reading_unit(), cause)});
   };
   add("constant", constant, fmt::format("A constant shift of {} by {:+.2g} {}", of, constant.size, unit),
       "the zero of the laser or the datum has changed");
@@ -263,11 +264,11 @@ std::vector<std::string> made_worse(const std::vector<AfterDirection>& direction
   for (const AfterDirection& one : directions)
     if (one.predicted_um > kWorse * one.now_um)
       notes.push_back(fmt::format(
-          "compensation with this model would increase {}, {}, {:.3g} -> {:.3g}: there the effects that the unit can "
+          "compensation with this model would increase {}, {}, {} -> {}: there the effects that the unit can "
           "compensate cancel other effects, or errors that the model lacks",
           one.path.empty() ? fmt::format("{} along {}", name_of(one.sense), laser::letter_of(one.axis, rotary))
                            : one.path,
-          direction_text(one.approach), one.now_um, one.predicted_um));
+          direction_text(one.approach), model::in_digits(one.now_um), model::in_digits(one.predicted_um)));
   return notes;
 }
 
@@ -283,8 +284,8 @@ std::vector<std::string> notes_on(const ModelWork& work, const model::WhatIf& wh
   for (std::size_t i = 0; i < what.shares.size(); ++i)  // in the order of the model
     if (what.shares[i].carried && !measurement_alternatives(work.model.effects[i]).empty())
       notes.push_back(cost_if_of_measurement(
-          work.model.effects[i],
-          fmt::format("{:.3g} {} rms, up to {:.3g} {},", what.shares[i].rms_um, unit, what.shares[i].peak_um, unit)));
+          work.model.effects[i], fmt::format("{} {} rms, up to {} {},", model::in_digits(what.shares[i].rms_um), unit,
+                                             model::in_digits(what.shares[i].peak_um), unit)));
   const auto compensated = std::count(work.data.compensated.begin(), work.data.compensated.end(), true);
   if (compensated > 0)
     notes.push_back(fmt::format("{} of the {} readings were taken with compensation active: {}", compensated,

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "commissioning/models/view.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/compiled_rotary.hpp"
 #include "model/regression/candidates.hpp"
@@ -74,9 +75,10 @@ void add_exchangeable(FittedRotary& out, const model::Exchangeable& one) {
   }
   const std::string_view unit = is_rotation(*one.effect.sense) ? "um/m" : "um";
   out.not_told.push_back(fmt::format(
-      "{}: these readings cannot distinguish it from the effect fitted instead, of which it would be {:.2g} {}. Any "
-      "share of that may be its own: it is written as 0 with a standard uncertainty of {:.2g} {}{}",
-      place_text(one.effect), one.stands_for, unit, u, unit,
+      "{}: these readings cannot distinguish it from the effect fitted instead. If it alone were the cause, it would "
+      "be "
+      "{} {}. Any share of that may be its own: it is written as 0 with a standard uncertainty of {} {}{}",
+      place_text(one.effect), few_digits(one.stands_for, 2), unit, few_digits(u, 2), unit,
       others.empty() ? "" : fmt::format(", which is included in that of {}; their sum keeps its own", others)));
 }
 

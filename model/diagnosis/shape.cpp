@@ -354,7 +354,7 @@ Points points_over(const VectorXd& residual, double noise_um, const std::vector<
   return points;
 }
 
-std::string with_unit(double value, std::string_view unit) { return fmt::format("{:.3g} {}", value, unit); }
+std::string with_unit(double value, std::string_view unit) { return fmt::format("{} {}", in_digits(value), unit); }
 
 /// @param unit  of the variable  @param name  "X", "time": where the shape runs along  @param um  unit of the readings
 std::string words_of(const ShapeFit& fit, const Points& points, std::string_view unit, const std::string& name,
@@ -368,19 +368,19 @@ std::string words_of(const ShapeFit& fit, const Points& points, std::string_view
     case ShapeKind::line:
       return fmt::format("a straight line, {:+.3g} {} from {} to {}", fit.size, um, end(false), end(true));
     case ShapeKind::curve:
-      return fmt::format("a smooth curve over {}, {:.3g} {} from smallest to largest", name, fit.size, um);
+      return fmt::format("a smooth curve over {}, {} from smallest to largest", name, with_unit(fit.size, um));
     case ShapeKind::jump:
       return fmt::format("a jump of {:+.3g} {} at {} = {}", fit.size, um, name, with_unit(points.at(fit.first), unit));
     case ShapeKind::bump:
       return fmt::format("a bump of {:+.3g} {} near {} = {}", fit.size, um, name,
                          with_unit(points.at(fit.first), unit));
     case ShapeKind::wave:
-      return fmt::format("a wave of {:.3g} {} and a period of {} along {}", fit.size, um,
+      return fmt::format("a wave of {} and a period of {} along {}", with_unit(fit.size, um),
                          with_unit(period(fit.waves), unit), name);
     case ShapeKind::chirp: {
       const double first = period(fit.first), second = period(fit.second);
-      return fmt::format("a wave of {:.3g} {} whose period {} from {:.3g} to {} along {}", fit.size, um,
-                         second > first ? "grows" : "falls", first, with_unit(second, unit), name);
+      return fmt::format("a wave of {} whose period {} from {} to {} along {}", with_unit(fit.size, um),
+                         second > first ? "grows" : "falls", in_digits(first), with_unit(second, unit), name);
     }
     default:
       return fmt::format("a wave with a period of {} whose amplitude decays towards {}",
@@ -559,8 +559,9 @@ std::string spectrum_in_words(const Observations& data, const VectorXd& residual
   while (periods.size() < kMostPeriods && before > least) {
     const ShapeFit wave = wave_in(points);
     if (before - wave.left < std::max(kLeastShareOfWave * (all - n), 20.0)) break;
-    periods.push_back(fmt::format("{:.3g} {} ({:.0f} %)", (points.to - points.from) / wave.waves,
-                                  unit_along(data, line), kPercent * (before - wave.left) / all));
+    periods.push_back(fmt::format("{} ({:.0f} %)",
+                                  with_unit((points.to - points.from) / wave.waves, unit_along(data, line)),
+                                  kPercent * (before - wave.left) / all));
     points.mean = means_without(points, wave);
     before = wave.left;
   }

@@ -339,17 +339,17 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
   if (rms_um < kNothingLeft_um) return "";
   if (lack_of_fit && lack_of_fit->fails())
     return fmt::format(
-        "the residual is {:.3g} {}, and repeats show that it is not noise (lack-of-fit test: p < 0.0001): measure at "
+        "the residual is {} {}, and repeats show that it is not noise (lack-of-fit test: p < 0.0001): measure at "
         "more positions",
-        rms_um, in.found.noise.pure.unit);
+        in_digits(rms_um), in.found.noise.pure.unit);
   if (are_off_their_means(data))
     return "every target is the mean of its own readings, so they show how well a position repeats (`ecs test poses` "
            "compares ways of approach), but not where it should be: give the nominal positions";
   if (rms_um > kMostOfNoise * in.found.noise.pure.noise_um)
     return fmt::format(
-        "the residual is {:.3g} {}, {:.2g} times the noise, and so few readings do not show its cause: "
-        "measure the same lines again",
-        rms_um, in.found.noise.pure.unit, rms_um / in.found.noise.pure.noise_um);
+        "the residual is {} {}, {} times the noise, and so few readings do not show its cause: measure the same lines "
+        "again",
+        in_digits(rms_um), in.found.noise.pure.unit, in_digits(rms_um / in.found.noise.pure.noise_um, 2));
   std::optional<Choice> closest = in.found.stands_out;
   if (!closest && !in.found.closest.empty()) closest = in.found.closest.front();
   if (closest && in.found.chance_of_closest.value_or(1.0) < kRareOfNoise)
@@ -374,9 +374,9 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
       held_out_rms(data, in.base.core.noise, in.base.core.left_out, parts, in.problem.columns, in.problem.target);
   if (held_out_um <= kMostHeldOut * rms_um) return "";
   return fmt::format(
-      "no line was repeated, and the residual is {:.3g} {} for held-out readings but {:.3g} for fitted ones: measure "
+      "no line was repeated, and the residual is {} {} for held-out readings but {} for fitted ones: measure "
       "the same lines again",
-      held_out_um, in.found.noise.pure.unit, rms_um);
+      in_digits(held_out_um), in.found.noise.pure.unit, in_digits(rms_um));
 }
 
 /// Takes the part in the answer from effects of position that errors of the points themselves would look like, of

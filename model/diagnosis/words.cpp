@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/text.hpp"
 #include "model/diagnosis/trial.hpp"
 #include "model/diagnosis/waves.hpp"
 #include "model/effects/definition.hpp"
@@ -302,7 +303,7 @@ double share_alone(const Candidate& candidate) {
 
 /// Numbers as they are printed, so that no sentence calls equal ones a fall.
 bool falls(double before_um, double after_um) {
-  return after_um < before_um && fmt::format("{:.3g}", before_um) != fmt::format("{:.3g}", after_um);
+  return after_um < before_um && in_digits(before_um) != in_digits(after_um);
 }
 
 bool held_out_falls(const Candidate& candidate) {
@@ -322,6 +323,11 @@ std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) 
   return fmt::format("; {:.2g} % of simulated noise-only data sets fitted as well", kPercent * candidate.false_naming);
 }
 
+std::string held_out_text(double before_um, double after_um, const Diagnosis& diagnosis) {
+  return fmt::format(", on held-out readings from {} to {} {}", in_digits(before_um), in_digits(after_um),
+                     diagnosis.noise.unit);
+}
+
 /// What the candidate does alone beside the model.
 std::string evidence_alone(const Candidate& candidate, const Diagnosis& diagnosis) {
   const bool explains = explains_alone(candidate, diagnosis);
@@ -333,13 +339,12 @@ std::string evidence_alone(const Candidate& candidate, const Diagnosis& diagnosi
         share < kLeastShareSaid ? ", too little to be evidence on its own" : ", no more than noise would");
   }
   std::string text =
-      fmt::format("With it the residual{} falls from {:.3g} to {:.3g} {} rms ({} explained; noise {:.3g} {})",
-                  diagnosis.outliers.empty() ? "" : " without the outliers", candidate.kept_rms_before_um,
-                  candidate.kept_rms_after_um, diagnosis.noise.unit, percent(share_alone(candidate)),
-                  diagnosis.noise.noise_um, diagnosis.noise.unit);
+      fmt::format("With it the residual{} falls from {} to {} {} rms ({} explained; noise {} {})",
+                  diagnosis.outliers.empty() ? "" : " without the outliers", in_digits(candidate.kept_rms_before_um),
+                  in_digits(candidate.kept_rms_after_um), diagnosis.noise.unit, percent(share_alone(candidate)),
+                  in_digits(diagnosis.noise.noise_um), diagnosis.noise.unit);
   if (held_out_falls(candidate))
-    text += fmt::format(", on held-out readings from {:.3g} to {:.3g} {}", *candidate.held_out_rms_before_um,
-                        *candidate.held_out_rms_um, diagnosis.noise.unit);
+    text += held_out_text(*candidate.held_out_rms_before_um, *candidate.held_out_rms_um, diagnosis);
   else if (candidate.held_out_rms_um)
     return text + "; alone it does not predict held-out readings";
   return explains ? text + chance_text(candidate, diagnosis) : text;
@@ -358,15 +363,13 @@ std::string evidence_together(const Candidate& candidate, const Diagnosis& diagn
   }
   std::string text = fmt::format("Together with {}, ", fmt::join(others, " and "));
   if (falls(candidate.kept_rms_before_um, joint.rms_after_um))
-    text += fmt::format("this effect reduces the residual from {:.3g} to {:.3g} {} rms (noise {:.3g} {})",
-                        candidate.kept_rms_before_um, joint.rms_after_um, diagnosis.noise.unit,
-                        diagnosis.noise.noise_um, diagnosis.noise.unit);
+    text += fmt::format("this effect reduces the residual from {} to", in_digits(candidate.kept_rms_before_um));
   else
-    text += fmt::format("the residual is {:.3g} {} rms (noise {:.3g} {})", joint.rms_after_um, diagnosis.noise.unit,
-                        diagnosis.noise.noise_um, diagnosis.noise.unit);
+    text += "the residual is";
+  text += fmt::format(" {} {} rms (noise {} {})", in_digits(joint.rms_after_um), diagnosis.noise.unit,
+                      in_digits(diagnosis.noise.noise_um), diagnosis.noise.unit);
   if (falls(joint.held_out_rms_before_um, joint.held_out_rms_um))
-    text += fmt::format(", on held-out readings from {:.3g} to {:.3g} {}", joint.held_out_rms_before_um,
-                        joint.held_out_rms_um, diagnosis.noise.unit);
+    text += held_out_text(joint.held_out_rms_before_um, joint.held_out_rms_um, diagnosis);
   return text + (!none_alone ? "; alone it does not" : named == 2 ? "; neither alone does" : "; none alone does");
 }
 
@@ -425,6 +428,10 @@ std::string smaller_wave_text(const NamedWave& wave, const Observations& data) {
 }
 
 }  // namespace
+
+std::string in_digits(double value, int digits) {
+  return shortest(number_in(fmt::format("{:.{}g}", value, digits)).value_or(value));
+}
 
 std::string finding_text(const EffectInstance& found_effect, const std::vector<ParameterEstimate>& found_parameters,
                          const Observations& data) {
@@ -572,7 +579,7 @@ std::string separating_measurement(const EffectInstance& effect, const std::vect
   const double period = effect.traits().periodic ? searched_value(effect).value_or(usual) : 0.0;
   return fmt::format(
       fmt::runtime(chosen->sentence), fmt::arg("axis", axis_word(effect)),
-      fmt::arg("tenth", fmt::format("{:.3g} {}", period / kTargetsAPeriod, laser::target_unit(effect.rotary))));
+      fmt::arg("tenth", fmt::format("{} {}", in_digits(period / kTargetsAPeriod), laser::target_unit(effect.rotary))));
 }
 
 std::optional<std::string> sensor_noise_note(const Diagnosis& diagnosis, const Observations& data, bool unexplained) {
