@@ -212,12 +212,13 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
                       unread = lacking_text(data, *effect);
     return problem(
         ProblemKind::usage,
-        fmt::format("{}: {}", to_text(*effect),
-                    is_there          ? "it is in the model already"
-                    : !unread.empty() ? unread
-                    : !why.empty()    ? why
-                                      : "no reading of these data depends on it (`ecs laser show` lists their axes, "
-                                        "senses and columns)"));
+        !is_there && unread.empty() && !why.empty()
+            ? why
+            : fmt::format("{}: {}", to_text(*effect),
+                          is_there          ? "it is in the model already"
+                          : !unread.empty() ? unread
+                                            : "no reading of these data depends on it (`ecs laser show` lists their "
+                                              "axes, senses and columns)"));
   }
   added.effect = fit.effects.back();
   added.effect.effect.tied_with = added.model.effects.back().tied_with;
