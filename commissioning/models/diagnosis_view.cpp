@@ -262,11 +262,12 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& d) {
     sigmas[model::shown_name(one)] = number_or_null(one.sigma);
   }
   const auto details = [](bool any, const std::string& text) { return any ? paragraph(text, 2, 4) : std::string(); };
-  std::vector<std::string> rivals;
+  std::vector<std::string> rivals, improbable;
   for (const model::EffectInstance& rival : c.rivals)
-    rivals.push_back(rival.traits().of_measurement
-                         ? fmt::format("{} (error of the measurement: {})", place_text(rival), rival.definition().cause)
-                         : place_text(rival));
+    (c.is_open(rival) ? rivals : improbable)
+        .push_back(rival.traits().of_measurement
+                       ? fmt::format("{} (error of the measurement: {})", place_text(rival), rival.definition().cause)
+                       : place_text(rival));
   std::vector<std::string> rivals_of_parts;
   for (const model::RivalOfPart& rival : c.in_part) rivals_of_parts.push_back(to_text(rival.other));
   AnswerFields fields = described(
@@ -291,7 +292,9 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& d) {
       "skipped"_is(c.skipped, details(c.skipped > 0, fmt::format("{} readings lack a cell that it needs", c.skipped))),
       "indistinguishable_from"_is(
           c.indistinguishable_from,
-          details(!rivals.empty(), fmt::format("cannot be distinguished from: {}", fmt::join(rivals, ", ")))),
+          details(!rivals.empty(), fmt::format("cannot be distinguished from: {}", fmt::join(rivals, ", "))) +
+              details(!improbable.empty(),
+                      fmt::format("as good a fit, but a probability below 1 %: {}", fmt::join(improbable, ", ")))),
       "indistinguishable_in_part"_is(rivals_of_parts),
       "because"_is(c.because, details(!c.because.empty(), "because: " + c.because)),
       "next_measurement"_is(

@@ -534,16 +534,17 @@ Result<Diagnosis> reported(const ReportInput& in) {
     }
     for (const ParameterEstimate& parameter : candidate.parameters)
       if (!parameter.held) candidate.effect.fitted.try_emplace(parameter.name, parameter.value);
-    const bool is_aliased = candidate.effect.rotary && candidate.effect.traits().periodic && candidate.rivals.empty() &&
+    const std::vector<EffectInstance> open = candidate.open_rivals();
+    const bool is_aliased = candidate.effect.rotary && candidate.effect.traits().periodic && open.empty() &&
                             !candidate.parameters_set.empty();
     candidate.next_measurement = is_aliased ? fmt::format("Measure {} again at targets displaced from equal steps.",
                                                           axis_letter(candidate.effect))
-                                            : separating_measurement(candidate.effect, order[i].rivals);
+                                            : separating_measurement(candidate.effect, open);
     if (candidate.standing == Standing::likely) {
       const Doubt doubt = doubt_about(order[i], in.found, noise_left(in.found, in.options));
       candidate.but = doubt.but;
       candidate.decide = doubt.decide;
-      if (candidate.rivals.empty()) candidate.next_measurement = doubt.decide + ".";
+      if (open.empty()) candidate.next_measurement = doubt.decide + ".";
     }
     diagnosis.candidates.push_back(std::move(candidate));
   }
@@ -667,6 +668,16 @@ Result<Answered> diagnosed(Result<Answered> (*answer)(const ReportInput&), const
 }
 
 }  // namespace
+
+bool Candidate::is_open(const EffectInstance& rival) const {
+  return set.empty() || std::ranges::find(set, place_text(rival), &SetMember::place) != set.end();
+}
+
+std::vector<EffectInstance> Candidate::open_rivals() const {
+  std::vector<EffectInstance> open;
+  std::ranges::copy_if(rivals, std::back_inserter(open), [&](const EffectInstance& rival) { return is_open(rival); });
+  return open;
+}
 
 Result<Diagnosis> diagnose(const Model& model, const Observations& data, const DiagnoseOptions& options) {
   auto diagnosis = diagnosed<Diagnosis>(

@@ -106,8 +106,12 @@ struct Candidate : TrialNumbers {
   std::vector<std::string> indistinguishable_from;  ///< "effect:axis:sense-or-code"
   std::vector<EffectInstance> rivals;               ///< the same, with approach and sensors
   std::vector<RivalOfPart> in_part;                 ///< none of them rivals of the whole
-  std::string because;                              ///< the evidence, in words
-  std::string next_measurement;                     ///< one sentence
+  /// Whether a rival is in the credible set. The others fit as well, but are improbable (more parameters, a rare
+  /// cause).
+  [[nodiscard]] bool is_open(const EffectInstance& rival) const;
+  [[nodiscard]] std::vector<EffectInstance> open_rivals() const;
+  std::string because;           ///< the evidence, in words
+  std::string next_measurement;  ///< one sentence
 };
 
 struct Dependence {

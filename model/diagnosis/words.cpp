@@ -191,7 +191,7 @@ std::string with_alternatives(const std::string& finding, const Candidate& candi
   const std::string own = place_text(candidate.effect);
   const double own_probability = probabilities.try_emplace(own, candidate.probability).first->second;
   std::map<std::string, std::string> others;  // what each is called
-  for (const EffectInstance& rival : candidate.rivals) others[place_text(rival)] = rival.definition().title;
+  for (const EffectInstance& rival : candidate.open_rivals()) others[place_text(rival)] = rival.definition().title;
   for (const auto& [place, probability] : probabilities)
     if (probability > own_probability + kEqualShare) others.try_emplace(place);
   std::erase_if(others, [&](const auto& other) {

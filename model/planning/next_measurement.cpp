@@ -552,7 +552,7 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
   if (diagnosis.verdict != Verdict::missing_effect) return std::nullopt;
   for (const Candidate& candidate : diagnosis.candidates)
     if (candidate.in_answer() &&
-        (!candidate.named || !candidate.rivals.empty() || !candidate.in_part.empty() ||
+        (!candidate.named || !candidate.open_rivals().empty() || !candidate.in_part.empty() ||
          !candidate.parameters_set.empty() || candidate.e_value.value_or(0.0) < kProved ||
          std::ranges::any_of(candidate.parameters, [](const ParameterEstimate& one) { return one.undetermined; })))
       return std::nullopt;
@@ -590,7 +590,7 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
   const auto group = std::ranges::find(groups, next.rivals, &OpenGroup::names);
   if (group == groups.end()) return next;
   for (Candidate& candidate : diagnosis.candidates) {
-    if (!candidate.decide.empty() && candidate.rivals.empty()) continue;  // what decides a doubt comes first
+    if (!candidate.decide.empty() && candidate.open_rivals().empty()) continue;  // what decides a doubt comes first
     const auto rival = std::ranges::find_if(
         group->rivals, [&](const EffectInstance& one) { return same_candidate(one, candidate.effect); });
     if (rival == group->rivals.end()) continue;

@@ -219,7 +219,8 @@ OpenGroup group_around(const Candidate& first, const Diagnosis& diagnosis) {
   OpenGroup group{{first.effect}, {}, {}};
   for (const Candidate& other : diagnosis.candidates) {
     if (&other == &first) continue;
-    const bool rival = lists(first, other.effect) && !same_candidate(other.effect, first.effect);
+    const bool rival =
+        lists(first, other.effect) && first.is_open(other.effect) && !same_candidate(other.effect, first.effect);
     if (rival && !other.in_answer())
       group.rivals.push_back(other.effect);
     else if (other.in_answer())
