@@ -368,7 +368,7 @@ Cell candidates_cell(const Diagnosis& d) {
                                    of_groups ? "; of causes that cannot be distinguished, the one fitted" : ""),
                        named) +
               titled_table("likely effects, not proved", likely) + add_text(d) +
-              titled_table("rivals and weaker explanations, each alone", rivals)};
+              titled_table("other candidates, each alone", rivals)};
 }
 
 std::vector<ShapePoint> shape_of(const model::Dependence& one) {
