@@ -216,6 +216,13 @@ BallSet set_at(const Observations& data, const BallPlace& at, const std::vector<
   return set;
 }
 
+/// ", here up to +-22.5 deg," where the travel of the axis ends before the opposite of a target.
+std::string widest_pair_text(const BallSet::Sweep& sweep) {
+  const double widest_deg = std::min(-sweep.targets_deg.front(), sweep.targets_deg.back());
+  return sweep.targets_deg.front() == -sweep.targets_deg.back() ? ""
+                                                                : fmt::format(", here up to +-{:g} deg,", widest_deg);
+}
+
 bool head_turns(const Observations& data) {
   const std::string& letters = data.machine.rotary_configuration;
   return letters.find_first_of("ABC", letters.find('T')) != std::string::npos;
@@ -239,9 +246,9 @@ class Options {
   std::vector<MeasurementProposal> all() {
     const BallPlace now = present_place(data_);
     add(now, times_.start_minutes, "at the same place with the same tool",
-        fmt::format("Pairs of + and - angles of {} separate the odd part of an error in that angle, such as a sine, "
+        fmt::format("Pairs of + and - angles of {}{} separate the odd part of an error in that angle, such as a sine, "
                     "from its even part.",
-                    letter_of_tilting()));
+                    letter_of_tilting(), widest_pair_text(wanted_.front())));
     if (head_turns(data_)) other_tool(now);
     for (const Axis along : kAllAxes) other_place(now, along);
     return std::move(options_);
