@@ -344,7 +344,7 @@ std::optional<MeasurementProposal> over_the_travel(const Observations& data, con
   over.runs = kTwice;
   over.minutes = minutes_of(over, times);
   over.tells =
-      fmt::format("would show errors over the position, which readings at one target cannot: {:.0f} min", over.minutes);
+      fmt::format("would show errors over the position, which readings at one target cannot: {}", minutes_text(over));
   over.sentence = sentence_of(over);
   return over;
 }

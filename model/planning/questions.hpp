@@ -31,6 +31,9 @@ enum class Question {
   repeat,    ///< whether what is left comes back
 };
 
+/// "26 min with set-up"
+[[nodiscard]] std::string minutes_text(const MeasurementProposal& proposal);
+
 /// "tells backlash:X:EX from servo_lag:X:EX: 12.0 sigma, 9 min"; the surest pairs first.
 [[nodiscard]] std::string what_it_tells(const MeasurementProposal& proposal, Question question);
 
