@@ -432,7 +432,9 @@ void take_repetition(NextMeasurement& next, const Setting& in) {
                                              : std::vector<MeasurementProposal>{};
   if (lines.empty() && others.empty()) return;
   MeasurementProposal again = lines.empty() ? others.front() : lines.front().now;
-  again.targets_mm = off_equal_steps(again.targets_mm, again.targets_mm);
+  const std::vector<double> present_mm = again.targets_mm;
+  again.targets_mm = off_equal_steps(present_mm, present_mm);
+  again.at_present_targets = again.targets_mm == present_mm;
   again.bidirectional = true;
   constexpr int kTwice = 2;
   again.runs = kTwice;

@@ -63,9 +63,11 @@ struct MeasurementProposal {
   double circle_step_deg = 1.0;
   std::optional<BallSet> ball{};  ///< in place of a line: axis is the rotary one that tilts, there are no targets
   bool bidirectional = true;
-  int approach = 1;            ///< of the first pass; of every pass where not bidirectional
-  double overrun_mm = 5.0;     ///< motion in the sense of approach before the first target of a pass, at least
-  bool short_overrun = false;  ///< that much before every target, after a reversal (pilgrim step)
+  bool at_present_targets = false;  ///< those of the readings; the overrun may have moved the outermost
+  bool ends_moved = false;          ///< the outermost inwards, so that the overrun stays within the travel
+  int approach = 1;                 ///< of the first pass; of every pass where not bidirectional
+  double overrun_mm = 5.0;          ///< motion in the sense of approach before the first target of a pass, at least
+  bool short_overrun = false;       ///< that much before every target, after a reversal (pilgrim step)
   int runs = 1;
   std::optional<Warming> warming{};  ///< absent: one run begins when the one before ends
   int first_run = 1;                 ///< number of the first run, so that the run can join the present readings

@@ -108,7 +108,9 @@ MeasurementProposal as_now(const Observations& data, Axis axis, Sense sense, con
     if (const auto degC = last_of(column, rows)) now.temperatures_degC[sensor] = *degC;
   const Range range = range_of(data, axis);
   now.overrun_mm = std::min(now.overrun_mm, kMostOverrun * (range[1] - range[0]));
-  now.targets_mm = with_room(now.targets_mm, range, now.overrun_mm);
+  const std::vector<double> read_mm = now.targets_mm;
+  now.targets_mm = with_room(read_mm, range, now.overrun_mm);
+  now.ends_moved = now.targets_mm != read_mm;
   return now;
 }
 
@@ -321,8 +323,14 @@ std::vector<PresentLine> present_lines(const Observations& data, const Measuring
   return lines;
 }
 
+bool is_even_between_ends(const std::vector<double>& targets_mm) {
+  constexpr std::size_t kFewestWithin = 3;
+  if (targets_mm.size() < kFewestWithin + 2) return even_step_mm(targets_mm).has_value();
+  return even_step_mm({targets_mm.begin() + 1, targets_mm.end() - 1}).has_value();
+}
+
 std::vector<double> off_equal_steps(const std::vector<double>& present_mm, std::vector<double> chosen_mm) {
-  if (!even_step_mm(present_mm)) return chosen_mm;
+  if (!is_even_between_ends(present_mm)) return chosen_mm;
   std::vector<double> moved = moved_targets(std::move(chosen_mm));
   for (std::size_t i = 1; i + 1 < moved.size(); ++i) moved[i] = readable_mm(moved[i], moved[i + 1] - moved[i - 1]);
   return moved;

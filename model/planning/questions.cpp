@@ -38,6 +38,7 @@ std::string listed(const std::vector<std::string>& parts) {
 
 /// How far the targets lie from equal steps at the utmost [mm].
 double off_equal_steps_mm(const std::vector<double>& targets_mm) {
+  if (is_even_between_ends(targets_mm)) return 0.0;
   double most_mm = 0.0;
   const double last = static_cast<double>(targets_mm.size()) - 1.0;
   for (std::size_t i = 0; i < targets_mm.size(); ++i)
@@ -151,14 +152,14 @@ std::string sentence_of_ball(const MeasurementProposal& p) {
       p.runs == 1 ? "run" : "runs", ball.why);
 }
 
-/// More than any proposal chooses: all those of the readings, as a plate has them.
-bool are_of_file(const std::vector<double>& targets_mm) { return targets_mm.size() > kManyTargets; }
-
-std::string targets_text(const std::vector<double>& targets_mm) {
+std::string targets_text(const MeasurementProposal& p) {
+  const std::vector<double>& targets_mm = p.targets_mm;
   if (targets_mm.size() == 1) return fmt::format("1 target at {:g} mm", targets_mm.front());
-  const std::string range = fmt::format("from {:g} to {:g} mm", targets_mm.front(), targets_mm.back());
-  return are_of_file(targets_mm) ? fmt::format("at the {} targets of the present file, {}", targets_mm.size(), range)
-                                 : fmt::format("{} targets {}", targets_mm.size(), range);
+  if (p.at_present_targets && p.ends_moved)
+    return fmt::format("at the {} targets of the present file, the outermost moved to {:g} and {:g} mm for the overrun",
+                       targets_mm.size(), targets_mm.front(), targets_mm.back());
+  return fmt::format("{}{} targets{} from {:g} to {:g} mm", p.at_present_targets ? "at the " : "", targets_mm.size(),
+                     p.at_present_targets ? " of the present file," : "", targets_mm.front(), targets_mm.back());
 }
 
 }  // namespace
@@ -168,13 +169,12 @@ std::string sentence_of(const MeasurementProposal& p) {
   if (p.circle) return sentence_of_circle(p);
   std::string what = readings_word(p.sense, p.axis);
   if (what.starts_with("Angles")) what.front() = 'a';
-  std::string text =
-      fmt::format("Measure {} {}: {}, {}, {} {}, feed {:g} mm/min", what, p.condition, targets_text(p.targets_mm),
-                  ways_of(p), p.runs, p.runs == 1 ? "run" : "runs", p.feed_mm_min);
+  std::string text = fmt::format("Measure {} {}: {}, {}, {} {}, feed {:g} mm/min", what, p.condition, targets_text(p),
+                                 ways_of(p), p.runs, p.runs == 1 ? "run" : "runs", p.feed_mm_min);
   if (p.second_feed_mm_min) text += fmt::format(" and {:g} mm/min", *p.second_feed_mm_min);
   text += p.dwell_s > 0.0 ? fmt::format(", {:g} s dwell", p.dwell_s) : ", readings on the fly";
   constexpr double kWorthSaying_mm = 0.1;
-  if (const double off_mm = off_equal_steps_mm(p.targets_mm); off_mm > kWorthSaying_mm && !are_of_file(p.targets_mm))
+  if (const double off_mm = off_equal_steps_mm(p.targets_mm); off_mm > kWorthSaying_mm && !p.at_present_targets)
     text += fmt::format(
         ". The targets are up to {:.1f} mm off equal steps, so that a short period is not mistaken for a long one",
         off_mm);

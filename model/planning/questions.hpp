@@ -88,6 +88,8 @@ struct PresentLine {
 /// The way that an axis may take: its travel, else what was measured.
 [[nodiscard]] Range range_of(const Observations& data, Axis axis);
 
+/// Whether targets lie at equal steps, apart from the outermost, which the overrun may have moved.
+[[nodiscard]] bool is_even_between_ends(const std::vector<double>& targets_mm);
 /// The targets chosen for a run, moved where the present ones lie at equal steps: there a period has aliases.
 [[nodiscard]] std::vector<double> off_equal_steps(const std::vector<double>& present_mm, std::vector<double> chosen_mm);
 
