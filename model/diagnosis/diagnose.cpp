@@ -17,6 +17,7 @@
 #include "base/file_kind.hpp"
 #include "model/diagnosis/bad_run.hpp"
 #include "model/diagnosis/investigation.hpp"
+#include "model/diagnosis/ladder.hpp"
 #include "model/diagnosis/left.hpp"
 #include "model/diagnosis/shape.hpp"
 #include "model/diagnosis/standing.hpp"
@@ -604,6 +605,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.headline =
       headline_for(diagnosis, data, diagnosis.different_run ? diagnosis.different_run->text : run_note(in.found));
   diagnosis.headline += beside_formulas(in.model, diagnosis);
+  diagnosis.headline += undecided_text(in.model, data);
   if (motions) diagnosis.headline = words_for(*motions) + " " + diagnosis.headline;
   if (diagnosis.verdict == Verdict::adequate)
     if (const auto passes = scatter_of_passes(data, in.base.residual, in.base.core.left_out))

@@ -336,29 +336,43 @@ std::optional<AddRequest> request_for(std::string name, const EffectInstance& ef
   return *request;
 }
 
-/// Σ r² over the noise's variance, with one more effect; nothing where the readings cannot show it.
-std::optional<double> chi2_with(const Model& model, const Observations& data, const std::optional<AddRequest>& request,
-                                double noise_um) {
+/// The model with the effect of that name in place of `held`; nothing where the readings cannot show it.
+std::optional<Added> with_named(const Model& without, const EffectInstance& held, const std::string& name,
+                                const Observations& data) {
+  const auto request = request_for(name, held);
   if (!request) return std::nullopt;
-  const auto added = add_effect(model, data, *request, "");
+  auto added = add_effect(without, data, *request, "");
   if (!added || added->effect.readings == 0) return std::nullopt;
-  return static_cast<double>(data.size()) * std::pow(added->rms_after_um / noise_um, 2);
+  return std::move(*added);
 }
 
 struct Tie {
   std::vector<std::string> out, open, better;
+  Undecided undecided;
 };
 
 Tie judged(const Model& model, std::size_t effect, const Observations& data, double noise_um) {
-  Model without = model;
+  Tie tie;
+  Model& without = tie.undecided.without = model;
   without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(effect));
   const EffectInstance& held = model.effects[effect];
-  const auto own = chi2_with(without, data, request_for(place_text(held), held), noise_um);
-  Tie tie;
+  // Σ r² over the noise's variance
+  const auto chi2 = [&](const Added& with) {
+    return static_cast<double>(data.size()) * std::pow(with.rms_after_um / noise_um, 2);
+  };
+  const auto keep = [&](const Added& with) {
+    EffectInstance one = with.model.effects.back();
+    if (const auto period = one.parameters.extract(std::string(one.definition().searched_parameter())))
+      one.fitted[period.key()] = period.mapped();  // of another wave
+    tie.undecided.possible.push_back(std::move(one));
+  };
+  const auto own = with_named(without, held, place_text(held), data);
+  if (own) keep(*own);
   for (const std::string& name : names_in(held.tied_with)) {
-    const auto other = own ? chi2_with(without, data, request_for(name, held), noise_um) : std::nullopt;
-    const double worse = other ? *other - *own : 0.0;
+    const auto other = own ? with_named(without, held, name, data) : std::nullopt;
+    const double worse = other ? chi2(*other) - chi2(*own) : 0.0;
     (worse > kDecides ? tie.out : worse < -kDecides ? tie.better : tie.open).push_back(name);
+    if (other && worse <= kDecides) keep(*other);
   }
   return tie;
 }
@@ -387,6 +401,34 @@ Result<DecidedTies> decided_ties(const Model& model, const Observations& data) {
     }
   }
   return decided;
+}
+
+std::vector<Undecided> undecided_effects(const Model& model, const Observations& data) {
+  std::vector<Undecided> list;
+  if (!data.through_chain.empty() ||
+      std::ranges::all_of(model.effects, [](const auto& effect) { return effect.tied_with.empty(); }))
+    return list;
+  const auto now = fit(model, data);
+  if (!now || !(now->noise.noise_um > 0.0)) return list;
+  for (std::size_t i = 0; i < model.effects.size(); ++i)
+    if (!model.effects[i].tied_with.empty())
+      if (Tie tie = judged(model, i, data, now->noise.noise_um); tie.undecided.possible.size() > 1)
+        list.push_back(std::move(tie.undecided));
+  return list;
+}
+
+std::string undecided_text(const Model& model, const Observations& data) {
+  std::string text;
+  for (const Undecided& one : undecided_effects(model, data)) {
+    std::vector<std::string> names;
+    for (const EffectInstance& effect : one.possible) {
+      names.push_back(place_text(effect));
+      if (const auto value = searched_value(effect); value && effect.traits().periodic)
+        names.back() += fmt::format(" at {:.4g}", *value);
+    }
+    text += fmt::format(" Undecided: {}.", fmt::join(names, " or "));
+  }
+  return text;
 }
 
 }  // namespace ecs::model

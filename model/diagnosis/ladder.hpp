@@ -81,4 +81,14 @@ struct DecidedTies {
 /// @param data  all readings that are to decide, the former ones too
 [[nodiscard]] Result<DecidedTies> decided_ties(const Model& model, const Observations& data);
 
+/// An effect of a model whose alternatives these readings do not rule out.
+struct Undecided {
+  Model without;                         ///< the model without it
+  std::vector<EffectInstance> possible;  ///< the effect and its alternatives, each as fitted in its place
+};
+/// None of readings of a ball, whose exchangeable location errors a fit states.
+[[nodiscard]] std::vector<Undecided> undecided_effects(const Model& model, const Observations& data);
+/// " Undecided: scale:X:EX or cosine:X:EX."; "" where there is nothing of the kind.
+[[nodiscard]] std::string undecided_text(const Model& model, const Observations& data);
+
 }  // namespace ecs::model

@@ -13,6 +13,7 @@
 
 #include "model/data/motions.hpp"
 #include "model/diagnosis/investigation.hpp"
+#include "model/diagnosis/ladder.hpp"
 #include "model/diagnosis/left.hpp"
 #include "model/diagnosis/waves.hpp"
 #include "model/diagnosis/words.hpp"
@@ -406,12 +407,16 @@ Result<NextMeasurement> asked_of(const Setting& in, const OpenGroup& group, bool
   return asked;
 }
 
+bool is_separated(const NextMeasurement& next) {
+  return !next.proposals.empty() && next.proposals.front().separation_sigma >= kSeparates;
+}
+
 /// Of several open groups the first that a run separates: what no reading can separate must not hide what one can.
 Result<void> ask_groups(NextMeasurement& next, const Setting& in, const Diagnosis& diagnosis) {
   std::optional<NextMeasurement> first;
   for (const OpenGroup& group : groups_to_ask(diagnosis, is_of_ball(in.data))) {
     ECS_TRY(asked, asked_of(in, group, is_unsized_angle(group, diagnosis)));
-    const bool separates = !asked.proposals.empty() && asked.proposals.front().separation_sigma >= kSeparates;
+    const bool separates = is_separated(asked);
     if (!first || separates) {
       if (first) asked.notes.insert(asked.notes.begin(), first->notes.begin(), first->notes.end());
       first = std::move(asked);
@@ -420,6 +425,20 @@ Result<void> ask_groups(NextMeasurement& next, const Setting& in, const Diagnosi
   }
   next = std::move(*first);
   return {};
+}
+
+/// Effects of the model from the alternatives that it keeps. @return a run separates some
+Result<bool> ask_undecided(NextMeasurement& next, const Setting& in) {
+  for (const Undecided& one : undecided_effects(in.model, in.data)) {
+    NextMeasurement asked;
+    ECS_DO(ask_group(asked, {one.without, in.data, in.times}, named({one.possible, {}, {}}), false));
+    if (is_separated(asked)) {
+      next = std::move(asked);
+      return true;
+    }
+    next.notes.insert(next.notes.end(), asked.notes.begin(), asked.notes.end());
+  }
+  return false;
 }
 
 /// The line as it is measured now, once more and both ways: whether what is left comes back. What changes in time
@@ -483,6 +502,8 @@ void ask_again(NextMeasurement& next, const Setting& in, const Diagnosis& diagno
 
 /// @param few  too few readings to say whether the model is adequate
 Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
+  ECS_TRY(is_asked, ask_undecided(next, in));
+  if (is_asked) return {};
   const Observations part = in.data.size() > kManyReadings ? evenly(in.data, kManyReadings) : in.data;
   const auto options = all_options(part, {}, in.times);
   const WithProposals all = with_proposals(part, options);

@@ -133,7 +133,7 @@ struct NextMeasurement {
 
 /// Runs along lines, and circles where a ball bar is at hand; after readings of a ball sets of a ball. For the first
 /// group of rivals; for a lone cause its confirmation; for `unexplained_structure` the variables that the residual may
-/// depend on; for `adequate` the causes that could be there unseen.
+/// depend on; for `adequate` the alternatives that the model keeps, else the causes that could be there unseen.
 /// @param data  what `diagnosis` was made from
 [[nodiscard]] NextMeasurement next_measurement(const Model& model, const Observations& data, const Diagnosis& diagnosis,
                                                const MeasuringTimes& times = {});

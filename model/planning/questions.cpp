@@ -244,7 +244,34 @@ OpenGroup group_of_part(const Candidate& whole, const Diagnosis& diagnosis) {
   return group;
 }
 
+/// A wave at the periods that fit as well.
+OpenGroup group_of_periods(const Candidate& wave, const Diagnosis& diagnosis) {
+  constexpr std::size_t kMostPeriods = 4;  // as many as a sentence lists
+  OpenGroup group;
+  const std::string period(wave.effect.definition().searched_parameter());
+  const auto values = wave.parameters_set.find(period);
+  if (!wave.effect.traits().periodic || values == wave.parameters_set.end()) return group;
+  for (const double value : values->second | std::views::take(kMostPeriods)) {
+    group.rivals.push_back(wave.effect);
+    group.rivals.back().fitted[period] = value;
+  }
+  for (const Candidate& other : diagnosis.candidates)
+    if (other.in_answer() && &other != &wave) group.settled.push_back(other.effect);
+  return group;
+}
+
 }  // namespace
+
+OpenGroup named(OpenGroup group) {
+  for (const EffectInstance& rival : group.rivals) {
+    const auto alike =
+        std::ranges::count_if(group.rivals, [&](const EffectInstance& other) { return same_candidate(other, rival); });
+    group.names.push_back(name_with_sensor(rival));
+    if (const auto period = searched_value(rival); period && alike > 1)
+      group.names.back() += fmt::format(" at {:.4g}", *period);
+  }
+  return group;
+}
 
 std::vector<OpenGroup> open_groups(const Diagnosis& diagnosis) {
   std::vector<OpenGroup> groups;

@@ -46,8 +46,11 @@ struct OpenGroup {
   std::vector<std::string> names;       ///< one per rival
   std::vector<EffectInstance> settled;  ///< named effects outside the group
 };
-/// Every group of several; then every effect of which a part may be another one, along with those; of a diagnosis
-/// without either its first cause alone. Not empty where there are candidates.
+/// With a name for each rival, behind that of a wave its period where several are of one place.
+[[nodiscard]] OpenGroup named(OpenGroup group);
+/// Every group of several; then every effect of which a part may be another one, along with those; then every wave of
+/// which several periods fit; of a diagnosis without any of these its first cause alone. Not empty where there are
+/// candidates.
 [[nodiscard]] std::vector<OpenGroup> open_groups(const Diagnosis& diagnosis);
 /// Its settled effects free along all their directions: beside another rival they may have taken others.
 [[nodiscard]] OpenGroup with_free_directions(OpenGroup group);

@@ -2,6 +2,8 @@
 // holds on its data, without the search. `next`: the measurement that separates the rivals, and whether a planned one
 // can determine a model.
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -143,7 +145,10 @@ Cell proposal_cell(const MeasurementProposal& one, std::size_t number) {
 /// Those of an adequate model are in a note below, with their size.
 std::string rivals_text(const model::NextMeasurement& next, const model::Diagnosis& diagnosis) {
   const std::vector<std::string>& rivals = next.rivals;
-  if (diagnosis.verdict == model::Verdict::adequate)
+  const auto separates_causes = [](const MeasurementProposal& one) {
+    return std::ranges::any_of(one.pairs, [](const model::PairSeparation& pair) { return !pair.rival.empty(); });
+  };
+  if (diagnosis.verdict == model::Verdict::adequate && std::ranges::none_of(next.proposals, separates_causes))
     return next.proposals.empty() ? "" : "No measurement is needed. To exclude small effects:\n";
   if (rivals.empty()) return {};
   if (diagnosis.verdict == model::Verdict::unexplained_structure)
