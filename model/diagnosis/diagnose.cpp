@@ -256,7 +256,15 @@ void state_sets(Candidate& candidate, const ReportInput& in, const std::vector<R
     if (same_candidate(in.model.effects[own], candidate.effect))
       for (const ParameterEstimate& parameter : after.effects[own].parameters)
         candidate.parameters_set[parameter.name].push_back(parameter.value);
-  if (candidate.parameters_set.begin()->second.size() < 2) candidate.parameters_set.clear();
+  if (candidate.parameters_set.begin()->second.size() < 2) return candidate.parameters_set.clear();
+  const std::string searched(definition.searched_parameter());
+  const auto fitted = std::ranges::find(candidate.parameters, searched, &ParameterEstimate::name);
+  if (fitted == candidate.parameters.end()) return;
+  const std::vector<double> found = candidate.parameters_set[searched];
+  const auto own = std::ranges::min_element(found, {}, [&](double value) { return std::abs(value - fitted->value); });
+  for (const ParameterEstimate& one : candidate.parameters)  // as stated beside it
+    if (const auto of = candidate.parameters_set.find(one.name); of != candidate.parameters_set.end())
+      of->second[static_cast<std::size_t>(own - found.begin())] = one.value;
 }
 
 std::vector<Dependence> dependences(const Observations& data, const VectorXd& residual, const NoiseModel& noise,
@@ -598,7 +606,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   if (const std::span residual(in.base.residual.data(), data.size()); !in.found.noise.relative.empty())
     diagnosis.notes.push_back(
         words_for(stated_uncertainty(data, residual, diagnosis.noise.noise_um), diagnosis.noise.unit));
-  diagnosis.reservation = reservation_for(data);
+  diagnosis.reservation = reservation_for(diagnosis, data);
   diagnosis.cannot_tell = cannot_tell;
   diagnosis.best_sum_leaves = !in.found.solution.chosen.empty() && leaves_structure(in.found, in.options);
   diagnosis.different_run = different_run(in.found, scaled, diagnosis, data, in.base.residual);

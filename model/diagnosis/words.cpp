@@ -491,7 +491,7 @@ std::string readings_word(Sense sense, std::optional<Axis> axis, bool rotary) {
   return fmt::format("{} deviations along {}", direction, letter_of(*axis));
 }
 
-std::string reservation_for(const Observations& data) {
+std::string reservation_for(const Diagnosis& diagnosis, const Observations& data) {
   std::string text;
   for (const auto& [axis, targets] : targets_of(data))
     if (targets.size() == 1)
@@ -500,9 +500,10 @@ std::string reservation_for(const Observations& data) {
   for (const EvenTargets& one : even_targets(data))
     if (const auto behind = undetected(data, one))
       text += fmt::format(
-          "{}Periods shorter than {:g} {} along {} cannot be detected: the targets are equally spaced at {:g} {}{}.",
-          text.empty() ? "" : " ", 2.0 * one.step_mm, data.position_unit(), data.letter(one.axis), one.step_mm,
-          data.position_unit(), *behind);
+          "{}Periods shorter than {:g} {} along {} {}: the targets are equally spaced at {:g} {}{}.",
+          text.empty() ? "" : " ", 2.0 * one.step_mm, data.position_unit(), data.letter(one.axis),
+          names_a_wave(diagnosis) && !data.rotary ? "look like longer ones or do not show" : "cannot be detected",
+          one.step_mm, data.position_unit(), *behind);
   return text;
 }
 

@@ -27,9 +27,10 @@ inline constexpr double kPercent = 100.0;
 /// a sense say where an axis moves. @param rotary  the axis is A, B or C
 [[nodiscard]] std::string readings_word(Sense sense, std::optional<Axis> axis, bool rotary = false);
 
-/// What these data cannot show whatever is in them: periods below two steps of even targets, where no pitch of the axis
-/// is known or a known one is among them, and of rotary axes. "" where there is nothing of the kind.
-[[nodiscard]] std::string reservation_for(const Observations& data);
+/// What these data cannot show whatever is in them, beside a wave of the answer what it may be: periods below two steps
+/// of even targets, where no pitch of the axis is known or a known one is among them, and of rotary axes. "" where
+/// there is nothing of the kind.
+[[nodiscard]] std::string reservation_for(const Diagnosis& diagnosis, const Observations& data);
 
 /// The first sentence of an answer: the bad run first, then the causes with their ids in brackets.
 /// @param diagnosis  with verdict, candidates, where and reservation  @param bad_run  a sentence; "" where there is

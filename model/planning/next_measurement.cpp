@@ -597,7 +597,7 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
   if (const auto settled = nothing_in_doubt(diagnosis);
       settled && !may_be_waves && beside_formulas(model, diagnosis).empty()) {
     NextMeasurement next;
-    bool is_said = diagnosis.headline.ends_with(diagnosis.reservation);
+    bool is_said = diagnosis.headline.find(diagnosis.reservation) != std::string::npos;
     for (Candidate& candidate : diagnosis.candidates) {
       if (!candidate.in_answer()) continue;
       candidate.next_measurement = *settled + odds_of_sensor(candidate) +

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <vector>
 
 #include <fmt/format.h>
@@ -280,10 +281,13 @@ std::vector<OpenGroup> open_groups(const Diagnosis& diagnosis) {
       if (OpenGroup group = group_around(one, diagnosis); group.rivals.size() > 1) groups.push_back(std::move(group));
   for (const Candidate& one : diagnosis.candidates)
     if (one.in_answer() && !one.in_part.empty()) groups.push_back(group_of_part(one, diagnosis));
+  for (const Candidate& one : diagnosis.candidates)
+    if (one.in_answer())
+      if (OpenGroup group = group_of_periods(one, diagnosis); group.rivals.size() > 1)
+        groups.push_back(std::move(group));
   if (groups.empty() && !diagnosis.candidates.empty())
     groups.push_back(group_around(diagnosis.candidates.front(), diagnosis));
-  for (OpenGroup& group : groups)
-    for (const EffectInstance& rival : group.rivals) group.names.push_back(name_with_sensor(rival));
+  for (OpenGroup& group : groups) group = named(std::move(group));
   return groups;
 }
 

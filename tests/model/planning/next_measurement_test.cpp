@@ -1,5 +1,7 @@
 #include "model/planning/next_measurement.hpp"
 
+#include <numbers>
+
 #include "base/moved_targets.hpp"
 #include "model/planning/questions.hpp"
 #include "tests/model/support/measured_lines.hpp"
@@ -162,7 +164,7 @@ TEST_CASE("a proposal says what it tells, how surely and how long it takes, then
     CAPTURE(one.tells);
     CAPTURE(one.sentence);
     CHECK(contains(one.tells, " sigma, "));
-    CHECK(contains(one.tells, std::to_string(std::lround(one.minutes)) + " min"));
+    CHECK(contains(one.tells, std::to_string(std::lround(one.minutes)) + " min with set-up"));
     CHECK(one.sentence.starts_with("Measure X positions "));
     CHECK(contains(one.sentence, "off equal steps"));
     for (std::size_t i = 1; i + 1 < one.targets_mm.size(); ++i)
@@ -181,6 +183,8 @@ TEST_CASE("where one cause is proved and nothing else fits, nothing is in doubt;
   CHECK(nothing_in_doubt(diagnosis));
   diagnosis.candidates[0].rivals = {effect(servo_lag, Axis::X, Sense::EX)};
   CHECK_FALSE(nothing_in_doubt(diagnosis));
+  diagnosis.candidates[0].set = {{"backlash:X:EX", 1.0, "backlash:X:EX"}};  // as good a fit, but improbable
+  CHECK(nothing_in_doubt(diagnosis));
   diagnosis.candidates[0] = proved;
   diagnosis.candidates[0].parameters_set["period_mm"] = {8.0, 16.0};
   CHECK_FALSE(nothing_in_doubt(diagnosis));
@@ -229,6 +233,44 @@ TEST_CASE("what an answer says of the next measurement is what is proposed first
   const NextMeasurement settled = planned_next(model, data, found);
   CHECK(settled.proposals.empty());
   CHECK(found.candidates.front().next_measurement == only(settled.notes));
+}
+
+TEST_CASE(
+    "a run is proposed for the periods that even targets cannot distinguish, also where the overrun moves the ends") {
+  auto set = measured({}, kNoise_um, [](const Reading&) { return 0.0; });
+  for (Reading& r : set.readings) {
+    r.position_mm[0] = 25.0 * std::round(p(r) / 25.0);
+    r.error += 5.0 * std::sin(2.0 * std::numbers::pi * p(r) / 170.0);
+  }
+  const Observations data = observations_of(set, straight(), mill());
+  auto found = must(diagnose(straight(), data));
+  REQUIRE(found.verdict == Verdict::missing_effect);
+  CHECK_MESSAGE(contains(found.headline, "Periods shorter than 50 mm along X look like longer ones"), found.headline);
+  const Candidate& wave = found.candidates.front();
+  CHECK(wave.parameters_set.at("period_mm").front() == wave.parameters.front().value);
+  const NextMeasurement next = planned_next(straight(), data, found);
+  REQUIRE(next.rivals.size() == 3);
+  CHECK(next.rivals.front() == "cyclic:X:EX at 170");
+  REQUIRE_FALSE(next.proposals.empty());
+  CHECK(next.proposals.front().separation_sigma >= kSeparates);
+  CHECK_FALSE(even_step_mm(next.proposals.front().targets_mm));
+  CHECK(found.candidates.front().next_measurement == next.proposals.front().sentence);
+}
+
+TEST_CASE("alternatives that the model keeps are undecided, and the run that separates them is proposed") {
+  auto set = session(
+      {}, [](const Reading& r) { return 1.0 * d(r); }, [](Reading& r) { r.feed_mm_min = 2000.0; });
+  Model model = straight();
+  model.effects.push_back(effect(backlash, Axis::X, Sense::EX));
+  model.effects.back().tied_with = "servo_lag:X:EX";
+  const Observations data = observations_of(set, model, mill());
+  auto found = must(diagnose(model, data));
+  REQUIRE(found.verdict == Verdict::adequate);
+  CHECK_MESSAGE(contains(found.headline, " Undecided: backlash:X:EX or servo_lag:X:EX."), found.headline);
+  const NextMeasurement next = planned_next(model, data, found);
+  CHECK(next.rivals == std::vector<std::string>{"backlash:X:EX", "servo_lag:X:EX"});
+  REQUIRE_FALSE(next.proposals.empty());
+  CHECK(next.proposals.front().separation_sigma >= kSeparates);
 }
 
 TEST_CASE("proposed targets lie off equal steps where the present ones do not") {
