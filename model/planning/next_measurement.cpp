@@ -502,7 +502,7 @@ void ask_again(NextMeasurement& next, const Setting& in, const Diagnosis& diagno
 
 /// @param few  too few readings to say whether the model is adequate
 Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
-  ECS_TRY(is_asked, ask_undecided(next, in));
+  ECS_TRY(is_asked, few ? Result<bool>(false) : ask_undecided(next, in));
   if (is_asked) return {};
   const Observations part = in.data.size() > kManyReadings ? evenly(in.data, kManyReadings) : in.data;
   const auto options = all_options(part, {}, in.times);
@@ -570,16 +570,19 @@ std::string odds_of_others(const Diagnosis& diagnosis) {
                      others < kLeastShown ? "below" : "of", kPercent * std::max(others, kLeastShown));
 }
 
+/// Whether neither another effect nor another value of its parameters fits as well as a proved cause.
+bool is_settled(const Candidate& cause) {
+  return cause.named && cause.open_rivals().empty() && cause.in_part.empty() && cause.parameters_set.empty() &&
+         cause.e_value.value_or(0.0) >= kProved &&
+         std::ranges::none_of(cause.parameters, [](const ParameterEstimate& one) { return one.undetermined; });
+}
+
 }  // namespace
 
 std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
   if (diagnosis.verdict != Verdict::missing_effect) return std::nullopt;
   for (const Candidate& candidate : diagnosis.candidates)
-    if (candidate.in_answer() &&
-        (!candidate.named || !candidate.open_rivals().empty() || !candidate.in_part.empty() ||
-         !candidate.parameters_set.empty() || candidate.e_value.value_or(0.0) < kProved ||
-         std::ranges::any_of(candidate.parameters, [](const ParameterEstimate& one) { return one.undetermined; })))
-      return std::nullopt;
+    if (candidate.in_answer() && !is_settled(candidate)) return std::nullopt;
   return "No further measurement is needed to find the cause: it is proved" + odds_of_others(diagnosis) + ".";
 }
 
@@ -614,6 +617,8 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
   const auto group = std::ranges::find(groups, next.rivals, &OpenGroup::names);
   if (group == groups.end()) return next;
   for (Candidate& candidate : diagnosis.candidates) {
+    if (diagnosis.verdict == Verdict::missing_effect && group->rivals.size() > 1 && is_settled(candidate))
+      candidate.next_measurement = "No further measurement is needed for this cause: it is proved.";
     if (!candidate.decide.empty() && candidate.open_rivals().empty()) continue;  // what decides a doubt comes first
     const auto rival = std::ranges::find_if(
         group->rivals, [&](const EffectInstance& one) { return same_candidate(one, candidate.effect); });
