@@ -50,7 +50,7 @@ TEST_CASE("a wave that dies is described with the end towards which it does") {
                             }).over("x_mm");
   CAPTURE(words);
   CHECK(has(words, "a period of 80"));
-  CHECK(has(words, "amplitude decays towards X = 1e+03 mm"));
+  CHECK(has(words, "amplitude decays towards X = 1000 mm"));
 }
 
 TEST_CASE("a plain wave, a jump, a bump, a line and a curve have their own words") {
