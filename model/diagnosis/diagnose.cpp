@@ -662,9 +662,9 @@ template <class Answered, class Few>
 Result<Answered> diagnosed(Result<Answered> (*answer)(const ReportInput&), const Few& few, const Model& model,
                            const Observations& data, DiagnoseOptions options) {
   if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to diagnose");
+  options.most_effects *= axes_moved(data);
   if (!data.paths.empty() || !data.through_chain.empty())
     options.most_effects = std::max(options.most_effects, kMostOfSeveralAxes);
-  options.most_effects *= axes_moved(data);
   try {
     const Regressors regressors(data);
     ECS_TRY(base, base_of(model, regressors, options.plain, nullptr));
