@@ -169,8 +169,8 @@ void check_spare_letters(const UnitParameters& p, Findings& findings) {
   for (const Axis a : kAllAxes)
     if (chain->has(a) && !p.axis_present[index_of(a)])
       findings.warning({"configuration.axes", "configuration.chain"},
-                       fmt::format("the chain \"{1}\" has the letter {0}, but axis {0} is not present: right for a "
-                                   "machine that only lacks it (a lathe as XTYZ); else add {0} to configuration.axes",
+                       fmt::format("{0} is in the chain \"{1}\" but not in configuration.axes. This is correct if the machine "
+                                   "has no axis {0}, as a lathe with two axes. Otherwise add {0}.",
                                    letter_of(a), configuration_of(p)));
 }
 

@@ -321,7 +321,7 @@ std::string closest_text(const Diagnosis& d) {
   if (closest.empty()) return {};
   return "\n" + paragraph(
                     "Nearest candidates, each with the probability that it is real rather than noise, which is not "
-                    "enough to name a cause. Candidates that these data cannot distinguish are equally probable: " +
+                    "enough to name a cause: " +
                         set_text(closest, 2),
                     0, 2);
 }
@@ -365,7 +365,7 @@ Cell candidates_cell(const Diagnosis& d) {
       std::ranges::any_of(d.candidates, [](const Candidate& one) { return one.in_answer() && one.set.size() > 1; });
   return {std::move(list),
           titled_table(fmt::format("{}{}", d.verdict == Verdict::missing_effect ? "missing effects" : "proved effects",
-                                   of_groups ? "; of causes that cannot be distinguished, the one fitted" : ""),
+                                   of_groups ? " (of causes that cannot be distinguished, only the one that was fitted)" : ""),
                        named) +
               titled_table("likely effects, not proved", likely) + add_text(d) +
               titled_table("other candidates, each alone", rivals)};

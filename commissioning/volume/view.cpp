@@ -98,9 +98,11 @@ bool exceeds_bound(const VolumeWork& work) {
 
 /// Below the sizes of what is left: what may be there, by the uncertainty of the map.
 std::string bound_row(const VolumeWork& work) {
-  return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   95 % confidence{}\n", "after, at most",
+  return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   with 95 % confidence{}\n", "after, at most",
                      work.uncertainty.largest_95_um, "-", work.uncertainty.rms_95_um,
-                     exceeds_bound(work) ? ", exceeded" : "");
+                     exceeds_bound(work)         ? ", exceeded"
+                     : work.unmeasured.empty() ? ""
+                                                 : ", without the components missing");
 }
 
 Json budget_json(const VolumeWork& work) {
@@ -157,13 +159,20 @@ std::string bound_text(const VolumeWork& work) {
     if (shares.size() < 3)
       shares.push_back(
           fmt::format("{} {:.0f} %", one.rotary.empty() ? name_of(one.component) : one.rotary, 100.0 * one.share));
+  const std::string missing =
+      work.unmeasured.empty()
+          ? ""
+          : fmt::format("NO BOUND ON THE WHOLE ERROR: {} {} neither in the map nor declared zero, and can have any size. "
+                        "The following bound is valid only if {} within the uncertainty assumed. ",
+                        fmt::join(work.unmeasured, ", "), work.unmeasured.size() == 1 ? "is" : "are",
+                        work.unmeasured.size() == 1 ? "it is zero" : "they are zero");
   return paragraph(fmt::format(
-             "With 95 % confidence the remaining error is at most {:.1f} um anywhere and {:.1f} um rms, with 50 % "
+             "{}With 95 % confidence the remaining error is at most {:.1f} um anywhere and {:.1f} um rms, with 50 % "
              "confidence {:.1f} and {:.1f} um. This contains the errors that the map is known to leave, the "
              "uncertainty of the map{}, and the uncertainty assumed for components that were not measured. Errors "
              "beyond these assumptions (short periods, heat, load) add to it. Largest contributions to this "
              "uncertainty: {}.",
-             u.largest_95_um, u.rms_95_um, u.largest_50_um, u.rms_50_um,
+             missing, u.largest_95_um, u.rms_95_um, u.largest_50_um, u.rms_50_um,
              work.prepared.machine.rotary ? " and of the rotary axes" : "", fmt::join(shares, ", "))) +
          exceeded_text(work);
 }
@@ -300,7 +309,7 @@ std::string heading_of(const VolumeWork& work) {
                                work.prepared.travels_of_machine ? "" : " (as far as the map reaches)",
                                settings * work.answer.grid.places())) +
          (rotary.empty() ? "" : paragraph(rotary)) + fmt::format("errors from {}\n", work.prepared.errors_from) +
-         fmt::format("{:<16} {:>8} {:>8} {:>8}   {}\n", "error vector, um", "largest", "95 %", "rms",
+         fmt::format("{:<16} {:>8} {:>8} {:>8}   {}\n", "error vector, um", "largest", "P95", "rms",
                      place_heading(work));
 }
 
@@ -312,7 +321,7 @@ Cell volume_cell(const VolumeWork& work, const std::string& picture, const std::
   return record_cell("{heading}{before}{after}{at_most}{between}{bound}{slice}{at}{notes}{picture}{values}",
                      "points"_is(settings * work.answer.grid.places()), "heading"_shown(heading_of(work)),
                      "before"_is(size_cell("before", work.answer.before, work)),
-                     "after"_is(size_cell(work.prepared.errors_from == "the errors file" ? "after" : "remaining",
+                     "after"_is(size_cell(work.prepared.errors_from == "the errors file" ? "after" : "after, known",
                                           work.answer.after, work)),
                      "at_most"_shown(bound_row(work)), "between"_is(between_cell(work)),
                      "uncertainty_95_um"_is(

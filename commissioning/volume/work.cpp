@@ -257,7 +257,7 @@ Result<void> take_errors(const VolumeArguments& arguments, const std::string& ma
 /// Needed components that the map lacks.
 void note_missing(VolumeWork& work) {
   const laser::ErrorMap& map = work.prepared.machine.map;
-  std::vector<std::string> zero, missing;
+  std::vector<std::string_view> zero, missing;
   for (const volume::CurveUncertainty& u : work.budget.curves) {
     if (u.unmeasured == 0.0) continue;
     const bool declared = std::any_of(map.header.declared_zero.begin(), map.header.declared_zero.end(),
@@ -266,6 +266,8 @@ void note_missing(VolumeWork& work) {
   }
   for (const laser::DeclaredZero& z : map.header.declared_zero)
     if (is_squareness(z.component)) zero.emplace_back(name_of(z.component));
+  if (work.prepared.errors_from != "the errors file")
+    work.unmeasured.assign(missing.begin(), missing.end());
   if (!missing.empty())
     work.notes.push_back(
         fmt::format("{} {} neither in the map nor declared zero: assumed to be zero. The true error can be larger",

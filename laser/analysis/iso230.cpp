@@ -81,7 +81,7 @@ void note_runs(const Iso230& axis, std::vector<std::string>& notes) {
     if (high == 0) return false;
     if (low < kRuns) notes.push_back(fmt::format("fewer than 5 {} readings at some targets (as few as {})", name, low));
     if (low != high)
-      notes.push_back(fmt::format("targets differ between {} runs: {} to {} readings at a target", name, low, high));
+      notes.push_back(fmt::format("the number of {} readings differs between targets: {} to {}", name, low, high));
     return true;
   };
   const bool forward = side("forward", &Iso230Target::n_forward);
@@ -105,13 +105,13 @@ void note_left_out(const Iso230& axis, std::vector<std::string>& notes) {
   if (single > 0)
     notes.push_back(
         fmt::format("single readings at a target: {}. They give no standard deviation and are not used for R, A and "
-                    "the 3 sigma band",
+                    "the 3 sigma band, so A can be smaller than E",
                     single));
   const auto one_sided = std::ranges::count_if(axis.targets, [](const Iso230Target& target) {
     return target.mean_forward.has_value() != target.mean_reverse.has_value();
   });
   if (axis.B && one_sided > 0)
-    notes.push_back(fmt::format("targets with one approach only: {}. They are not used for B, M and R", one_sided));
+    notes.push_back(fmt::format("targets with one approach only: {}. They are not used for B, M, R and P VDI", one_sided));
 }
 
 /// One sentence for each condition that is not met (clause 5: targets, runs, approaches) and for readings left out.

@@ -57,6 +57,13 @@ double off_the_others(const Observations& data, const VectorXd& residual, int ru
   return sum[1] / count[1] - sum[0] / count[0];
 }
 
+/// Whether the zero of the bad run is worth the first sentence: where it explains less than a tenth of what the effects
+/// do together, it stands for small ones among them only.
+bool explains_much(const Found& found) {
+  constexpr double kMuch = 0.1;
+  return found.bad_run->gain >= kMuch * (found.solution.chi2_before - found.solution.space.chi2());
+}
+
 /// The run that is bad, if one is: the headline begins with it.
 /// @param scaled  comes before all else  @param residual  of the model as given, um, a row a reading of `data`
 std::optional<DifferentRun> different_run(const Found& found, const std::optional<ScaledRun>& scaled,
@@ -91,7 +98,7 @@ std::optional<DifferentRun> different_run(const Found& found, const std::optiona
   if (found.odd_pass)
     return of_run(found.odd_pass->run, fmt::format("run {} differs from the other runs by {:.3g} {} in one approach",
                                                    found.odd_pass->run, found.odd_pass->off_um, diagnosis.noise.unit));
-  if (found.bad_run)
+  if (found.bad_run && explains_much(found))
     return of_run(found.bad_run->run,
                   fmt::format("run {} lies {:+.3g} {} from the other run{} on average: this explains as much as any "
                               "effect does",

@@ -373,7 +373,7 @@ std::string evidence_together(const Candidate& candidate, const Diagnosis& diagn
   return text + (!none_alone ? "; alone it does not" : named == 2 ? "; neither alone does" : "; none alone does");
 }
 
-/// ", the screw pitch of 10 mm among them": pitches of the axis that the targets do not show; nothing where the machine
+/// ", which hides the screw pitch of 10 mm": pitches of the axis that the targets do not show; nothing where the machine
 /// file gives none, or they turn.
 std::optional<std::string> hidden_pitches(const Observations& data, const EvenTargets& targets) {
   const auto& facts = data.machine.axes[index_of(targets.axis)];
@@ -381,7 +381,7 @@ std::optional<std::string> hidden_pitches(const Observations& data, const EvenTa
   std::string text;
   const auto add = [&](const std::optional<double>& pitch_mm, const char* name) {
     if (pitch_mm && *pitch_mm < 2.0 * targets.step_mm)
-      text += fmt::format(", the {} of {:g} mm among them", name, *pitch_mm);
+      text += fmt::format("{} the {} of {:g} mm", text.empty() ? ", which hides" : " and", name, *pitch_mm);
   };
   add(facts->screw_pitch_mm, "screw pitch");
   add(facts->scale_pitch_mm, "scale pitch");

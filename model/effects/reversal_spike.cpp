@@ -55,7 +55,7 @@ EffectDefinition reversal_spike() {
       .parameters = {{"c_um", "um", "size at the reversal"},
                      {"u0_mm", "mm", "travel over which it decays", Coding::searched}},
       .carrier = Carrier::none,
-      .how = "the unit has no row for the travel since reversal, although it could count it",
+      .how = "the map has no entry for the travel since a reversal",
       .separated_by = separations::kAfterReversal,
       .turns_into = {{Limit::at_greatest, "backlash"}},
       .traits = {.of_approach = true},

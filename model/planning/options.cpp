@@ -170,7 +170,7 @@ class Conditions {
       }
     }
     if (!data_.travel_since_reversal_mm.empty())
-      add("each target shortly after a reversal (pilgrim step)", [&](MeasurementProposal& p) {
+      add("reversing shortly before each target (pilgrim step)", [&](MeasurementProposal& p) {
         p.overrun_mm = std::min(kPilgrimOverrun_mm, p.overrun_mm);
         p.short_overrun = true;
       });

@@ -109,7 +109,7 @@ std::string sentence_of_circle(const MeasurementProposal& p) {
     centre += fmt::format(" {}{:g}", letter_of(axis), circle.from_mm[index_of(axis)]);
   return fmt::format(
       "Measure {}, by a ball bar: radius {:g} mm about{}, {} {} counter-clockwise and clockwise, a reading every {:g} "
-      "degrees, feed {:g} mm/min.",
+      "deg, feed {:g} mm/min.",
       p.condition, circle.radius_mm, centre, p.runs, p.runs == 1 ? "turn" : "turns", p.circle_step_deg, p.feed_mm_min);
 }
 
