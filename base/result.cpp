@@ -1,7 +1,7 @@
 #include "base/result.hpp"
 
+#include <algorithm>
 #include <cassert>
-#include <iterator>
 
 #include <fmt/format.h>
 
@@ -22,8 +22,8 @@ Problem folded(std::vector<Problem> problems) {
     problems.push_back(std::move(rest));
   }
   Problem first = std::move(problems.front());
-  first.also.insert(first.also.end(), std::make_move_iterator(problems.begin() + 1),
-                    std::make_move_iterator(problems.end()));
+  for (auto one = problems.begin() + 1; one != problems.end(); ++one)
+    if (*one != first && std::ranges::find(first.also, *one) == first.also.end()) first.also.push_back(std::move(*one));
   return first;
 }
 

@@ -72,7 +72,7 @@ template <class First, class... Rest>
     if (!ecs_done) return tl::unexpected(ecs_done.error()); \
   } while (false)
 
-/// Folds a list of problems into one: the first, with the others in `also`.
+/// Folds a list of problems into one: the first, with the others in `also`, each once.
 /// @pre !problems.empty()
 [[nodiscard]] Problem folded(std::vector<Problem> problems);
 

@@ -92,7 +92,8 @@ std::string verdict_text(const laser::ErrorMap& map, const std::vector<laser::Ma
                        completeness(findings), has_objections(findings) ? ", and" : ", but");
   const std::string coverage = coverage_text(map);
   const std::string sent =
-      fmt::format("can be sent{}", enter_squareness ? " after the squareness above has been entered" : "");
+      fmt::format("can be sent{}{}", enter_squareness ? " after the squareness above has been entered" : "",
+                  laser::change_by_resampling(map).empty() ? "" : " only with --accept-resampling");
   if (findings.empty() && coverage.empty()) return fmt::format("the map is complete and {}\n", sent);
   if (findings.empty()) return paragraph(fmt::format("the map {}: {}", sent, coverage));
   if (has_objections(findings)) return "the map is not complete: `ecs map send` refuses it until this is corrected\n";

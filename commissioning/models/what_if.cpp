@@ -141,11 +141,13 @@ void add_parts(const Observations& after, const std::vector<std::size_t>& rows, 
       return one.shape == shape && one.sense == sense && one.axis == axis &&
              std::abs(one.size - taken.size) < kAsPredicted * std::abs(taken.size);
     });
-    if (is_predicted) cause = "it was there before, and the unit does not compensate it";
-    parts.push_back(
-        {shape, sense, axis, taken.size, rms_um,
-         fmt::format("{}{} contributes {} {} to this rms: {}.", part, share, model::in_digits(rms_um, 2),
-                     after.reading_unit(), cause)});
+    constexpr std::string_view kBefore = "it was there before, and the unit does not compensate it";
+    const std::string why = !is_predicted         ? std::string(cause)
+                            : &taken == &constant ? std::string(kBefore)
+                                                  : fmt::format("{}; {}", cause, kBefore);
+    parts.push_back({shape, sense, axis, taken.size, rms_um,
+                     fmt::format("{}{} contributes {} {} to this rms: {}.", part, share, model::in_digits(rms_um, 2),
+                                 after.reading_unit(), why)});
   };
   add("constant", constant, fmt::format("A constant shift of {} by {:+.2g} {}", of, constant.size, unit),
       "the zero of the laser or the datum has changed");

@@ -421,7 +421,7 @@ std::string unreferenced_text(const protocol::MonitorSample& sample) {
   for (const Axis axis : kAllAxes)
     if (const protocol::AxisSample& a = sample.axes[index_of(axis)]; a.present && !a.referenced)
       axes += fmt::format("{}{}", axes.empty() ? "" : ", ", letter_of(axis));
-  return axes.empty() ? "" : axes + " not referenced: counted from switch-on, or from the position set";
+  return axes.empty() ? "" : axes + " not referenced: counted from switch-on, or from the position entered";
 }
 
 Cell rotary_axes_cell(const protocol::RotarySample& sample) {

@@ -143,7 +143,8 @@ std::vector<std::string> datuming_hints(const ShownRecord& record) {
   if (seen.lack == Lack::clear_start)
     return {
         fmt::format("The switch changed {} times: the record began near it or on it, and the axis was first moved off. "
-                    "Such a record cannot be evaluated. Move the axis well away from the switch and record again.",
+                    "Such a record cannot be evaluated. Start clear of the switch, at most about five seconds of "
+                    "travel away from it.",
                     seen.switch_changes)};
   std::vector<std::string> hints{fmt::format("Reference switch approach direction: {}. Approach speed: {:.0f} mm/min; "
                                              "the routine allows half as much again.",

@@ -270,7 +270,7 @@ Result<Sense> sense_of_file(Kind kind, Axis axis, const std::string& file_name, 
   if (!options.sense && options.rotary && kind == Kind::angular) return static_cast<Sense>(kAxes + index_of(axis));
   if (!options.sense)
     return tl::unexpected(
-        usage(file_name, fmt::format("the file does not state which error it contains: give {} (--sense)", choice)));
+        usage(file_name, fmt::format("the file does not state which error it contains: give {}", choice)));
   const bool fits = kind == Kind::angular ? is_rotation(*options.sense)
                                           : !is_rotation(*options.sense) && *options.sense != positioning;
   if (fits) return *options.sense;

@@ -257,8 +257,7 @@ Result<Outcome> fleet_merge(VerbContext& context, const FleetMergeRequest& reque
                 "groups"_is(groups_cell(names.groups)));
   std::string layout =
       "{machines} machines, {errors} without an answer; {count} causes named. On average at most {fdr} % of the "
-      "machines "
-      "with a named cause differ from their model by noise only\n"
+      "machines with a named cause are false alarms: they differ from their model by noise only\n"
       "{named}{unconfirmed}{unexplained}{groups}";
   if (!request.previous.empty()) {
     ECS_TRY(before, previously_named(request.previous, request.rate));

@@ -436,8 +436,9 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
       "{file}: {readings} {of_kind}, {unknowns} unknowns, {degrees_of_freedom} degrees of "
       "freedom\n{components}{squareness}{without_effect}{not_determined}"
       "  standard deviation of a single reading {residual_um} um{repeated}\n  it consists of: the reading itself "
-      "{white_um} um; each stop {stop_um} um and {stop_um_per_m} um per metre of length; each pass (one run in one "
-      "direction) {pass_um} um and {pass_um_per_m} um per metre of length\n  the map is known to U = {volume_U_um} um "
+      "{white_um} um; each stop of each axis {stop_um} um and {stop_um_per_m} um per metre of lever; each pass of each "
+      "axis (one run in one direction) {pass_um} um and {pass_um_per_m} um per metre of lever\n  the map is known to U "
+      "= {volume_U_um} um "
       "(expanded uncertainty, k = 2) of the error vector, root mean square over the volume; `ecs volume` states the "
       "residual error after compensation\n{set_ups}{outliers}{notes}{map}{params_out}",
       "file"_is(work.test.source), "machine"_is(work.machine_name), "readings"_is(found.readings),

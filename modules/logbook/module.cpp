@@ -42,7 +42,7 @@ class LogbookScreen final : public ListScreen {
   LogbookScreen() {
     keys_ = {{"Enter", "full entry", [this] { show_entry(); }},
              {"v", "verify", [this] { run("checking every entry", "verify"); }},
-             {"r", "replay", [this] { run("deriving the active map again", "replay"); }},
+             {"r", "derive map again", [this] { run("deriving the active map again", "replay"); }},
              {"Tab", "next logbook", [this] { open_next(); }}};
     look();
   }
@@ -245,7 +245,7 @@ const Module& logbook_module() {
   static const Module module{
       .menus = {{"log", "LOGBOOK: the actions on a machine, each entry linked to the previous one"}},
       .verbs = {{"volume", &kLog}},
-      .screens = {{"LOGBOOK", "the actions on a machine; verify, replay",
+      .screens = {{"LOGBOOK", "the actions on a machine; verify, derive the map again",
                    [](const auto&) { return logbook_screen(); }}},
       .synonyms = {{"LOGBOOK", "history entries certificate audit traceability who when wear"},
                    {"log compare", "wear worn year drift history"},

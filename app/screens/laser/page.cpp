@@ -23,7 +23,7 @@ LaserForm::LaserForm(std::string title, std::vector<LaserField> fields, Take tak
 }
 
 std::vector<std::string> fields_needed(const std::string& problem) {
-  if (problem.find("does not state the sense") != std::string::npos) return {"sense"};
+  if (problem.find("does not state which error") != std::string::npos) return {"sense"};
   std::vector<std::string> needed;
   for (std::size_t at = problem.find("--"); at != std::string::npos; at = problem.find("--", at + 2)) {
     const std::size_t end = problem.find_first_not_of("abcdefghijklmnopqrstuvwxyz-", at + 2);

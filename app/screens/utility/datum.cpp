@@ -125,9 +125,9 @@ class DatumScreen : public AxesScreen {
 
 constexpr const char* kRecordExplained =
     "Records speed, reference switch and marker of one axis for ten seconds. The unit only records: reference the "
-    "machine at its control while the progress bar runs. Start a short distance away from the switch, so that switch "
-    "and "
-    "marker are passed within the ten seconds. The graph opens at the end and shows the datuming "
+    "machine at its control while the progress bar runs. Start clear of the switch, at most about five seconds of "
+    "travel away from it, so that switch and marker are passed within the ten seconds. The graph opens at the end and "
+    "shows the datuming "
     "parameters.";
 
 class DatumRecordScreen final : public DatumScreen {
@@ -179,12 +179,11 @@ class DatumRecordScreen final : public DatumScreen {
     const std::string unsaved = unsaved_record_of();
     return {
         fmt::format("Record axis {} for {:.0f} seconds?", letter_of(chosen()), kDatumRecord_s),
-        fmt::format(
-            "The unit opens its relays and only records. Reference axis {} at the machine's control as soon as "
-            "the progress bar runs: the whole sequence must fit into the {:.0f} seconds. Start some distance away from "
-            "the reference switch.{}{}",
-            letter_of(chosen()), kDatumRecord_s, hint_of_emulator(),
-            unsaved.empty() ? "" : " The record of " + unsaved + " has not been saved: this one replaces it."),
+        fmt::format("The unit opens its relays and only records. Reference axis {} at the machine's control as soon as "
+                    "the progress bar runs: the whole sequence must fit into the {:.0f} seconds. Start clear of the "
+                    "reference switch, at most about five seconds of travel away from it.{}{}",
+                    letter_of(chosen()), kDatumRecord_s, hint_of_emulator(),
+                    unsaved.empty() ? "" : " The record of " + unsaved + " has not been saved: this one replaces it."),
         "record", "not now"};
   }
 

@@ -20,6 +20,7 @@
 #include "commissioning/unit/status.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "laser/map/csv.hpp"
+#include "laser/map/image.hpp"
 #include "laser/writers/writers.hpp"
 #include "params/parameters_toml.hpp"
 
@@ -285,15 +286,18 @@ Cell largest_cell(const std::optional<LargestDifference>& largest) {
 }
 
 Result<Outcome> verify(VerbContext& context, const VerifyRequest& request) {
-  ECS_DO(laser::read_map_csv(request.file));
+  ECS_TRY(map, laser::read_map_csv(request.file));
   ECS_TRY(found, found_map(context, {}, true));
   ECS_TRY(verdict, verdict_on(found, request.file, request.params));
   const std::size_t count = verdict.differences.size() + verdict.parameters.size();
   return outcome_of(
       record_cell("{differences}{parameters}{largest_difference}{same}", "map"_is(request.file),
                   "same"_is(verdict.same(), fmt::format("the unit contains {}", request.file),
-                            fmt::format("the map in the unit differs from {}: {} difference{}", request.file, count,
-                                        count == 1 ? "" : "s")),
+                            fmt::format("the map in the unit differs from {}: {} difference{}{}", request.file, count,
+                                        count == 1 ? "" : "s",
+                                        verdict.differences.empty() || laser::change_by_resampling(map).empty()
+                                            ? ""
+                                            : ". The points of the file are uneven, and a unit has them resampled")),
                   "differences"_is(places_cell(verdict.differences)),
                   "parameters"_is(differences_cell(verdict.parameters, "expected", "found", "file", "unit")),
                   "largest_difference"_is(largest_cell(verdict.largest))),

@@ -154,7 +154,7 @@ Result<Outcome> diff_two(VerbContext& context, const DiffRequest& request) {
   ECS_TRY(b, parameters_from(context, request.b));
   const auto differences = params::diff(a, b);
   Cell list = differences_cell(differences, "a", "b", request.a, request.b);
-  if (differences.empty()) list.text = "no difference";
+  if (differences.empty()) list.text = "no difference; machine name and serial number are not compared";
   return outcome_of(record_cell("{differences}", "a"_is(request.a), "b"_is(request.b), "same"_is(differences.empty()),
                                 "differences"_is(list)),
                     differences.empty() ? kDone : kDoesNotHold);

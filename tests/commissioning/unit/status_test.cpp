@@ -125,7 +125,7 @@ TEST_CASE("an axis without reference has a counted position, and an approach tha
   CHECK(cell.json["axes"]["X"]["last_approach"].is_null());
   protocol::MonitorSample sample;
   sample.axes[index_of(Axis::Y)] = {.present = true};
-  CHECK(unreferenced_text(sample) == "Y not referenced: counted from switch-on, or from the position set");
+  CHECK(unreferenced_text(sample) == "Y not referenced: counted from switch-on, or from the position entered");
   sample.axes[index_of(Axis::Y)].referenced = true;
   CHECK(unreferenced_text(sample).empty());
 }

@@ -190,7 +190,9 @@ TEST_CASE("what was measured again is told by its shapes on the page of what com
   CHECK_MESSAGE(
       reads(page,
             "contributes 2.8 um to this rms: the zero of the laser or the datum has changed. A difference of -2 um "
-            "between forward and reverse of X positions contributes 1 um to this rms: lost motion."),
+            "between forward and reverse of X positions contributes 1 um to this rms: lost motion; it was there "
+            "before, and the unit does not "
+            "compensate it."),
       page);
 }
 

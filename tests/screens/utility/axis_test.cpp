@@ -255,7 +255,7 @@ TEST_CASE("a motion that the machine refuses stays open for correction") {
 
 TEST_CASE("the monitor says of which axes the positions are not machine coordinates") {
   const BenchOf bench(monitor_screen);
-  CHECK(shows(*bench.screen, "X, Y, Z not referenced: counted from switch-on, or from the position set"));
+  CHECK(shows(*bench.screen, "X, Y, Z not referenced: counted from switch-on, or from the position entered"));
 }
 
 TEST_CASE("j on the monitor drives the emulated machine, and what is no place is refused and stays") {
