@@ -344,10 +344,9 @@ void note_left_out(MeasurementSet& set, const ImportOptions& options, const Tabl
   if (!mapping.row_begins.empty() && !table.passed_over.empty())
     note(fmt::format("lines that are not rows are ignored: {}", table.passed_over.size()));
   else if (!table.passed_over.empty())
-    note(fmt::format(table.passed_over.size() == 1
-                         ? "line {} has no number in the requested columns and is ignored"
-                         : "lines {} have no number in the requested columns and are ignored",
-                     numbers_text(table.passed_over)));
+    note(fmt::format("{} {} no number in the requested columns and {} ignored",
+                     (table.passed_over.size() == 1 ? "line " : "lines ") + numbers_text(table.passed_over),
+                     table.passed_over.size() == 1 ? "has" : "have", table.passed_over.size() == 1 ? "is" : "are"));
 }
 
 /// @param left_out  values that are no numbers
