@@ -436,11 +436,13 @@ class NextSets {
   }
 
  private:
-  /// Of all readings, those along the axis of an effect: what is little of a whole set may be much of one line.
+  /// Of all readings, those along the axis of an effect: what is little of a whole set may be much of one line. Of
+  /// paths and of a ball every reading shows errors of several axes.
   [[nodiscard]] double share_along_axis(const Choice& choice) const {
     const std::optional<Axis> axis = search_.families()[choice.family].effect.axis;
-    const std::vector<Axis>& along = search_.data().axis;
-    return axis ? static_cast<double>(std::ranges::count(along, *axis)) / static_cast<double>(along.size()) : 1.0;
+    const Observations& data = search_.data();
+    if (!axis || !data.paths.empty() || !data.through_chain.empty()) return 1.0;
+    return static_cast<double>(std::ranges::count(data.axis, *axis)) / static_cast<double>(data.size());
   }
 
   const Search& search_;
