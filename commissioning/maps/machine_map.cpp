@@ -126,9 +126,9 @@ Result<ExportWork> export_work(MessageSink& messages, const ExportArguments& arg
 std::vector<std::string> left_to_machine(const laser::MapHeader& header) {
   std::vector<std::string> notes;
   if (!header.thermal.empty())
-    notes.push_back(
-        fmt::format("{} {} of the map {} not in the tables of a control", header.thermal.size(),
-                    header.thermal.size() == 1 ? "thermal row" : "thermal rows", header.thermal.size() == 1 ? "is" : "are"));
+    notes.push_back(fmt::format("{} {} of the map {} not in the tables of a control", header.thermal.size(),
+                                header.thermal.size() == 1 ? "thermal row" : "thermal rows",
+                                header.thermal.size() == 1 ? "is" : "are"));
   if (!header.rotary.empty())
     notes.push_back(
         fmt::format("the errors of the rotary axes of the map ({}) are left out, also from the predicted error: the "

@@ -102,7 +102,7 @@ std::string bound_row(const VolumeWork& work) {
                      work.uncertainty.largest_95_um, "-", work.uncertainty.rms_95_um,
                      exceeds_bound(work)         ? ", exceeded"
                      : work.unmeasured.empty() ? ""
-                                                 : ", without the components missing");
+                                                 : ", see below");
 }
 
 Json budget_json(const VolumeWork& work) {
