@@ -266,8 +266,11 @@ void note_missing(VolumeWork& work) {
   }
   for (const laser::DeclaredZero& z : map.header.declared_zero)
     if (is_squareness(z.component)) zero.emplace_back(name_of(z.component));
-  if (work.prepared.errors_from != "the errors file")
-    work.unmeasured.assign(missing.begin(), missing.end());
+  for (const std::string_view name : missing) {
+    const auto is_it = [&](const ComponentShare& one) { return one.rotary.empty() && name_of(one.component) == name; };
+    if (work.prepared.errors_from != "the errors file" && std::ranges::any_of(work.shares, is_it))
+      work.unmeasured.push_back(name);
+  }
   if (!missing.empty())
     work.notes.push_back(
         fmt::format("{} {} neither in the map nor declared zero: assumed to be zero. The true error can be larger",

@@ -103,7 +103,8 @@ struct VolumeWork {
   std::optional<PlaceAnswer> at;
   std::optional<VolumeSlice> slice;
   std::optional<LargestBetween> between;
-  std::vector<std::string_view> unmeasured;  ///< components neither in the map nor declared zero; of true errors none
+  std::vector<std::string_view>
+      unmeasured;  ///< neither in the map nor declared zero, and with a lever; of true errors none
   std::vector<std::string> notes;
   std::vector<std::string> inputs;  ///< files that must not be written over
 };

@@ -111,7 +111,8 @@ void note_left_out(const Iso230& axis, std::vector<std::string>& notes) {
     return target.mean_forward.has_value() != target.mean_reverse.has_value();
   });
   if (axis.B && one_sided > 0)
-    notes.push_back(fmt::format("targets with one approach only: {}. They are not used for B, M, R and P VDI", one_sided));
+    notes.push_back(
+        fmt::format("targets with one approach only: {}. They are not used for B, M, R and P VDI", one_sided));
 }
 
 /// One sentence for each condition that is not met (clause 5: targets, runs, approaches) and for readings left out.
@@ -183,22 +184,23 @@ Iso230Target target_of(const TargetReadings& readings, bool approach_known) {
 void set_systematic(Iso230& axis) {
   Extent forward, reverse, both, means;
   double sum_B = 0.0;
-  int count_B = 0;
+  int count_B = 0, count_mean = 0;
   for (const Iso230Target& target : axis.targets) {
     forward.take(target.mean_forward, 0.0);
     reverse.take(target.mean_reverse, 0.0);
+    means.take(target.mean, 0.0);
+    count_mean += target.mean ? 1 : 0;
     both.take(target.mean_forward, 0.0);
     both.take(target.mean_reverse, 0.0);
     axis.B = larger(axis.B, absolute(target.B));
     if (target.B) {
-      means.take(target.mean, 0.0);
       sum_B += *target.B;
       ++count_B;
     }
   }
   axis.E_forward = forward.range();
   axis.E_reverse = reverse.range();
-  if (count_B > 1) axis.M = means.range();
+  if (count_mean > 1) axis.M = means.range();
   if (axis.E_forward && axis.E_reverse) axis.E = both.range();
   if (count_B > 0) axis.B_mean = sum_B / count_B;
 }

@@ -43,8 +43,8 @@ using Eigen::VectorXd;
 std::string trend_text(const StepOfRuns& step, std::string_view unit) {
   constexpr double kWorthSaying = 0.1;
   if (std::abs(step.trend_um) < kWorthSaying * std::abs(step.height_um)) return "";
-  return fmt::format(", in addition to a {} trend of {:.2g} {} over all runs", step.trend_um > 0.0 ? "rising" : "falling",
-                     std::abs(step.trend_um), unit);
+  return fmt::format(", in addition to a {} trend of {:.2g} {} over all runs",
+                     step.trend_um > 0.0 ? "rising" : "falling", std::abs(step.trend_um), unit);
 }
 
 /// Mean residual of a run less that of all other runs.
@@ -637,9 +637,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
 constexpr std::size_t kMostOfSeveralAxes = 6;
 
 /// Number of axes along which readings were taken.
-std::size_t axes_moved(const Observations& data) {
-  return std::set<Axis>(data.axis.begin(), data.axis.end()).size();
-}
+std::size_t axes_moved(const Observations& data) { return std::set<Axis>(data.axis.begin(), data.axis.end()).size(); }
 
 /// Searches the readings, of large sets an even choice.
 /// @param answer  from a ReportInput about all readings
@@ -692,7 +690,8 @@ bool Candidate::is_open(const EffectInstance& rival) const {
 
 std::vector<EffectInstance> Candidate::open_rivals() const {
   std::vector<EffectInstance> open;
-  std::ranges::copy_if(rivals, std::back_inserter(open), [&](const EffectInstance& rival) { return is_open(rival); });
+  for (const EffectInstance& rival : rivals)
+    if (is_open(rival)) open.push_back(rival);
   return open;
 }
 

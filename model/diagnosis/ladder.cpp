@@ -14,6 +14,7 @@
 #include "model/diagnosis/investigation.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/held_out.hpp"
 #include "model/fit/search.hpp"
@@ -169,10 +170,9 @@ Result<AddRequest> parse_add_request(std::string_view text) {
     } else if (code) {
       request.code = code;
     } else {
-      return problem(ProblemKind::usage,
-                     fmt::format("{}: \"{}\" is no axis, sense or code that {} can have; expected "
-                                 "EFFECT[:axis[:sense or code]], such as cyclic:X:EX",
-                                 text, part, id->id));
+      return problem(ProblemKind::usage, fmt::format("{}: \"{}\" is no axis, sense or code that {} can have; expected "
+                                                     "EFFECT[:axis[:sense or code]], such as cyclic:X:EX",
+                                                     text, part, id->id));
     }
   }
   if (id->place == Place::set_up || id->place == Place::artefact) request.axis = std::nullopt;  // it has none

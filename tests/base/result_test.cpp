@@ -22,9 +22,17 @@ TEST_CASE("several problems are one, in their order, a line each") {
 }
 
 TEST_CASE("of very many problems the first are kept and the rest counted") {
-  const Problem one = folded(std::vector<Problem>(1000, {ProblemKind::bad_input, "wrong", "f", 1, 0, {}}));
+  std::vector<Problem> problems;
+  for (int line = 1; line <= 1000; ++line) problems.push_back({ProblemKind::bad_input, "wrong", "f", line, 0, {}});
+  const Problem one = folded(std::move(problems));
   CHECK(one.also.size() == 200);
   CHECK(to_text(one.also.back()) == "f: 800 more problems of this file are not shown");
+}
+
+TEST_CASE("a problem that is found twice is said once") {
+  const Problem wrong{ProblemKind::bad_input, "wrong", "f", 1, 0, {}},
+      other{ProblemKind::bad_input, "other", "f", 1, 0, {}};
+  CHECK(to_text(folded({wrong, other, wrong, other})) == "f:1: wrong\nf:1: other");
 }
 
 TEST_CASE("folding keeps problems that are folded already") {

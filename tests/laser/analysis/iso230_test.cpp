@@ -156,7 +156,7 @@ TEST_CASE("conditions of the standard that are not met are named") {
   const Iso230 axis = evaluated(set_of({{0.0, {1.0, 1.0}, {0.0}}, {1000.0, {1.0}, {0.0}}}));
   CHECK(says(axis.notes, "fewer than 5 targets (2)"));
   CHECK(says(axis.notes, "per metre"));
-  CHECK(says(axis.notes, "targets differ between forward runs: 1 to 2"));
+  CHECK(says(axis.notes, "the number of forward readings differs between targets: 1 to 2"));
 }
 
 TEST_CASE("five uneven targets five times each way leave nothing to note") {

@@ -59,7 +59,7 @@ TEST_CASE("what is suggested for a table imports every row of it") {
   const auto set = read_table(parted(), "x_mm=2[mm],reading=3[um],approach=motion", 2);
   CHECK(set.readings.size() == 96);
   CHECK(says(set.notes, "1 comments between the rows are ignored"));
-  CHECK(says(set.notes, "1 lines without a number in the requested columns are ignored: lines 59"));
+  CHECK(says(set.notes, "line 59 has no number in the requested columns and is ignored"));
 }
 
 TEST_CASE("where tables of several kinds follow each other the longest stretch is suggested") {

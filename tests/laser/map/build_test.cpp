@@ -165,8 +165,9 @@ TEST_CASE("the files themselves suggest what they serve, and name what is left o
   CHECK(suggested.recipe.components[2].component == Component::C0Y);
   REQUIRE(suggested.unused.size() == 1);
   CHECK(suggested.unused[0] ==
-        "yx_far.csv (EY along X): it was measured at Y 0, the measurement line of X in the parameters is at Y -1400: "
-        "measure a second line parallel to it, or import it with the place where it was measured (--parked)");
+        "yx_far.csv (EY along X): it was measured at Y 0 (or the file does not state Y), the measurement line of X in "
+        "the parameters is at Y -1400: "
+        "give the place where it was measured (--parked), or measure a second line parallel to it");
 }
 
 TEST_CASE("a recipe reports every fault with its line") {

@@ -154,7 +154,7 @@ TEST_CASE("a pitch of the machine that even targets do not show is named") {
   machine.axes[0]->screw_pitch_mm = 10.0;
   machine.axes[0]->scale_pitch_mm.reset();
   const auto note = must(even_targets_note(observations_of(line_at(kEven), Model{}, machine)));
-  CHECK(contains(note, "longer ones, the screw pitch of 10 mm among them"));
+  CHECK(contains(note, "longer ones, which hides the screw pitch of 10 mm"));
 }
 
 TEST_CASE("moved targets call for no remark, nor even ones that another run moved") {

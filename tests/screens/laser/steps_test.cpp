@@ -422,7 +422,7 @@ TEST_CASE("step 6 says why a measured component is not used, step 2 corrects its
   driver.type("6");
   const std::string missing = driver.seen(24, 160);
   INFO(missing);
-  check_holds(missing, {"it was measured at Y -1000, the measurement line of X in the parameters is at Y -1400",
+  check_holds(missing, {"it was measured at Y -1000 (or the file does not state Y)", "parameters is at Y -1400",
                         "Press c in step 2"});
   CHECK(contains(driver.after("2c"), "y=-1000,z=0"));
   driver.press(Key::Name::backspace, 11);
