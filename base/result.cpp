@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -21,9 +22,11 @@ Problem folded(std::vector<Problem> problems) {
     rest.also.clear();
     problems.push_back(std::move(rest));
   }
-  Problem first = std::move(problems.front());
-  for (auto one = problems.begin() + 1; one != problems.end(); ++one)
-    if (*one != first && std::ranges::find(first.also, *one) == first.also.end()) first.also.push_back(std::move(*one));
+  std::vector<Problem> once;
+  for (Problem& one : problems)
+    if (std::ranges::find(once, one) == once.end()) once.push_back(std::move(one));
+  Problem first = std::move(once.front());
+  first.also.insert(first.also.end(), std::make_move_iterator(once.begin() + 1), std::make_move_iterator(once.end()));
   return first;
 }
 
