@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <vector>
 
 #include <fmt/format.h>
@@ -252,9 +251,9 @@ OpenGroup group_of_periods(const Candidate& wave, const Diagnosis& diagnosis) {
   const std::string period(wave.effect.definition().searched_parameter());
   const auto values = wave.parameters_set.find(period);
   if (!wave.effect.traits().periodic || values == wave.parameters_set.end()) return group;
-  for (const double value : values->second | std::views::take(kMostPeriods)) {
+  for (std::size_t i = 0; i < std::min(kMostPeriods, values->second.size()); ++i) {
     group.rivals.push_back(wave.effect);
-    group.rivals.back().fitted[period] = value;
+    group.rivals.back().fitted[period] = values->second[i];
   }
   for (const Candidate& other : diagnosis.candidates)
     if (other.in_answer() && &other != &wave) group.settled.push_back(other.effect);
