@@ -168,10 +168,11 @@ void check_spare_letters(const UnitParameters& p, Findings& findings) {
   if (!chain) return;
   for (const Axis a : kAllAxes)
     if (chain->has(a) && !p.axis_present[index_of(a)])
-      findings.warning({"configuration.axes", "configuration.chain"},
-                       fmt::format("{0} is in the chain \"{1}\" but not in configuration.axes. This is correct if the machine "
-                                   "has no axis {0}, as a lathe with two axes. Otherwise add {0}.",
-                                   letter_of(a), configuration_of(p)));
+      findings.warning(
+          {"configuration.axes", "configuration.chain"},
+          fmt::format("{0} is in the chain \"{1}\" but not in configuration.axes. This is correct if the machine "
+                      "has no axis {0}, as a lathe with two axes. Otherwise add {0}.",
+                      letter_of(a), configuration_of(p)));
 }
 
 /// Loop period, squareness, levers.

@@ -100,9 +100,9 @@ bool exceeds_bound(const VolumeWork& work) {
 std::string bound_row(const VolumeWork& work) {
   return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   with 95 % confidence{}\n", "after, at most",
                      work.uncertainty.largest_95_um, "-", work.uncertainty.rms_95_um,
-                     exceeds_bound(work)         ? ", exceeded"
+                     exceeds_bound(work)       ? ", exceeded"
                      : work.unmeasured.empty() ? ""
-                                                 : ", see below");
+                                               : ", see below");
 }
 
 Json budget_json(const VolumeWork& work) {
@@ -162,10 +162,11 @@ std::string bound_text(const VolumeWork& work) {
   const std::string missing =
       work.unmeasured.empty()
           ? ""
-          : fmt::format("NO BOUND ON THE WHOLE ERROR: {} {} neither in the map nor declared zero, and can have any size. "
-                        "The following bound is valid only if {} within the uncertainty assumed. ",
-                        fmt::join(work.unmeasured, ", "), work.unmeasured.size() == 1 ? "is" : "are",
-                        work.unmeasured.size() == 1 ? "it is zero" : "they are zero");
+          : fmt::format(
+                "NO BOUND ON THE WHOLE ERROR: {} {} neither in the map nor declared zero, and can have any size. "
+                "The following bound is valid only if {} within the uncertainty assumed. ",
+                fmt::join(work.unmeasured, ", "), work.unmeasured.size() == 1 ? "is" : "are",
+                work.unmeasured.size() == 1 ? "it is zero" : "they are zero");
   return paragraph(fmt::format(
              "{}With 95 % confidence the remaining error is at most {:.1f} um anywhere and {:.1f} um rms, with 50 % "
              "confidence {:.1f} and {:.1f} um. This contains the errors that the map is known to leave, the "

@@ -106,9 +106,9 @@ Result<Imported> turned(Result<Imported> imported, const ImportOptions& options)
     reading.sense = about;
     reading.error *= to_deg * kUmPerMPerDegree / kUmPerMm;
   }
-  imported->set.notes.push_back(fmt::format("{} read as {} of the rotary axis {}",
-                                            holds_positions ? "targets and readings" : "targets", options.target_unit ? options.target_unit->name : "deg",
-                                            letter_of(*options.axis, true)));
+  imported->set.notes.push_back(
+      fmt::format("{} read as {} of the rotary axis {}", holds_positions ? "targets and readings" : "targets",
+                  options.target_unit ? options.target_unit->name : "deg", letter_of(*options.axis, true)));
   return imported;
 }
 
@@ -211,7 +211,9 @@ Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
   if (imported && !imported->set.readings.empty() && (options.at_rest_mm || options.average)) {
     keep_at_rest(imported->set, options.at_rest_mm, options.average);
     if (imported->set.readings.empty())
-      return problem_at(file_name, 0, 0, "expected readings at rest, which need three consecutive rows at one position, found none: give a larger --at-rest, or omit it");
+      return problem_at(file_name, 0, 0,
+                        "expected readings at rest, which need three consecutive rows at one position, found none: "
+                        "give a larger --at-rest, or omit it");
   }
   if (imported)
     if (auto refused = implausible(imported->set, file_name)) return tl::unexpected(std::move(*refused));

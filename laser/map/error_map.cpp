@@ -346,9 +346,10 @@ std::optional<std::string> squareness_left_behind(const MapHeader& header, const
       names.push_back(name_of(square));
   }
   if (names.empty()) return std::nullopt;
-  return fmt::format("{} {} measured for this map, but {} 0: use the parameters written by `ecs map build --params-out`",
-                     fmt::join(names, ", "), names.size() == 1 ? "was" : "were",
-                     names.size() == 1 ? "its parameter is" : "their parameters are");
+  return fmt::format(
+      "{} {} measured for this map, but {} 0: use the parameters written by `ecs map build --params-out`",
+      fmt::join(names, ", "), names.size() == 1 ? "was" : "were",
+      names.size() == 1 ? "its parameter is" : "their parameters are");
 }
 
 std::vector<MapFinding> findings_for(const ErrorMap& map, const UnitParameters& parameters) {

@@ -126,8 +126,8 @@ struct MapFinding {
 };
 [[nodiscard]] std::vector<MapFinding> findings_for(const ErrorMap& map, const UnitParameters& parameters);
 
-/// Says which squareness was measured for the map while the parameters hold 0, as before the parameters that `map build`
-/// writes are used: then the unit would not correct it. Nothing: there is none.
+/// Says which squareness was measured for the map while the parameters hold 0, as before the parameters that `map
+/// build` writes are used: then the unit would not correct it. Nothing: there is none.
 [[nodiscard]] std::optional<std::string> squareness_left_behind(const MapHeader& header,
                                                                 const UnitParameters& parameters);
 

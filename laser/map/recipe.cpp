@@ -303,7 +303,8 @@ class Suggestion {
     if (!needed_.contains(c)) return fmt::format("{} is not needed in this scope", name_of(c));
     if (const auto off = is_angular(c) ? std::nullopt : axis_off_line(line, parameters_))
       return fmt::format(
-          "it was measured at {0} {1:.6g} (or the file does not state {0}), the measurement line of {2} in the parameters "
+          "it was measured at {0} {1:.6g} (or the file does not state {0}), the measurement line of {2} in the "
+          "parameters "
           "is at {3} {4:.6g}: give the place where it was measured (--parked), or measure a second line parallel to it",
           letter_of(*off), line.parked_mm[index_of(*off)], letter_of(line.axis), letter_of(*off),
           parameters_.measurement_lines_mm[index_of(line.axis)][index_of(*off)]);

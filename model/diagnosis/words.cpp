@@ -373,8 +373,8 @@ std::string evidence_together(const Candidate& candidate, const Diagnosis& diagn
   return text + (!none_alone ? "; alone it does not" : named == 2 ? "; neither alone does" : "; none alone does");
 }
 
-/// ", which hides the screw pitch of 10 mm": pitches of the axis that the targets do not show; nothing where the machine
-/// file gives none, or they turn.
+/// ", which hides the screw pitch of 10 mm": pitches of the axis that the targets do not show; nothing where the
+/// machine file gives none, or they turn.
 std::optional<std::string> hidden_pitches(const Observations& data, const EvenTargets& targets) {
   const auto& facts = data.machine.axes[index_of(targets.axis)];
   if (data.rotary || !facts || (!facts->screw_pitch_mm && !facts->scale_pitch_mm)) return std::nullopt;

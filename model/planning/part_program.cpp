@@ -157,7 +157,8 @@ class ProgramWriter {
     if (plan_.pressure_hPa) note(fmt::format("  air pressure about {:.0f} hPa, to be recorded", *plan_.pressure_hPa));
     if (plan_.load_kg) note(fmt::format("  load on the machine: {:.0f} kg", *plan_.load_kg));
     if (plan_.compensated) note(*plan_.compensated ? "  compensation on" : "  COMPENSATION OFF");
-    if (plan_.wait_minutes > 0.0) note(fmt::format("  about {:.0f} min until these conditions are reached", plan_.wait_minutes));
+    if (plan_.wait_minutes > 0.0)
+      note(fmt::format("  about {:.0f} min until these conditions are reached", plan_.wait_minutes));
   }
 
   void head() {

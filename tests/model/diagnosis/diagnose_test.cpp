@@ -204,9 +204,8 @@ TEST_CASE("two causes at once are both named") {
 }
 
 TEST_CASE("causes of two axes measured together are all named, though there are more than one line may have") {
-  laser::MeasurementSet set = measured({}, 1.2, [](const Reading& r) {
-    return 2.0 * d(r) + 4.0 * std::sin(2.0 * std::numbers::pi * p(r) / 70.0);
-  });
+  laser::MeasurementSet set = measured(
+      {}, 1.2, [](const Reading& r) { return 2.0 * d(r) + 4.0 * std::sin(2.0 * std::numbers::pi * p(r) / 70.0); });
   measure(
       set, {.axis = Axis::Y, .sense = Sense::EY}, 0.3,
       [](const Reading& r) {
