@@ -109,7 +109,7 @@ Result<void> MonitorRecording::write(std::string_view text) {
 }
 
 Result<void> MonitorRecording::add(const protocol::MonitorSample& sample, const Surroundings& surroundings) {
-  if (const auto written = write(monitor_rows(sample, surroundings)); !written) return written;
+  if (auto written = write(monitor_rows(sample, surroundings)); !written) return written;
   ++samples_;
   const auto now = std::chrono::steady_clock::now();
   if (part_.empty() || now - on_disc_at_ < kOnDisc) return {};

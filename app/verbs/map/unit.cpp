@@ -165,7 +165,7 @@ Result<Outcome> compare(VerbContext&, const CompareRequest& request) {
                                      "model new` and `ecs model diagnose`.\n")),
       "rotary"_shown(rotary.text), "closing"_shown(closing_text(change, request.first, request.second)));
   if (!first.header.rotary.empty() || !second.header.rotary.empty()) cell.json["rotary"] = rotary.json;
-  return outcome_of(std::move(cell));
+  return outcome_of(cell);
 }
 
 constexpr std::string_view kBeforeFirstCompensation =
