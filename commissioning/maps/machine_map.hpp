@@ -71,7 +71,7 @@ struct ExportWork {
 /// the header of the map says.
 [[nodiscard]] Result<ExportWork> export_work(MessageSink& messages, const ExportArguments& arguments, FoundMap found);
 
-/// What of a map no table of a control holds: sentences, none where it is all there.
+/// The parts of a map that no table of a control contains, a sentence each; none if the tables contain all of it.
 [[nodiscard]] std::vector<std::string> left_to_machine(const laser::MapHeader& header);
 
 /// The travels of the axes that the parameters name: those of the machine, else as far as the map reaches.
