@@ -39,8 +39,7 @@ EffectDefinition offset() {
       .title = "Datum shift",
       .formula = "c",
       .cause = "datum or laser zero shifted",
-      .tells_apart =
-          "the same everywhere and always; after the readout was set to zero again, in every run from then on",
+      .tells_apart = "the same everywhere and always, or, for a zero set again, the same in every run after that",
       .check = "check where the readout was set to zero, and the repeatability of the datum switch",
       .headline = "{where} all shifted by {um}",
       .parameters = {{"um", "um", "constant offset"}},
