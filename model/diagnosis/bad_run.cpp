@@ -37,7 +37,8 @@ constexpr double kSameScatter = 3.0;
 constexpr double kApartChance = 0.01;
 /// Runs beyond which there is no single bad one to look for.
 constexpr std::size_t kMostRunsCompared = 60;
-/// Passes differ where chance does it once in a thousand lines, and where they do so more than readings inside them.
+/// Passes differ where chance does it once in a thousand lines, and where they do so more than readings inside them; so
+/// often chance puts so many outliers into one run.
 constexpr double kDifferChance = 1e-3;
 
 struct Pass {
@@ -223,6 +224,38 @@ std::optional<OddPass> run_apart(const Observations& data, const Eigen::VectorXd
   return apart;
 }
 
+namespace {
+
+/// The run that has more of the outliers than chance puts into one: a burst, which heavy tails of noise are not.
+/// Binomial tail by that of F.
+std::optional<NoisyRun> run_of_outliers(const Observations& data, const Eigen::VectorXd& residual,
+                                        const std::vector<bool>& left_out) {
+  struct Sums {
+    double outliers = 0.0, count = 0.0, sum = 0.0;
+  };
+  std::map<int, Sums> runs;
+  Sums all;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    for (Sums* sums : {&runs[data.run[k]], &all}) {
+      sums->outliers += left_out[k] ? 1.0 : 0.0;
+      sums->count += 1.0;
+      sums->sum += std::abs(residual(static_cast<Eigen::Index>(k)));
+    }
+  if (runs.size() < kFewestRuns) return std::nullopt;
+  const auto most = std::ranges::max_element(
+      runs, {}, [](const std::pair<const int, Sums>& one) { return one.second.outliers / one.second.count; });
+  const auto& [run, sums] = *most;
+  if (sums.outliers < 1.0) return std::nullopt;
+  const double share = sums.count / all.count, others = all.outliers - sums.outliers + 1.0;
+  const double ln_chance =
+      ln_f_tail((1.0 - share) * sums.outliers / (share * others), 2.0 * others, 2.0 * sums.outliers);
+  if (ln_chance + std::log(static_cast<double>(runs.size())) >= std::log(kDifferChance)) return std::nullopt;
+  const double rest = (all.sum - sums.sum) / (all.count - sums.count);
+  return NoisyRun{run, sums.sum / sums.count / std::max(rest, kLeastDivisor)};
+}
+
+}  // namespace
+
 std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorXd& whitened,
                                   const Eigen::VectorXd& residual, const std::vector<bool>& left_out) {
   const std::map<int, double> by_raw = noisy_runs(data, residual, left_out);
@@ -233,7 +266,7 @@ std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorX
     most = ratio;
     worst = NoisyRun{run, by_raw.at(run)};
   }
-  if (!worst) return worst;
+  if (!worst) return run_of_outliers(data, residual, left_out);
   double count = 0.0, sum = 0.0, squares = 0.0;
   for (std::size_t k = 0; k < data.size(); ++k) {
     if (left_out[k] || data.run[k] != worst->run) continue;

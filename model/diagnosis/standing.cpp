@@ -60,6 +60,14 @@ std::vector<SetMember> credible_set(std::vector<SetMember> alternatives) {
   return alternatives;
 }
 
+/// The member first.
+std::vector<Choice> alternatives_of(const Group& group) {
+  std::vector<Choice> alternatives{group.member};
+  alternatives.insert(alternatives.end(), group.rivals.begin(), group.rivals.end());
+  alternatives.insert(alternatives.end(), group.weaker.begin(), group.weaker.end());
+  return alternatives;
+}
+
 /// @param standings  of the members of the solution; the proved ones come first, then what is likely
 std::vector<RankedCandidate> ranked_candidates(const Found& found, const std::vector<Standing>& standings) {
   std::vector<RankedCandidate> list;
@@ -77,9 +85,7 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, const std::ve
   std::vector<std::map<std::string, double>> probability_in(groups.size());
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const Group& group = *groups[g];
-    std::vector<Choice> alternatives{group.member};
-    alternatives.insert(alternatives.end(), group.rivals.begin(), group.rivals.end());
-    alternatives.insert(alternatives.end(), group.weaker.begin(), group.weaker.end());
+    const std::vector<Choice> alternatives = alternatives_of(group);
     const std::vector<double> shares = probabilities_of(alternatives, found.families);
     std::vector<SetMember> members;
     for (std::size_t i = 0; i < alternatives.size(); ++i) {
@@ -192,16 +198,28 @@ std::optional<std::size_t> nearly_steady_wave(const ReportInput& in) {
   return std::nullopt;
 }
 
-/// A curve, or what looks like one, beside which the residual still depends on the position along the same axis: the
-/// shape as a whole is no smooth one, and a curve follows the most of any (physics: faster shapes are other effects).
+/// Whether the residual beside the best effects still depends on the position along the axis of one of them.
+bool leaves_shape(const Found& found, std::size_t g, const Observations& data) {
+  const std::optional<Axis>& axis = found.families[found.groups[g].member.family].effect.axis;
+  return axis && std::ranges::any_of(found.after, [&](const StructureTest& test) {
+           return test.variable == data.position_name(*axis) && probability_from(test.minus_log_p) < kTellingChance;
+         });
+}
+
+/// A curve, or what looks like one, that leaves a shape: the whole is no smooth one, and a curve follows the most of
+/// any (physics: faster shapes are other effects).
 bool bends_to_structure(const Found& found, std::size_t g, const Observations& data) {
   const auto is_curve = [&](const Choice& choice) { return found.families[choice.family].effect.traits().is_curve; };
   const Group& group = found.groups[g];
-  const std::optional<Axis>& axis = found.families[group.member.family].effect.axis;
-  if (!axis || (!is_curve(group.member) && std::ranges::none_of(group.rivals, is_curve))) return false;
-  return std::ranges::any_of(found.after, [&](const StructureTest& test) {
-    return test.variable == data.position_name(*axis) && probability_from(test.minus_log_p) < kTellingChance;
-  });
+  return (is_curve(group.member) || std::ranges::any_of(group.rivals, is_curve)) && leaves_shape(found, g, data);
+}
+
+/// Whether what these readings cannot tell from a shape holds the shape itself: beside others that are no causes
+/// another one may follow them far better.
+bool is_in_own_set(const Found& found, std::size_t g) {
+  const EffectTraits& traits = found.families[found.groups[g].member.family].effect.traits();
+  if (!traits.is_smooth && !traits.shape_of_position) return true;
+  return probabilities_of(alternatives_of(found.groups[g]), found.families).front() >= 1.0 - kCredible;
 }
 
 /// An effect that explains nearly all alone and predicts it at left-out targets, where so few readings were taken that
@@ -235,7 +253,9 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
   if (!explained) {
     const std::vector<std::size_t> all = proved;
     std::erase_if(proved, [&](std::size_t g) { return !predicts_at_targets(in, all, g); });
-    std::erase_if(proved, [&](std::size_t g) { return bends_to_structure(found, g, in.regressors.data()); });
+    std::erase_if(proved, [&](std::size_t g) {
+      return bends_to_structure(found, g, in.regressors.data()) || !is_in_own_set(found, g);
+    });
     if (!may_be_part(found, proved)) proved.clear();
   }
   if (const auto wave = nearly_steady_wave(in)) proved.insert(proved.begin(), *wave);
@@ -279,8 +299,15 @@ Verdict verdict_of(const ReportInput& in, const std::vector<Standing>& standings
   if (proved.empty()) return all.empty() || is_shape ? Verdict::unexplained_structure : Verdict::likely_effect;
   if (noise && in.found.objection.empty() && all.size() == standings.size() && !is_shape)
     return Verdict::missing_effect;
-  return share_of_found(in, proved) >= kPartExplained && !repeat(members) ? Verdict::partly_explained
-                                                                          : Verdict::unexplained_structure;
+  // a wave that is no pitch of the machine and leaves a shape is the first term of that shape
+  const bool begins_shape = !in.regressors.data().rotary && std::ranges::any_of(proved, [&](std::size_t g) {
+    const Choice& member = in.found.groups[g].member;
+    return !is_pitch_or_no_wave(in.found.families[member.family], member) && !is_nearly_all(g) &&
+           leaves_shape(in.found, g, in.regressors.data());
+  });
+  return share_of_found(in, proved) >= kPartExplained && !repeat(members) && !begins_shape
+             ? Verdict::partly_explained
+             : Verdict::unexplained_structure;
 }
 
 /// Effects of the model, one of them with a free searched parameter, that cancel each other beyond the range of the

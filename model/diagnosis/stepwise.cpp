@@ -355,12 +355,26 @@ Solution parted(const Search& search, Solution best, const StepwiseOptions& opti
 Choice with_columns(const Search& search, const Space& space, Choice whole, const std::vector<Index>& columns) {
   const Family& family = search.families()[whole.family];
   whole.cost -= family.ln_readings * static_cast<double>(whole.columns.size() - columns.size());
+  whole.parameters -= whole.columns.size() - columns.size();
   whole.columns = columns;
-  whole.parameters = columns.size();
   Space with = space;
   absorb(with, search.white_columns_of(whole));
   whole.gain = space.chi2() - with.chi2();
   return whole;
+}
+
+/// A wave whose second harmonic was found beside fewer effects may be that harmonic alone: by the information
+/// criterion, for the price of a period that uneven targets alone show is the same for both.
+std::optional<Choice> second_harmonic_alone(const Search& search, const Space& space, const Choice& wave) {
+  const std::vector<Index> fundamental{0, 1};
+  if (wave.columns.size() <= fundamental.size()) return std::nullopt;
+  const Choice half = search.refined_choice(space, wave.family, 0.5 * wave.nonlinear);
+  if (half.columns.empty()) return std::nullopt;
+  const Choice alone = with_columns(search, space, half, fundamental);
+  const double price =
+      search.families()[wave.family].ln_readings * static_cast<double>(wave.parameters - alone.parameters);
+  if (alone.gain < wave.gain - price) return std::nullopt;
+  return alone;
 }
 
 /// Sets of its columns that are a part of those it uses.
@@ -661,11 +675,15 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       std::erase_if(group.weaker, [&](const Choice& choice) { return choice.family == one.rival.family; });
     }
     group.in_part = rivals_of_parts(search, solution, group, rest.space);
+    if (instance(group.member).traits().periodic)
+      if (const auto half = second_harmonic_alone(search, rest.space, group.member)) group.member = *half;
     group.values = values_that_fit(search, rest.space, group.member);
-    if (search.families()[group.member.family].effect.traits().periodic && !group.values.empty() &&
+    if (instance(group.member).traits().periodic && !group.values.empty() &&
         group.values.front().nonlinear != group.member.nonlinear) {  // one of the machine's pitches that fits as well
       const Choice pitch = search.refined_choice(rest.space, group.member.family, group.values.front().nonlinear);
-      if (is_fact(search.families()[group.member.family], pitch.nonlinear)) group.member = pitch;
+      if (is_fact(search.families()[group.member.family], pitch.nonlinear) &&
+          !second_harmonic_alone(search, rest.space, pitch))
+        group.member = pitch;
     }
     group.hidden_by_sensor = search.hidden_by_sensor(rest.space, group.member);
     groups.push_back(std::move(group));

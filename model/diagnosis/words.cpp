@@ -541,7 +541,7 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
         add(fmt::format("Found: {}. That is proved, but {}.", proved,
                         explainable_share(d.rms_um, d.rms_after_um, d.noise.noise_um) < kPartExplained
                             ? "it is the lesser part"
-                        : names_a_wave(d) ? "the waves are only the first terms of a repeating shape"
+                        : names_a_wave(d) ? "the waves are only the first terms of another shape"
                                           : "the residual contains more"));
       add(likely_text(d, data));
   }

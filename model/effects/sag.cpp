@@ -28,7 +28,8 @@ EffectDefinition sag() {
             row[1] = std::abs(p) * p * p;
           },
       .column_sets = {{0}, {1}, {0, 1}},
-      .along_axis = [](const Site& site) { return site.once(site.places >= kFewestCurveTargets); },
+      .along_axis =  // a weight bends across its axis: a bow of the positions is a curve of the scale
+      [](const Site& site) { return site.once(!site.is_positioning() && site.places >= kFewestCurveTargets); },
   };
 }
 
