@@ -224,6 +224,14 @@ Json own_terms_json(const std::vector<model::OwnTerm>& terms) {
   return list;
 }
 
+/// Far above the residual without the effect a number would say no more than that it predicts nothing.
+std::string held_out_cell(const Candidate& c) {
+  constexpr double kFarAbove = 10.0;
+  if (!c.held_out_rms_um) return "-";
+  const bool is_far = c.held_out_rms_before_um && *c.held_out_rms_um > kFarAbove * *c.held_out_rms_before_um;
+  return is_far ? "> 10 x" : fmt::format("{:.3f}", *c.held_out_rms_um);
+}
+
 /// "period_mm 8, 16 or 25.01": all values that fit as well.
 std::string values_text(const Candidate& c) {
   constexpr std::size_t kMostShown = 8;
@@ -288,13 +296,16 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& d) {
       "parameters_set"_is(parameters_set_json(c), details(!c.parameters_set.empty(), values_text(c))),
       "e_value"_is(c.e_value), "found"_is(c.found),
       "tried_at"_is(object_of("value"_is(c.tried_at.value), "coefficients"_is(c.tried_at.coefficients))),
-      "held_out_rms_um"_is(c.held_out_rms_um, 3), "held_out_rms_before_um"_is(c.held_out_rms_before_um, 3),
+      "held_out_rms_um"_is(c.held_out_rms_um, held_out_cell(c)),
+      "held_out_rms_before_um"_is(c.held_out_rms_before_um, 3),
       "skipped"_is(c.skipped, details(c.skipped > 0, fmt::format("{} readings lack a cell that it needs", c.skipped))),
       "indistinguishable_from"_is(
           c.indistinguishable_from,
           details(!rivals.empty(), fmt::format("cannot be distinguished from: {}", fmt::join(rivals, ", "))) +
-              details(!improbable.empty(),
-                      fmt::format("as good a fit, but a probability below 1 %: {}", fmt::join(improbable, ", ")))),
+              details(
+                  !improbable.empty(),
+                  fmt::format("as good a fit, but improbable (below 1 %): it needs more fitted values, or is rarer: {}",
+                              fmt::join(improbable, ", ")))),
       "indistinguishable_in_part"_is(rivals_of_parts),
       "because"_is(c.because, details(!c.because.empty(), "because: " + c.because)),
       "next_measurement"_is(

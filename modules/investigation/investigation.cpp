@@ -55,6 +55,13 @@ model::EffectInstance at_its_value(model::EffectInstance effect) {
   return effect;
 }
 
+/// The opposite for the model that is written: the user's own fits may move the period or place with the other sizes.
+void free_again(Model& model, const model::EffectInstance& found) {
+  const std::string searched(found.definition().searched_parameter());
+  for (model::EffectInstance& effect : model.effects)
+    if (model::same_candidate(effect, found) && effect.fitted.contains(searched)) effect.parameters.erase(searched);
+}
+
 /// The period is a pitch of the axis, or that of two starts or half a turn.
 bool is_pitch(double period_mm, const params::MachineAxis& facts) {
   constexpr double kSame = 0.01;  // of the pitch: as well as a first look can tell
@@ -532,11 +539,16 @@ class Investigator {
       whole.effects.back() = at_its_value(candidate.effect);
       added.push_back({whole.effects.back(), candidate.probability, credible_set_of(candidate)});
     }
+    for (const FoundCause& cause : added) free_again(whole, cause.effect);
     ECS_TRY(fit, model::fit(whole, data));
-    for (const FoundCause& cause : added)
-      for (const model::EffectFit& one : fit.effects)
-        if (same_candidate(one.effect, cause.effect))
-          result_.causes.push_back({to_text(cause.effect), one.parameters, cause.probability, one.rms_um, cause.set});
+    std::vector<model::EffectFit> fits = fit.effects;
+    for (const FoundCause& cause : added) {
+      const auto one = std::ranges::find_if(
+          fits, [&](const model::EffectFit& each) { return same_candidate(each.effect, cause.effect); });
+      if (one == fits.end()) continue;
+      result_.causes.push_back({to_text(cause.effect), one->parameters, cause.probability, one->rms_um, cause.set});
+      fits.erase(one);  // two waves along one line have one name
+    }
     std::stable_sort(result_.causes.begin(), result_.causes.end(),
                      [](const auto& a, const auto& b) { return a.rms_um > b.rms_um; });
     result_.model = without_zeros(model::with_values(std::move(whole), fit));
