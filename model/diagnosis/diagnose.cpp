@@ -296,6 +296,22 @@ std::vector<Dependence> dependences(const Observations& data, const VectorXd& re
   return list;
 }
 
+/// A sentence on the measured lines on which no effect of the model acts, not even an offset; "" where there is none.
+std::string unmodelled_lines(const Model& model, const Regressors& regressors) {
+  const Observations& data = regressors.data();
+  if (!data.paths.empty() || !data.through_chain.empty()) return "";
+  std::vector<bool> acted_on(data.size(), false);
+  for (const EffectInstance& effect : model.effects)
+    for (const std::size_t k : regressors.acting(effect).rows) acted_on[k] = true;
+  std::set<std::string> lines;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!acted_on[k]) lines.insert(fmt::format("{} along {}", name_of(data.sense[k]), data.letter(data.axis[k])));
+  if (lines.empty()) return "";
+  return fmt::format(
+      "The model has no effect, not even an offset, of {}: `ecs model new` makes a model of the measured lines. ",
+      fmt::join(lines, ", "));
+}
+
 Diagnosis too_few(const Observations& data, const Base& base) {
   Diagnosis diagnosis;
   diagnosis.observations = data.size();
@@ -622,6 +638,8 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.headline += beside_formulas(in.model, diagnosis);
   diagnosis.headline += undecided_text(in.model, data);
   if (motions) diagnosis.headline = words_for(*motions) + " " + diagnosis.headline;
+  if (diagnosis.verdict != Verdict::adequate)
+    diagnosis.headline = unmodelled_lines(in.model, in.regressors) + diagnosis.headline;
   if (diagnosis.verdict == Verdict::adequate)
     if (const auto passes = scatter_of_passes(data, in.base.residual, in.base.core.left_out))
       diagnosis.headline += fmt::format(

@@ -249,6 +249,16 @@ TEST_CASE("effects on which no reading depends are named with what is missing") 
   CHECK(found.notes[1] == "scale:Y:EY: acts on none of these readings: none is of EY");
 }
 
+TEST_CASE("a measured line of which the model has no effect comes first") {
+  const auto steep = [](const Reading& r) { return 30.0 + 20.0 * p(r) / 1000.0; };
+  laser::MeasurementSet set = measured({.sense = Sense::EY}, kNoise_um, steep);
+  const std::string missing = "The model has no effect, not even an offset, of EY along X: `ecs model new`";
+  CHECK(diagnosed(straight(), set).headline.starts_with(missing));
+  measure(set, {}, kNoise_um, steep);
+  CHECK(diagnosed(straight(), set).headline.starts_with(missing));
+  CHECK_FALSE(contains(diagnosed(straight(), measured({}, kNoise_um, steep)).headline, "not even an offset"));
+}
+
 TEST_CASE("readings in um and in um/m have a residual and a noise each") {
   laser::MeasurementSet set = measured({}, kNoise_um, nothing);
   measure(set, {.sense = Sense::EB}, 10.0 * kNoise_um, nothing, 2);
