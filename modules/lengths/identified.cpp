@@ -144,6 +144,7 @@ class LengthReport {
     out.readings = fitted_.test.readings.size();
     out.unknowns = fitted_.solution.rank;
     out.degrees_of_freedom = fitted_.degrees_of_freedom;
+    out.known_values = out.degrees_of_freedom + out.unknowns - static_cast<int>(out.readings);
     const auto deviation = [&](Scatter scatter) { return std::sqrt(fitted_.variances[index_of(scatter)]); };
     out.white_um = deviation(Scatter::reading);
     out.stop_um = deviation(Scatter::stop);

@@ -68,13 +68,14 @@ struct Identification {
   std::vector<LengthOutlier> outliers;  ///< left out, unless they were to be kept
   std::size_t readings = 0;             ///< used
   int unknowns = 0;                     ///< determined
-  int degrees_of_freedom = 0;
-  double residual_um = 0.0;           ///< standard deviation of a single reading: instrument and what does not repeat
-  double white_um = 0.0;              ///< of it, of each reading on its own
-  double stop_um = 0.0;               ///< of it, of a stop, kept while the axis is parked: of each translation
-  double stop_um_per_m = 0.0;         ///< the same of each angle
-  double pass_um = 0.0;               ///< of it, common to a pass of an axis: of each translation
-  double pass_um_per_m = 0.0;         ///< the same of each angle
+  int known_values = 0;        ///< scales of set-ups and length of the bar: unknowns that also count as observations
+  int degrees_of_freedom = 0;  ///< readings + known_values - unknowns
+  double residual_um = 0.0;    ///< standard deviation of a single reading: instrument and what does not repeat
+  double white_um = 0.0;       ///< of it, of each reading on its own
+  double stop_um = 0.0;        ///< of it, of a stop, kept while the axis is parked: of each translation
+  double stop_um_per_m = 0.0;  ///< the same of each angle
+  double pass_um = 0.0;        ///< of it, common to a pass of an axis: of each translation
+  double pass_um_per_m = 0.0;  ///< the same of each angle
   std::optional<double> repeat_um;    ///< of a single reading, from poses measured again in other runs
   std::optional<double> volume_um;    ///< √(mean squared standard uncertainty) over the volume (k = 1), first tool
   std::optional<double> volume_U_um;  ///< the same, 95 %

@@ -424,6 +424,19 @@ Cell single_cell(const model::SingleSetUps& single, double U_um, double minutes)
       "not_reached"_shown(single.reached ? "" : " (not reached)"));
 }
 
+/// " and 3 values known beforehand (scale of each set-up: --scale)"
+std::string known_text(const LengthsWork& work) {
+  const int known = work.found.known_values;
+  if (known == 0) return {};
+  const bool bar = work.test.bar_um && std::ranges::any_of(work.test.set_ups, [](const model::LengthSetUp& set_up) {
+                     return set_up.instrument == model::LengthInstrument::ball_bar;
+                   });
+  const bool scales = known > (bar ? 1 : 0);
+  return fmt::format(" and {} value{} known beforehand ({}{}{})", known, known == 1 ? "" : "s",
+                     scales ? "scale of each set-up: --scale" : "", scales && bar ? ", " : "",
+                     bar ? "length of the ball bar: # bar_um" : "");
+}
+
 /// Uncertainties are expanded (95 %). @param map, params_out  files that were written; empty: none
 Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::string& params_out) {
   const model::Identification& found = work.found;
@@ -433,7 +446,7 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
   const std::string none = found.whole() ? "map not written: give --params and -o map.csv\n"
                                          : "map not written: some components are not determined\n";
   return record_cell(
-      "{file}: {readings} {of_kind}, {unknowns} unknowns, {degrees_of_freedom} degrees of "
+      "{file}: {readings} {of_kind}{known_values}, {unknowns} unknowns, {degrees_of_freedom} degrees of "
       "freedom\n{components}{squareness}{without_effect}{not_determined}"
       "  standard deviation of a single reading {residual_um} um{repeated}\n  it consists of: the reading itself "
       "{white_um} um; each stop of each axis {stop_um} um and {stop_um_per_m} um per metre of lever; each pass of each "
@@ -443,8 +456,8 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
       "residual error after compensation\n{set_ups}{outliers}{notes}{map}{params_out}",
       "file"_is(work.test.source), "machine"_is(work.machine_name), "readings"_is(found.readings),
       "of_kind"_shown(model::has_points(work.test) ? "deviations" : "lengths"), "unknowns"_is(found.unknowns),
-      "degrees_of_freedom"_is(found.degrees_of_freedom), "knots_mm"_is(Json(found.knots_mm)),
-      "determined"_is(found.whole()),
+      "known_values"_is(found.known_values, known_text(work)), "degrees_of_freedom"_is(found.degrees_of_freedom),
+      "knots_mm"_is(Json(found.knots_mm)), "determined"_is(found.whole()),
       "components"_is(list_cell(acting, curve_cell,
                                 fmt::format("  {:<4} {:<38} {:<4} {:>8} {:>8} {:>8}\n", "", "component", "unit",
                                             "largest", "reversal", "U (95 %)"))),

@@ -36,6 +36,18 @@ TEST_CASE("exact lengths from four stations with three tools give all 21 compone
   }
 }
 
+TEST_CASE("a scale known beforehand counts as an unknown and as an observation") {
+  MadeLengths lengths("XYTZ");
+  lengths.stations(7);
+  lengths.measure(MadeComponents(3));
+  const Identification with = identified(lengths, {.scale_um_per_m = 0.1}),
+                       without = identified(lengths, exact_lengths());
+  CHECK(with.known_values == static_cast<int>(lengths.test.set_ups.size()));
+  CHECK(without.known_values == 0);
+  CHECK(with.unknowns == without.unknowns + with.known_values);
+  CHECK(with.degrees_of_freedom == without.degrees_of_freedom);
+}
+
 TEST_CASE("without a second tool what only a tool offset levers is left out, and the rest is whole") {
   MadeLengths lengths("XYTZ");
   lengths.test.tools = {{"A", {0, 0, 0}}};
