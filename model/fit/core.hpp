@@ -32,8 +32,8 @@ struct Slot {
   std::optional<UserFormulas> formulas;                  ///< of a user effect
   std::vector<std::size_t> user_linear, user_nonlinear;  ///< places in effect.user
 
-  /// Whether the contribution has a derivative in its nonlinear parameters.
-  [[nodiscard]] bool has_slope() const { return effect.definition().search.has_slope; }
+  /// Whether the contribution has a derivative in its nonlinear parameters; what is exact is tried, but not fitted.
+  [[nodiscard]] bool has_slope() const { return effect.definition().search.has_slope && !has_exact_period(effect); }
   /// Whether it has one free searched parameter, several values of it to try, and nothing else that is held.
   /// @param motions  of the readings
   [[nodiscard]] bool is_sought(const Observations& motions) const;

@@ -233,6 +233,19 @@ void name_held(std::vector<ParameterEstimate>& estimates, const EffectInstance& 
   }
 }
 
+/// What no fit changes though nobody gave it: a whole fraction of a turn, and the phase of an amplitude given as 0.
+void name_exact(std::vector<ParameterEstimate>& estimates, const EffectInstance& effect) {
+  const ParameterEstimate* before = nullptr;
+  for (ParameterEstimate& estimate : estimates) {
+    const auto& all = effect.definition().parameters;
+    const auto found = std::ranges::find(all, estimate.name, &ParameterDefinition::name);
+    if (found == all.end()) continue;
+    estimate.held = estimate.held || (found->coding == Coding::searched && has_exact_period(effect)) ||
+                    (found->coding == Coding::phase && before != nullptr && before->held && before->value == 0.0);
+    before = &estimate;
+  }
+}
+
 /// The effect that owns a column.
 std::size_t slot_of_column(const Assembly& assembly, Index column) {
   std::size_t s = 0;
@@ -336,6 +349,7 @@ EffectFit effect_fit(const Assembly& assembly, std::size_t s, const Regressors& 
     fit.effect.fitted[estimate.name] = estimate.value;
   }
   if (undetermined) fit.effect.undetermined = colliding_effects(assembly, s, core);
+  name_exact(fit.parameters, slot.effect);
   return fit;
 }
 

@@ -407,6 +407,8 @@ std::size_t EffectDefinition::column_count() const {
   return count;
 }
 
+bool has_exact_period(const EffectInstance& effect) { return effect.rotary && effect.traits().periodic; }
+
 std::vector<ParameterEstimate> parameters_from(const EffectInstance& effect, const Eigen::VectorXd& linear,
                                                const Eigen::MatrixXd& covariance, std::optional<double> searched,
                                                std::optional<double> searched_sigma) {
@@ -417,9 +419,8 @@ std::vector<ParameterEstimate> parameters_from(const EffectInstance& effect, con
         {std::string(parameter.name), unit_of(effect, parameter), value, sigma, held, false, is_direction(effect)});
   };
   for (const ParameterDefinition& parameter : definition.parameters) {
-    const bool is_whole_fraction = effect.rotary && definition.traits.periodic;  // of a turn: exact
     if (parameter.coding == Coding::searched && searched && !is_left_out(effect, parameter.name, *searched))
-      add(parameter, *searched, is_whole_fraction ? std::nullopt : searched_sigma,
+      add(parameter, *searched, has_exact_period(effect) ? std::nullopt : searched_sigma,
           given(effect, parameter.name).has_value());
     if (parameter.coding == Coding::fixed) add(parameter, 1.0, {}, false);
   }

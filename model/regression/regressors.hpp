@@ -103,6 +103,9 @@ class Regressors {
 [[nodiscard]] double curve_function(const EffectDefinition& definition, const CurveBasis& basis, std::size_t column,
                                     double p_mm);
 
+/// A wave of a rotary axis: its period is a whole fraction of a turn, which is tried and never moved by a fit.
+[[nodiscard]] bool has_exact_period(const EffectInstance& effect);
+
 /// Linear coefficients → parameters with sigma. `covariance` of the coefficients; empty: none.
 [[nodiscard]] std::vector<ParameterEstimate> parameters_from(const EffectInstance& effect,
                                                              const Eigen::VectorXd& linear,

@@ -183,7 +183,7 @@ std::string parameters_in_words(const model::EffectFit& fit) {
       continue;
     }
     std::string value = parameter_text(shown_name(one), one.unit, one.value, one.sigma);
-    if (one.held) value += " (given)";
+    if (one.held) value += " (fixed)";
     words.push_back(std::move(value));
   }
   return fmt::format("{}", fmt::join(words, ", "));

@@ -64,7 +64,17 @@ Cell effects_cell(const Fit& fit) {
   Cell list = list_cell(fit.effects, effect_cell,
                         fmt::format("\n{} {:>10} {:>12}  {:<12} {:>8}\n", padded("effect and parameter", 33), "value",
                                     "sigma", "unit", rms_heading(fit.noise.unit)));
-  list.text += "sigma: standard uncertainty (k = 1); rms: contribution of the effect to the readings\n";
+  const auto any = [&](bool held) {
+    return std::ranges::any_of(fit.effects, [&](const EffectFit& effect) {
+      return std::ranges::any_of(effect.parameters, [&](const model::ParameterEstimate& one) {
+        return held ? one.held : !one.held && !one.undetermined && !one.sigma;
+      });
+    });
+  };
+  list.text += fmt::format(
+      "sigma: standard uncertainty (k = 1); rms: contribution of the effect to the readings{}{}\n",
+      any(true) ? "\nfixed: the fit does not change it (given, exact, or without effect)" : "",
+      any(false) ? "\n-: no sigma is computed (a curve, a place found by trying, or a value at its limit)" : "");
   return list;
 }
 
