@@ -79,7 +79,12 @@ void note_runs(const Iso230& axis, std::vector<std::string>& notes) {
     const int low = (*fewest).*count;
     const int high = (*most).*count;
     if (high == 0) return false;
-    if (low < kRuns) notes.push_back(fmt::format("fewer than 5 {} readings at some targets (as few as {})", name, low));
+    if (low == high && low < kRuns)
+      notes.push_back(fmt::format("{} {} reading{} at every target; ISO 230-2 requires {}{}", low, name,
+                                  low == 1 ? "" : "s", kRuns,
+                                  !axis.rotary && span_mm(axis) > kLongAxis_mm ? " on axes up to 2000 mm" : ""));
+    else if (low < kRuns)
+      notes.push_back(fmt::format("fewer than {} {} readings at some targets (as few as {})", kRuns, name, low));
     if (low != high)
       notes.push_back(fmt::format("the number of {} readings differs between targets: {} to {}", name, low, high));
     return true;

@@ -120,7 +120,16 @@ TEST_CASE("one run gives means but no deviations") {
   CHECK_FALSE(axis.R.has_value());
   CHECK_FALSE(axis.A.has_value());
   CHECK_FALSE(axis.three_sigma_band.has_value());
-  CHECK(says(axis.notes, "fewer than 5 forward readings"));
+  CHECK(says(axis.notes, "1 forward reading at every target; ISO 230-2 requires 5"));
+}
+
+TEST_CASE(
+    "the note on the number of readings says \"every target\" where it is the same, and \"some\" where it varies") {
+  const auto notes = evaluated(set_of({{0.0, {1.0, 2.0, 3.0}, {0.0, 1.0}}, {10.0, {4.0, 4.0, 5.0}, {2.0}}})).notes;
+  CHECK(says(notes, "3 forward readings at every target; ISO 230-2 requires 5"));
+  CHECK(says(notes, "fewer than 5 reverse readings at some targets (as few as 1)"));
+  const auto of_long_axis = evaluated(set_of({{0.0, {1.0, 2.0}, {}}, {2500.0, {4.0, 4.0}, {}}})).notes;
+  CHECK(says(of_long_axis, "2 forward readings at every target; ISO 230-2 requires 5 on axes up to 2000 mm"));
 }
 
 TEST_CASE("one approach gives unidirectional values only") {
