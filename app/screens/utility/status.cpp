@@ -438,7 +438,10 @@ class StatusScreen final : public KeyedScreen {
     for (TaskRunner* task : {&reading_, &work_, &writing_, &opening_}) changed = task->advance() || changed;
     if (reference_.advance()) {
       changed = at_once_ = true;
-      if (!message_.is_problem()) message_.say("The emulated machine was referenced: the unit's answer is above.");
+      if (!message_.is_problem())
+        message_.say(integrating() ? "The emulated machine was referenced. The unit follows this only in compensation "
+                                     "mode, so its axes on page 3 have not changed. Press m to switch, then g."
+                                   : "The emulated machine was referenced: the unit's answer is above.");
     }
     const int age = read_ ? static_cast<int>(age_s()) : 0;
     return std::exchange(shown_age_, age) != age || changed || work_.running();

@@ -25,6 +25,18 @@ TEST_CASE("the state is read on its own, the memory is tested, the pages turn") 
   CHECK(contains(after(screen, "\t"), "axis  referenced  datum stage"));
 }
 
+TEST_CASE("in integration mode g references the machine, and the screen says that the unit does not follow") {
+  const BenchOf bench(opened_status);
+  Screen& screen = *bench.screen;
+  REQUIRE(shows(screen, "integration: every relay is open"));
+  REQUIRE(shows_after(screen, "g", "The emulated machine was referenced."));
+  CHECK(reads(picture(screen),
+              "The unit follows this only in compensation mode, so its axes on page 3 have not changed."));
+  const std::string axes = after(screen, "3");
+  CHECK(contains(axes, "waiting"));
+  CHECK_FALSE(contains(axes, "yes"));
+}
+
 TEST_CASE("compensation mode without a map: the fault in plain words, cleared on request") {
   const BenchOf bench(opened_status);
   Screen& screen = *bench.screen;
