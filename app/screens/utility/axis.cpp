@@ -342,13 +342,13 @@ class OutputScreen final : public AxesScreen {
     return {by == 0.0 ? fmt::format("Close the relay of axis {}?", axis)
                       : fmt::format("Move axis {} by {}?", axis, um_text(by)),
             fmt::format(
-                "The relay connects the D/A converter with the servo of {}: the axis moves by about {} at once ({}). "
+                "The relay connects the D/A converter with the servo of {}: the axis moves by about {} at once{}. "
                 "With a wrong output scale it moves by another amount, with a wrong polarity the other way. After "
                 "that, + and - move it without confirmation, at most to {:g} um either way. Keep clear of the machine.",
                 axis, um_text(by),
-                by > 0.0   ? "towards larger coordinates"
-                : by < 0.0 ? "towards smaller coordinates"
-                           : "an offset of the converter shows",
+                by > 0.0   ? " (towards larger coordinates)"
+                : by < 0.0 ? " (towards smaller coordinates)"
+                           : ", plus the zero offset of the D/A converter, if it has one",
                 parameters().output_limit_um),
             "move it", "cancel"};
   }

@@ -124,6 +124,10 @@ TEST_CASE("the relay is asked for, the axis moves, steps go on, one key ends eve
   const BenchOf bench(output_screen);
   Screen& screen = *bench.screen;
   REQUIRE(shows(screen, "MCM-0107, integration"));
+  const std::string zero = after(screen, "r");  // a frame divides its sentences
+  check_holds(zero, {"Close the relay of axis X?", "plus", "offset"});
+  CHECK_FALSE(contains(zero, "shows)"));
+  (void)after(screen, "n");
   CHECK(contains(after(screen, ">>"), "step 5 um"));
   REQUIRE(shows_after(screen, "+", "+5 um at the converter of X"));
   const std::string asked = after(screen, "r");
