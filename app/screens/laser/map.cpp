@@ -39,7 +39,7 @@ class MapPage final : public LaserPage {
     const auto declare = [this] { declare_zero(controller().work().map.components[at()]); };
     rows_ = {{"p", "parameters, scope"},
              {"z", "declare zero", declare},
-             {"Enter", "", declare},
+             {"Enter", "details", [this] { explain(controller().work().map.components[at()]); }},
              {"up/down", "component"},
              {"Tab", "findings", change_side},
              {"Shift-Tab", "", change_side},
@@ -80,7 +80,7 @@ class MapPage final : public LaserPage {
   bool on_key(const Key& key) override {
     const LaserMapWork& map = controller().work().map;
     if (!map.parameters || map.components.empty()) return false;
-    if (in_findings_ && (is_letter(key, U'z') || key.name == Key::Name::enter)) {
+    if (in_findings_ && is_letter(key, U'z')) {
       controller().message().say("Press Tab first, then choose the component to declare zero.", Tone::warning);
       return true;
     }
@@ -96,6 +96,12 @@ class MapPage final : public LaserPage {
 
  private:
   [[nodiscard]] std::size_t at() const { return place_within(place_, controller().work().map.components.size()); }
+
+  /// In a narrow terminal the list has all the room, and this is the only place that says so.
+  void explain(const LaserComponent& one) {
+    controller().message().say(
+        fmt::format("{}, {}: {}", name_of(one.component), laser::description_of(one.component), detail_of(one)));
+  }
 
   void declare_zero(const LaserComponent& one) {
     if (one.state != ComponentState::present) return host().fill(zero_form(one));
@@ -139,19 +145,29 @@ class MapPage final : public LaserPage {
     return figure.panels.front();
   }
 
+  static std::string detail_of(const LaserComponent& one) {
+    switch (one.state) {
+      case ComponentState::missing:
+        return one.detail.empty() ? "Not measured: add its file (step 1), or press z to declare it zero."
+                                  : fmt::format(
+                                        "Measured, but not used: {}. Press c in step 2 to correct a wrong "
+                                        "position, or z to declare the component zero.",
+                                        one.detail);
+      case ComponentState::zero:
+        return "declared zero: " + one.detail;
+      case ComponentState::present:
+        return "from " + one.detail;
+      case ComponentState::in_parameters:
+      case ComponentState::refused:
+        break;
+    }
+    return one.detail;
+  }
+
   void draw_component(Canvas& canvas, const Area& area, const LaserMapWork& map, const LaserComponent& one) const {
     int row = canvas.paragraph(
         area, 0, fmt::format("{}  {}", name_of(one.component), laser::description_of(one.component)), Tone::strong);
-    std::string detail = one.detail;
-    if (one.state == ComponentState::missing)
-      detail = one.detail.empty() ? "Not measured: add its file (step 1), or press z to declare it zero."
-                                  : fmt::format(
-                                        "Measured, but not used: {}. Press c in step 2 to correct a wrong position, or "
-                                        "z to declare the component zero.",
-                                        one.detail);
-    if (one.state == ComponentState::zero) detail = "declared zero: " + one.detail;
-    if (one.state == ComponentState::present) detail = "from " + one.detail;
-    row += canvas.paragraph(area, row, detail);
+    row += canvas.paragraph(area, row, detail_of(one));
     if (map.made)
       for (const laser::ComponentOutcome& outcome : map.made->map.outcomes)
         if (outcome.component == one.component) row += draw_outcome(canvas, area.below(row), map.made->map, outcome);

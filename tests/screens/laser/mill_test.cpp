@@ -23,6 +23,7 @@ TEST_CASE("the map says which components are missing; declaring one zero takes a
   REQUIRE(driver.settled());
   driver.type("6");
   while (!contains(driver.seen(), "> EBY")) driver.press(Key::Name::down);
+  CHECK(reads(driver.after("\n"), "EBY, Y axis roll error: Not measured: add its file (step 1), or press z"));
   REQUIRE(driver.settles_after("zground guideways\n"));
   check_holds(driver.seen(), {"declared zero: ground guideways", "complete"});
   CHECK(driver.controller().mark(LaserStep::map) == LaserMark::done);
