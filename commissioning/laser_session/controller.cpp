@@ -406,7 +406,7 @@ void LaserController::take_active_after_failure(const std::optional<std::uint32_
 
 void LaserController::verify() {
   if (!idle()) return;
-  if (saved_file_.empty()) {
+  if (!has_saved()) {
     message_.say("no map to compare with yet: save and send it in step 8", Tone::warning);
     return;
   }

@@ -96,6 +96,8 @@ class LaserController {
   /// A file of that name stands there that this screen did not write.
   [[nodiscard]] bool would_overwrite() const;
   [[nodiscard]] bool saved() const { return !saved_csv_.empty() && saved_csv_ == work_->map.csv; }
+  /// A map was saved, in its present state or another.
+  [[nodiscard]] bool has_saved() const { return !saved_file_.empty(); }
   [[nodiscard]] const std::optional<SentMap>& sent() const { return sent_; }
   /// The unit to which the saved map was sent before this work was continued; empty: to none, as far as is known.
   [[nodiscard]] const std::string& sent_earlier() const { return sent_earlier_; }

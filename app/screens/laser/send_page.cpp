@@ -66,11 +66,12 @@ class SendPage final : public LaserPage {
     if (!map.complete() && map.parameters) lines.say("missing", missing_in(map), Tone::warning);
     if (d.sent_is_current() && !d.busy()) lines.say("next", "step 9 reads it back and compares it.");
     if (map.parameters && (!map.complete() || d.sent_is_current())) lines.skip();
-    lines.say("Enter also saves",
+    lines.say("files",
               d.choices().opened_map.empty()
-                  ? fmt::format("{} (parameters) and {} (`ecs map build` makes the same map from it)", files.parameters,
-                                files.recipe)
-                  : fmt::format("{} (parameters)", files.parameters),
+                  ? fmt::format("The keys Enter and s also write {} (parameters) and {} (`ecs map build` makes the "
+                                "same map from it).",
+                                files.parameters, files.recipe)
+                  : fmt::format("The keys Enter and s also write {} (parameters).", files.parameters),
               Tone::faint);
   }
 
@@ -169,7 +170,8 @@ class VerifyPage final : public LaserPage {
                           "switch", "not now"},
                          [this] { controller().compensate(); });
     };
-    rows_ = {{"Enter", "read back and compare", [this] { controller().verify(); }},
+    const auto comparable = [this] { return controller().has_saved(); };
+    rows_ = {{"Enter", "read back and compare", [this] { controller().verify(); }, comparable, true},
              {"c", "compensation", compensate},
              {"up/down", "differences"}};
   }
@@ -180,9 +182,10 @@ class VerifyPage final : public LaserPage {
     lines.say("unit", unit_text(d.unit().snapshot()), d.unit().snapshot().open ? Tone::plain : Tone::bad);
     if (!d.verdict()) {
       lines.skip();
-      lines.say("compare",
-                d.sent() ? "Press Enter to read the unit's map back and compare it with the file."
-                         : "No map sent yet: see step 8. Press Enter to compare the unit with the last saved map.");
+      lines.say("compare", d.sent() ? "Press Enter to read the unit's map back and compare it with the file."
+                           : d.has_saved()
+                               ? "No map sent yet: see step 8. Press Enter to compare the unit with the last saved map."
+                               : "No map saved or sent yet: see step 8.");
       return;
     }
     const MapVerdict& verdict = *d.verdict();

@@ -109,6 +109,28 @@ TEST_CASE("a component declared zero that the scope does not need is not in the 
   CHECK(zeros_with("volumetric") == 2);
 }
 
+TEST_CASE("Enter on a measured component says what it is made of, and only z asks to declare it zero") {
+  const StateFolder folder;
+  LaserScreenDriver driver;
+  driver.take_files({folder.with("EXX.csv", measured_csv(kPositioning, [](double p) { return 0.01 * p; }))},
+                    "samples/mill/parameters.toml");
+  const std::string seen = driver.after("6\n");
+  CHECK(reads(seen, "EXX, X axis linear positioning error: from "));
+  CHECK(contains(seen, "Enter details"));
+  CHECK_FALSE(contains(seen, "Declare it zero nevertheless?"));
+  CHECK(reads(driver.after("z"), "EXX is measured. Declare it zero nevertheless?"));
+}
+
+TEST_CASE("before a map was saved step 9 does not offer to compare it, and step 8 says which keys write files") {
+  const StateFolder folder;
+  LaserScreenDriver driver;
+  const std::string seen = driver.after("9");
+  CHECK(reads(seen, "No map saved or sent yet: see step 8."));
+  CHECK_FALSE(contains(seen, "Enter"));
+  CHECK(reads(driver.after("\n"), "no map to compare with yet"));
+  CHECK(reads(driver.after("8"), "The keys Enter and s also write map-parameters.toml (parameters) and "));
+}
+
 TEST_CASE("marks choose single files, and a typed path is completed") {
   const StateFolder folder;
   for (const char* name : {"one.csv", "two.csv", "three.csv"})
