@@ -213,19 +213,32 @@ class Questions {
   /// The smallest space as good as the best of those wanted; nothing where none predicts nearly all.
   template <class Wanted>
   [[nodiscard]] std::optional<Chosen> choose(const Wanted& wanted) const {
-    std::vector<std::size_t> good;
+    std::vector<std::size_t> considered, good;
     double most = 0.0;
     for (std::size_t i = 0; i < tried_.size(); ++i)
-      if (wanted(conditions_[i])) most = std::max(most, above(best_of(tried_[i])));
+      if (wanted(conditions_[i]) && adds(i)) considered.push_back(i);
+    for (const std::size_t i : considered) most = std::max(most, above(best_of(tried_[i])));
     if (!is_nearly_all(most)) return std::nullopt;
-    for (std::size_t i = 0; i < tried_.size(); ++i)
-      if (wanted(conditions_[i]) && above(best_of(tried_[i])) >= most - tolerance()) good.push_back(i);
+    for (const std::size_t i : considered)
+      if (above(best_of(tried_[i])) >= most - tolerance()) good.push_back(i);
     Chosen chosen{*std::ranges::min_element(good, {}, [&](std::size_t i) { return best_of(tried_[i]).freedom; }), {}};
     for (const std::size_t i : good)
       if (!conditions_[i].tells_the_same(conditions_[chosen.one]) && !is_contrived(i, chosen.one) &&
           !holds(i, chosen.one))
         chosen.as_well.push_back(i);
     return chosen;
+  }
+  /// Whether a condition takes more than functions of the position do without it, by more than spaces that are as good
+  /// as each other differ. The freedom alone does not decide: a smooth change over long travels has less of it than a
+  /// free size at each target, though it changes next to nothing.
+  [[nodiscard]] bool adds(std::size_t i) const {
+    const Condition& c = conditions_[i];
+    if (c.is.empty() || c.is_shape || !c.targets.empty()) return true;
+    const Weight& mine = best_of(tried_[i]);
+    double same = -kBeyondAll;
+    for (std::size_t over = 0; over <= static_cast<std::size_t>(&mine - tried_[i].data()); ++over)
+      same = std::max(same, above(tried_.front()[over]));
+    return above(mine) > same + tolerance();
   }
   /// A square of one column that does what a straight line of another or a delay does, and no more.
   [[nodiscard]] bool is_contrived(std::size_t bent, std::size_t one) const {
@@ -252,7 +265,7 @@ class Questions {
     if (c.property == "growth") return "changes with " + c.is;
     if (c.property == "session") return "different in each " + c.is;
     if (c.property == "clock") return "follows " + c.is + " as a delay does";
-    return c.is == "workpiece" ? "moves with the workpiece" : "turns with " + c.is;
+    return c.is == "workpiece" ? "moves with the set-up" : "turns with " + c.is;
   }
 
   /// Frame, growth and session; where they show excitation, clock, sign and arithmetic.
@@ -296,7 +309,9 @@ class Questions {
       return one;
     };
     const LeftProperty changes[]{
-        answer("frame", "machine", "Measure again in another set-up, with the workpiece elsewhere along the axis."),
+        answer("frame", "machine",
+               r_.data.extras.contains("reversed") ? "Measure again with the artefact elsewhere along the axis."
+                                                   : "Measure again with the optics set up elsewhere along the axis."),
         answer("growth", "none", "Measure with another load and another feed."),
         answer("session", "none", "Repeat the line in three runs or more.")};
     list.insert(list.begin() + 2, std::begin(changes), std::end(changes));
