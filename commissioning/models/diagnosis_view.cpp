@@ -430,7 +430,7 @@ std::string words_for_property(const std::string& property) {
       {"direction", "direction of approach"},
       {"position", "over the position"},
       {"turn", "over a turn"},
-      {"frame", "whether it stays with the machine or moves with the workpiece"},
+      {"frame", "belongs to (machine, set-up, another axis)"},
       {"growth", "another variable (time, load, feed, temperature, other axes)"},
       {"session", "runs and set-ups"},
       {"clock", "delay"},
@@ -449,8 +449,11 @@ std::string words_for_answer(const std::string& property, const std::string& is)
   if (property == "direction")
     for (const auto& [name, words] : kDirections)
       if (name == is) return std::string(words);
-  if (is != "none" && property == "growth") return "changes with " + is;
-  if (is != "none" && property == "session") return "different in each " + is;
+  if (property == "frame") return is == "workpiece" ? "the set-up, with which it moves" : is;
+  if (property == "growth")
+    return is == "none" ? "the residual changes with none of those that were varied" : "changes with " + is;
+  if (property == "session")
+    return is == "none" ? "the residual does not differ between them" : "different in each " + is;
   return is;
 }
 
@@ -458,11 +461,28 @@ namespace {
 
 /// "none" beside another change means that this one is not needed once the other is included.
 std::string answer_text(const model::LeftProperty& one, const Diagnosis& d) {
-  if (one.is != "none") return words_for_answer(one.property, one.is);
+  std::string text = words_for_answer(one.property, one.is);
+  if (one.is != "none") return text;
   for (const model::LeftProperty& other : d.left)
     if ((other.property == "growth" || other.property == "session") && !other.is.empty() && other.is != "none")
-      return fmt::format("none is needed once the change with {} is included", other.is);
-  return one.is;
+      text += other.property == "growth" ? fmt::format(", once the change with {} is allowed for", other.is)
+                                         : fmt::format(", once the differences between the {} are allowed for",
+                                                       other.is == "run" ? "runs" : "set-ups");
+  return text;
+}
+
+/// Of a property that is not told: what remains open.
+std::string question_of(const std::string& property) {
+  constexpr std::pair<std::string_view, std::string_view> kQuestions[] = {
+      {"direction", "whether the error depends on the direction of approach"},
+      {"position", "how the error depends on position (the same everywhere, even or odd)"},
+      {"turn", "how it repeats over a turn"},
+      {"frame", "whether it belongs to the machine or to the set-up"},
+      {"growth", "whether it changes with another variable (time, load, feed, temperature, other axes)"},
+      {"session", "whether it differs between runs or set-ups"}};
+  for (const auto& [name, question] : kQuestions)
+    if (name == property) return std::string(question);
+  return words_for_property(property);
 }
 
 /// What is told, evidence that several share once; then what is not, and what would tell.
@@ -476,7 +496,7 @@ Cell left_cell(const Diagnosis& d) {
     left.json.push_back(object_of("property"_is(one.property), "is"_is(text_or_null(one.is)), "because"_is(one.because),
                                   "measure"_is(text_or_null(one.measure))));
     if (one.is.empty())
-      withheld.emplace_back(words_for_property(one.property));
+      withheld.push_back(question_of(one.property));
     else
       left.text += paragraph(fmt::format("{}: {}{}", words_for_property(one.property), answer_text(one, d),
                                          said.insert(one.because).second ? "; evidence: " + one.because : ""),
@@ -484,8 +504,8 @@ Cell left_cell(const Diagnosis& d) {
     if (!one.measure.empty()) measure.insert(one.measure);
   }
   if (!withheld.empty())
-    left.text +=
-        paragraph(fmt::format("not established: {}. {}", fmt::join(withheld, ", "), fmt::join(measure, " ")), 2, 4);
+    left.text += paragraph(
+        fmt::format("These readings do not show: {}. {}", fmt::join(withheld, "; "), fmt::join(measure, " ")), 2, 4);
   return left;
 }
 
