@@ -164,7 +164,7 @@ struct ParameterEstimate {
   std::string unit;  ///< of positions on a rotary axis "deg"
   double value = 0.0;
   std::optional<double> sigma;  ///< absent: held, or the data do not determine it
-  bool held = false;            ///< given in the model file
+  bool held = false;            ///< the fit does not change it: given in the model file, exact, or without effect
   bool undetermined = false;    ///< another term of the model does the same on these data; value is one of many
   bool is_direction = false;    ///< of an axis line: shown as um_per_m
 };
