@@ -636,7 +636,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.headline =
       headline_for(diagnosis, data, diagnosis.different_run ? diagnosis.different_run->text : run_note(in.found));
   diagnosis.headline += beside_formulas(in.model, diagnosis);
-  diagnosis.headline += undecided_text(in.model, data);
+  if (std::ranges::any_of(in.model.effects, [](const auto& effect) { return !effect.tied_with.empty(); }) ||
+      std::ranges::find(in.base.core.undetermined, true) != in.base.core.undetermined.end())
+    diagnosis.headline += undecided_text(in.model, data);
   if (motions) diagnosis.headline = words_for(*motions) + " " + diagnosis.headline;
   if (diagnosis.verdict != Verdict::adequate)
     diagnosis.headline = unmodelled_lines(in.model, in.regressors) + diagnosis.headline;

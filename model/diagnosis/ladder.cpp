@@ -117,6 +117,30 @@ std::string lacking_text(const Observations& data, const EffectInstance& effect)
   return lacking.empty() ? "" : fmt::format("it needs {}, which these data do not have", lacking);
 }
 
+/// Whether the fit of one of two effects of the model marks that these readings do not separate them.
+bool are_exchangeable(const EffectInstance& a, const EffectInstance& b) {
+  const auto names = [](const EffectInstance& one, const EffectInstance& other) {
+    return one.undetermined && std::ranges::find(*one.undetermined, to_text(other)) != one.undetermined->end();
+  };
+  return names(a, b) || names(b, a);
+}
+
+/// Effects of the model that do on these readings what this one does, and the measurement that separates them; "" where
+/// there are none.
+/// @param effect  as fitted beside them
+std::string inseparable_text(const Model& model, const EffectInstance& effect) {
+  std::vector<EffectInstance> others;
+  std::vector<std::string> names;
+  for (const EffectInstance& one : model.effects)
+    if (are_exchangeable(one, effect)) {
+      others.push_back(one);
+      names.push_back(to_text(one));
+    }
+  if (others.empty()) return "";
+  return fmt::format("these data cannot distinguish it from {} of the model. {}", fmt::join(names, ", "),
+                     separating_measurement(effect, others));
+}
+
 }  // namespace
 
 AddRequest request_of(const EffectInstance& effect) {
@@ -209,7 +233,7 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
     const bool is_there =
         std::ranges::any_of(model.effects, [&](const EffectInstance& one) { return same_candidate(one, *effect); });
     const std::string why = note_of_no_reading(*effect, data, regressors.acting(*effect)),
-                      unread = lacking_text(data, *effect);
+                      unread = lacking_text(data, *effect), same = inseparable_text(model, fit.effects.back().effect);
     return problem(
         ProblemKind::usage,
         !is_there && unread.empty() && !why.empty()
@@ -217,6 +241,7 @@ Result<Added> add_effect(const Model& model, const Observations& data, const Add
             : fmt::format("{}: {}", to_text(*effect),
                           is_there          ? "it is in the model already"
                           : !unread.empty() ? unread
+                          : !same.empty()   ? same
                                             : "no reading of these data depends on it (`ecs laser show` lists their "
                                               "axes, senses and columns)"));
   }
@@ -403,17 +428,65 @@ Result<DecidedTies> decided_ties(const Model& model, const Observations& data) {
   return decided;
 }
 
+namespace {
+
+/// The effect with all others of the model that these readings separate neither from it nor from one of those.
+std::vector<std::size_t> exchangeable_with(const std::vector<EffectFit>& effects, std::size_t first) {
+  std::vector<std::size_t> group{first};
+  for (std::size_t g = 0; g < group.size(); ++g)
+    for (std::size_t i = 0; i < effects.size(); ++i)
+      if (std::ranges::find(group, i) == group.end() && are_exchangeable(effects[group[g]].effect, effects[i].effect))
+        group.push_back(i);
+  std::ranges::sort(group);
+  return group;
+}
+
+/// Those of a group that explain the readings as well as the whole model does, each in place of the group.
+Undecided each_alone(const Model& model, const std::vector<std::size_t>& group, const Observations& data,
+                     const Fit& now) {
+  Undecided undecided{model, {}};
+  for (auto i = group.rbegin(); i != group.rend(); ++i)
+    undecided.without.effects.erase(undecided.without.effects.begin() + static_cast<std::ptrdiff_t>(*i));
+  for (const std::size_t i : group) {
+    const auto alone = add_effect(undecided.without, data, request_of(model.effects[i]), "");
+    if (!alone) continue;
+    const double worse = std::pow(alone->rms_after_um, 2) - std::pow(now.rms_um, 2);
+    if (static_cast<double>(data.size()) * worse > kDecides * std::pow(now.noise.noise_um, 2)) continue;
+    undecided.possible.push_back(alone->model.effects.back());
+    undecided.possible.back().undetermined.reset();
+  }
+  return undecided;
+}
+
+/// Of a group of which each one alone does what all do, one question; else one for each pair of them.
+void ask_exchangeable(const Model& model, const std::vector<std::size_t>& group, const Observations& data,
+                      const Fit& now, std::vector<Undecided>& list) {
+  if (Undecided all = each_alone(model, group, data, now); all.possible.size() == group.size())
+    return list.push_back(std::move(all));
+  for (std::size_t i = 0; i < group.size(); ++i)
+    for (std::size_t j = i + 1; j < group.size(); ++j)
+      if (are_exchangeable(now.effects[group[i]].effect, now.effects[group[j]].effect))
+        if (Undecided two = each_alone(model, {group[i], group[j]}, data, now); two.possible.size() > 1)
+          list.push_back(std::move(two));
+}
+
+}  // namespace
+
 std::vector<Undecided> undecided_effects(const Model& model, const Observations& data) {
   std::vector<Undecided> list;
-  if (!data.through_chain.empty() ||
-      std::ranges::all_of(model.effects, [](const auto& effect) { return effect.tied_with.empty(); }))
-    return list;
+  if (!data.through_chain.empty()) return list;
   const auto now = fit(model, data);
   if (!now || !(now->noise.noise_um > 0.0)) return list;
-  for (std::size_t i = 0; i < model.effects.size(); ++i)
+  std::vector<bool> asked(model.effects.size(), false);
+  for (std::size_t i = 0; i < model.effects.size(); ++i) {
     if (!model.effects[i].tied_with.empty())
       if (Tie tie = judged(model, i, data, now->noise.noise_um); tie.undecided.possible.size() > 1)
         list.push_back(std::move(tie.undecided));
+    const std::vector<std::size_t> group = exchangeable_with(now->effects, i);
+    if (asked[i] || group.size() < 2) continue;
+    for (const std::size_t one : group) asked[one] = true;
+    ask_exchangeable(model, group, data, *now, list);
+  }
   return list;
 }
 

@@ -81,10 +81,10 @@ struct DecidedTies {
 /// @param data  all readings that are to decide, the former ones too
 [[nodiscard]] Result<DecidedTies> decided_ties(const Model& model, const Observations& data);
 
-/// An effect of a model whose alternatives these readings do not rule out.
+/// An effect of a model whose alternatives these readings do not rule out, or effects of it that do the same on them.
 struct Undecided {
-  Model without;                         ///< the model without it
-  std::vector<EffectInstance> possible;  ///< the effect and its alternatives, each as fitted in its place
+  Model without;                         ///< the model without it or them
+  std::vector<EffectInstance> possible;  ///< the effect and its alternatives, or the effects: each as fitted alone
 };
 /// None of readings of a ball, whose exchangeable location errors a fit states.
 [[nodiscard]] std::vector<Undecided> undecided_effects(const Model& model, const Observations& data);
