@@ -62,7 +62,7 @@ void note_short_periods(MapFromModel& built, const Model& model) {
 /// Where an effect lands in the map or among the parameters; nothing for one that stays out.
 std::optional<Component> component_for(const EffectInstance& effect) {
   if (effect.definition().has_lever()) return effect.code;
-  if (effect.rotary || effect.from_run > 0 || !effect.axis || !effect.sense ||
+  if (effect.rotary || is_of_measurement(effect) || !effect.axis || !effect.sense ||
       effect.definition().carrier != model::Carrier::error_map)
     return std::nullopt;
   return curve_of(*effect.sense, *effect.axis);
@@ -261,7 +261,7 @@ std::string sizes_of(const EffectInstance& effect) {
 void note_temperatures(MapFromModel& built, const Model& model, const params::Machine& machine) {
   std::vector<std::string> effects;
   for (const EffectInstance& effect : model.effects) {
-    if (effect.undetermined || effect.traits().of_measurement || is_carried(effect, machine)) continue;
+    if (effect.undetermined || is_of_measurement(effect) || is_carried(effect, machine)) continue;
     const std::string at = zero_at(effect, model.origin);
     if (at.empty()) continue;
     if (std::find(built.holds_at.begin(), built.holds_at.end(), at) == built.holds_at.end())

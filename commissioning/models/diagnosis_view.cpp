@@ -273,7 +273,7 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& d) {
   std::vector<std::string> rivals, improbable;
   for (const model::EffectInstance& rival : c.rivals)
     (c.is_open(rival) ? rivals : improbable)
-        .push_back(rival.traits().of_measurement
+        .push_back(is_of_measurement(rival)
                        ? fmt::format("{} (error of the measurement: {})", place_text(rival), rival.definition().cause)
                        : place_text(rival));
   std::vector<std::string> rivals_of_parts;

@@ -199,7 +199,7 @@ bool is_alignment(const model::EffectInstance& effect, const params::Machine& ma
 }
 
 Remedy remedy_for(const model::EffectInstance& effect, const params::Machine& machine, const CauseDraws& draws) {
-  if (effect.traits().of_measurement || is_alignment(effect, machine))
+  if (is_of_measurement(effect) || is_alignment(effect, machine))
     return draws.left.is_gain(draws.repaired) ? Remedy::set_up : Remedy::nothing;
   if (draws.compensated.is_gain(draws.repaired)) return Remedy::repair;
   return draws.left.is_gain(draws.compensated) ? Remedy::compensate : Remedy::nothing;
@@ -415,7 +415,7 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
           kQuantities[q] = {draws[i].left.expected(q), draws[i].compensated.expected(q), draws[i].repaired.expected(q)};
     cost.remedy = remedy_for(cost.effect, *work.machine, draws[i]);
     cost.how = cost.remedy == Remedy::repair ? std::string(cost.effect.definition().check)
-               : is_alignment(cost.effect, *work.machine)
+               : !is_of_measurement(cost.effect) && is_alignment(cost.effect, *work.machine)
                    ? "zero and slope of this readout come from the alignment of the optics"
                    : how_compensated(cost.effect, *work.machine);
     unseen = unseen || !cost.effect.definition().needs.empty();

@@ -283,9 +283,8 @@ Result<WhatIf> what_if(const Model& model, const Observations& data) {
   WhatIf what;
   std::vector<double> left(data.reading), of_measurement(data.size(), 0.0);
   for (const EffectFit& effect : fitted_model.effects) {
-    const EffectDefinition& definition = effect.effect.definition();
     const bool carried = is_carried(effect.effect, data.machine);
-    const bool measured = definition.traits.of_measurement;
+    const bool measured = is_of_measurement(effect.effect);
     double peak_um = 0.0;
     for (const double contribution : effect.contribution) peak_um = std::max(peak_um, std::abs(contribution));
     what.shares.push_back({to_text(effect.effect), effect.rms_um, peak_um, carried, measured,

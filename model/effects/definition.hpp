@@ -442,6 +442,11 @@ struct EffectDefinition {
 [[nodiscard]] bool is_carried(const EffectInstance& effect, const params::Machine& machine);
 /// The axis whose motion stands for the heat of the machine: the effect's own, else the first that the file names.
 [[nodiscard]] std::optional<Axis> live_motion_of(const EffectInstance& effect, const params::Machine& machine);
+/// Why an offset of a further line, or from a later run on, says nothing of the machine: it is a zero of the readout;
+/// "" of every other effect.
+[[nodiscard]] std::string_view zero_of_readout(const EffectInstance& effect);
+/// The readings have it and the machine does not: by its definition, or such an offset.
+[[nodiscard]] bool is_of_measurement(const EffectInstance& effect);
 /// The sensor of the scale or workpiece.
 inline constexpr std::string_view kMaterialSensor = "t_material_degC";
 /// How the unit compensates it, or why it cannot.

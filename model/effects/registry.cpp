@@ -162,12 +162,23 @@ std::string rotary_error_refused(const EffectInstance& effect, const params::Mac
 
 }  // namespace
 
+std::string_view zero_of_readout(const EffectInstance& effect) {
+  if (effect.from_run > 0) return "the zero of the readout in some runs, not an error of the machine";
+  return effect.line > 1 ? "the zero of the readout on one line, not an error of the machine" : "";
+}
+
+bool is_of_measurement(const EffectInstance& effect) {
+  return effect.traits().of_measurement || !zero_of_readout(effect).empty();
+}
+
 bool is_carried(const EffectInstance& effect, const params::Machine& machine) {
+  if (!zero_of_readout(effect).empty()) return false;
   if (acts_on_rotary_axes(effect)) return is_rotary_error(effect) && rotary_error_refused(effect, machine).empty();
   return effect.definition().is_carried() && !missing_axis(effect, machine) && missing_input(effect, machine).empty();
 }
 
 std::string how_compensated(const EffectInstance& effect, const params::Machine& machine) {
+  if (const auto zero = zero_of_readout(effect); !zero.empty()) return std::string(zero);
   if (is_rotary_error(effect)) {
     std::string refused = rotary_error_refused(effect, machine);
     if (!refused.empty() || effect.definition().place != Place::axis_and_sense)
@@ -245,7 +256,7 @@ std::string spoken_name(std::string_view shown, std::string_view unit) {
       {"c0y", "squareness C0Y"},
       {"b0z", "squareness B0Z"},
       {"a0z", "squareness A0Z"},
-      {"rms", "size (rms)"},
+      {"rms", "rms over the measured range"},
   }};
   const auto known =
       std::ranges::find(kWords, std::string_view(words), &std::pair<std::string_view, std::string_view>::first);
