@@ -215,17 +215,14 @@ std::vector<double> table_positions(const params::MachineAxis& axis, double incr
 Result<CompiledModel> compiled(const Model& fitted, const params::Machine& machine, double increment_mm) {
   if (!(increment_mm > 0.0))
     return problem(ProblemKind::usage, fmt::format("expected an increment above 0 mm, got {}", increment_mm));
+  if (auto missing = problems_without_values(fitted); !missing.empty())
+    return tl::unexpected(folded(std::move(missing)));
   CompiledModel out;
   EffectsOfTables tables;
   std::vector<const EffectInstance*> carried, rotary;
   for (const EffectInstance& effect : fitted.effects) {
     if (effect.undetermined && effect.undetermined->empty()) {
       out.not_carried.push_back(fmt::format("{}: the fitted readings do not determine it", to_text(effect)));
-      continue;
-    }
-    if (effect.from_run > 0) {
-      out.not_carried.push_back(
-          fmt::format("{}: the zero of the readout in some runs, not an error of the machine", to_text(effect)));
       continue;
     }
     if (!components_of(effect.definition()).empty() && is_carried(effect, machine)) {

@@ -368,15 +368,25 @@ void name_undetermined(const Assembly& assembly, const CoreFit& core, Fit& fit) 
   }
 }
 
+/// The parameter that a fitted column stands for; of a wave its sine or cosine, of a curve one of its functions.
+std::string column_name(const Slot& slot, std::size_t within) {
+  if (slot.formulas) return slot.effect.user[slot.user_linear[within]].name;
+  const auto column = static_cast<std::size_t>(slot.used[within]);
+  if (slot.effect.traits().periodic)
+    return fmt::format("{}{}", column < 2 ? "" : "second ", column % 2 == 0 ? "sine" : "cosine");
+  if (slot.effect.traits().is_curve) return fmt::format("function {}", column + 1);
+  std::vector<std::string_view> sizes;
+  for (const ParameterDefinition& parameter : slot.effect.definition().parameters)
+    if (parameter.coding != Coding::searched) sizes.push_back(parameter.name);
+  return std::string(sizes[std::min(column, sizes.size() - 1)]);
+}
+
 void add_correlations(const Assembly& assembly, const CoreFit& core, Fit& fit) {
   constexpr double kWorthTelling = 0.5;
   const auto name = [&](Index column) {
     const std::size_t s = slot_of_column(assembly, column);
-    const Index within = column - assembly.first_column(s);
-    const EffectFit& effect = fit.effects[s];
-    std::string parameter = fmt::format("{}", within + 1);
-    if (assembly.slots[s].columns.cols() == 1 && effect.parameters.size() == 1) parameter = effect.parameters[0].name;
-    return fmt::format("{} {}", to_text(effect.effect), parameter);
+    return fmt::format("{} {}", to_text(fit.effects[s].effect),
+                       column_name(assembly.slots[s], static_cast<std::size_t>(column - assembly.first_column(s))));
   };
   for (Index i = 0; i < core.sizes.size(); ++i)
     for (Index j = 0; j < i; ++j) {
@@ -574,18 +584,23 @@ bool has_values(const EffectInstance& held) {
 
 }  // namespace
 
-Result<std::vector<double>> predicted(const Model& model, const Observations& at) {
-  const Regressors regressors(at);
+std::vector<Problem> problems_without_values(const Model& model) {
   std::vector<Problem> problems;
-  const Model held = with_values_held(model);
-  for (const EffectInstance& effect : held.effects) {
+  for (const EffectInstance& effect : with_values_held(model).effects) {
     if (has_values(effect)) continue;
     problems.push_back(
         problem(ProblemKind::bad_input,
                 fmt::format("{}: has no values; fit the model to data first, or give its parameters", to_text(effect)))
             .value());
   }
-  if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
+  return problems;
+}
+
+Result<std::vector<double>> predicted(const Model& model, const Observations& at) {
+  if (auto missing = problems_without_values(model); !missing.empty())
+    return tl::unexpected(folded(std::move(missing)));
+  const Regressors regressors(at);
+  const Model held = with_values_held(model);
   ECS_TRY(assembly, Assembly::of(held, regressors));
   for (std::size_t s = 0; s < assembly.slots.size(); ++s) assembly.renew(s, regressors);
   const VectorXd sum = assembly.fixed(at.size());

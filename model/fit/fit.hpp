@@ -113,6 +113,9 @@ struct Fit {
 [[nodiscard]] LadderStep rung_of(const std::string& effect, const std::string& data_name,
                                  const std::vector<double>& before, const Fit& fit, const Observations& data);
 
+/// "scale:X:EX: has no values; …" for each effect with neither `parameters` nor `fitted`.
+[[nodiscard]] std::vector<Problem> problems_without_values(const Model& model);
+
 /// Prediction per reading (canonical order) without fitting: `parameters`, else `fitted`, of every effect.
 /// Refuses an effect that has neither.
 [[nodiscard]] Result<std::vector<double>> predicted(const Model& model, const Observations& at);
