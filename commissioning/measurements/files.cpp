@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -505,6 +506,30 @@ bool is_measurement(const std::filesystem::path& path, bool with_paths) {
   return text && laser::recognised_format(text->text, path.string()) != nullptr;
 }
 
+namespace {
+
+/// Leaves the first of files of the same bytes. What cannot be read, or only once (a pipe), is compared with none.
+void leave_out_copies(GivenFiles& given) {
+  std::map<std::string, std::string> file_of;  // by SHA-256
+  std::vector<std::string> kept, copies;
+  for (const std::string& file : given.files) {
+    std::error_code error;
+    const auto bytes = std::filesystem::is_regular_file(file, error) ? read_file(file) : std::string();
+    const bool comparable = bytes && !bytes->empty();
+    const auto [first, is_new] = file_of.try_emplace(comparable ? sha256_hex(*bytes) : file, file);
+    if (is_new || !comparable)
+      kept.push_back(file);
+    else
+      copies.push_back(file == first->second ? file + " (given twice)"
+                                             : fmt::format("{} (of {})", file, first->second));
+  }
+  given.files = std::move(kept);
+  if (!copies.empty())
+    given.notes.push_back(fmt::format("exact copies of files count once: {}", fmt::join(copies, ", ")));
+}
+
+}  // namespace
+
 Result<GivenFiles> given_files(const std::vector<std::string>& words, bool with_paths) {
   namespace fs = std::filesystem;
   GivenFiles given;
@@ -534,6 +559,7 @@ Result<GivenFiles> given_files(const std::vector<std::string>& words, bool with_
                                       others > 0 ? fmt::format("; {} other files are ignored", others) : ""));
     given.files.insert(given.files.end(), taken.begin(), taken.end());
   }
+  if (given.files.size() > 1) leave_out_copies(given);
   return given;
 }
 

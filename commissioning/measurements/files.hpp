@@ -146,10 +146,10 @@ void note_what_was_read(MessageSink& messages, const std::string& file, const la
 [[nodiscard]] laser::MeasurementSet set_of(const laser::MeasurementSet& set, const laser::Group& group);
 
 /// The files of a verb that takes several: in place of a folder stand the measurements in it, in the order of their
-/// names. A folder without any is refused.
+/// names. A folder without any is refused. Of files of the same bytes only the first is among `files`.
 struct GivenFiles {
   std::vector<std::string> files;
-  std::vector<std::string> notes;  ///< which were taken of a folder
+  std::vector<std::string> notes;  ///< which were taken of a folder, and the copies
 };
 /// @param with_paths  files of circles and diagonals are measurements too
 [[nodiscard]] Result<GivenFiles> given_files(const std::vector<std::string>& words, bool with_paths = false);

@@ -60,9 +60,13 @@ Result<void> same_program(const FrozenModel& frozen, const std::string& freeze_f
 /// The held-out files by their hash; none of them was fitted.
 Result<std::map<std::string, std::string>> unseen_files(const FrozenModel& frozen,
                                                         const std::vector<std::string>& words) {
-  ECS_TRY(given, given_files(words, true));
   std::map<std::string, std::string> file_of;
-  for (const std::string& file : given.files) {
+  std::vector<std::string> files;
+  for (const std::string& word : words) {  // each alone: a copy is refused here, not left out
+    ECS_TRY(given, given_files({word}, true));
+    files.insert(files.end(), given.files.begin(), given.files.end());
+  }
+  for (const std::string& file : files) {
     ECS_TRY(bytes, read_file(file));
     const std::string sha256 = sha256_hex(bytes);
     for (const FrozenFile& fitted : frozen.data)

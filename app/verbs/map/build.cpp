@@ -123,9 +123,9 @@ laser::FileReader linear(const laser::FileReader& read) {
 
 bool by_recipe(const BuildRequest& request) { return lower(request.files.front()).ends_with(".toml"); }
 
-/// As its file says, else as the measurement files suggest it.
+/// As its file says, else as the measurement files suggest it. @param notes  on the files
 Result<laser::SuggestedRecipe> recipe_of(const BuildRequest& request, const UnitParameters& parameters,
-                                         const laser::FileReader& read) {
+                                         const laser::FileReader& read, std::vector<std::string>& notes) {
   if (by_recipe(request) && request.files.size() > 1)
     return problem(ProblemKind::usage, "expected one recipe, or measurement files: the recipe names its own files");
   if (by_recipe(request)) {
@@ -133,6 +133,7 @@ Result<laser::SuggestedRecipe> recipe_of(const BuildRequest& request, const Unit
     return laser::SuggestedRecipe{std::move(recipe), {}};
   }
   ECS_TRY(given, given_files(request.files));
+  notes = given.notes;
   return laser::suggest_recipe({given.files.begin(), given.files.end()}, parameters, read);
 }
 
@@ -176,10 +177,12 @@ struct Built {
 Result<Built> built(const BuildRequest& request, const laser::FileReader& read) {
   ECS_TRY(parameters, request.params_out.empty() ? params::read_parameters(request.params)
                                                  : params::read_whole_parameters(request.params));
-  ECS_TRY(recipe, recipe_of(request, parameters.parameters, read));
+  std::vector<std::string> notes;
+  ECS_TRY(recipe, recipe_of(request, parameters.parameters, read, notes));
   ECS_DO(complete(recipe.recipe, request));
   ECS_TRY(travels, travels_given(request.machine, request.params, parameters));
   ECS_TRY(made, made_map(recipe.recipe, parameters, travels, read));
+  made.map.notes.insert(made.map.notes.begin(), notes.begin(), notes.end());
   const bool enter_squareness =
       request.params_out.empty() && squareness_differs(parameters.parameters, made.map.parameters);
   parameters.parameters = made.map.parameters;
