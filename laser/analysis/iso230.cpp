@@ -107,11 +107,13 @@ void note_left_out(const Iso230& axis, std::vector<std::string>& notes) {
   };
   const auto single = lacks(&Iso230Target::mean_forward, &Iso230Target::s_forward) +
                       lacks(&Iso230Target::mean_reverse, &Iso230Target::s_reverse);
+  const bool only_single = std::ranges::none_of(
+      axis.targets, [](const Iso230Target& target) { return target.s_forward || target.s_reverse; });
   if (single > 0)
-    notes.push_back(
-        fmt::format("single readings at a target: {}. They give no standard deviation and are not used for R, A and "
-                    "the 3 sigma band, so A can be smaller than E",
-                    single));
+    notes.push_back(fmt::format("single readings at a target: {}. They give no standard deviation{}", single,
+                                only_single ? ", so A, R and the 3 sigma band cannot be computed"
+                                            : " and are not used for R, A and the 3 sigma band, so A can be smaller "
+                                              "than E"));
   const auto one_sided = std::ranges::count_if(axis.targets, [](const Iso230Target& target) {
     return target.mean_forward.has_value() != target.mean_reverse.has_value();
   });

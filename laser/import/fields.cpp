@@ -280,9 +280,8 @@ std::string plan_fault(const Plan& plan) {
   if (std::string fault = measured_fault(plan.fields); !fault.empty()) return fault;
   if (has_role(plan.fields, Role::measured)) return units_fault(plan);
   if (!has_role(plan.fields, Role::axis) && !plan.axis)
-    return "columns: the table does not state which axis moved. Assign its column with --columns, or give the axis (X, "
-           "Y or Z; for a "
-           "rotary axis A, B or C)";
+    return "the table does not state which axis moved. Name the column of that axis with --columns, or give the axis "
+           "(X, Y or Z; for a rotary axis A, B or C)";
   if (plan.axis && !has_role(plan.fields, Role::axis) && !has_role(plan.fields, Role::date_time) &&
       !plan.parked_stated[index_of(*plan.axis)] && std::ranges::none_of(plan.fields, [&](const Field& f) {
         return f.rule.field == target_column(*plan.axis, plan.rotary) || f.rule.field == "time_s" ||
