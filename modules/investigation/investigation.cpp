@@ -47,6 +47,14 @@ std::string short_text(const MeasurementProposal& proposal) {
                      proposal.bidirectional ? " both ways" : "");
 }
 
+/// The same with as many runs as the readings have: a person may have measured fewer than were asked for.
+MeasurementProposal as_measured(MeasurementProposal proposal, const laser::MeasurementSet& set) {
+  std::set<int> runs;
+  for (const laser::Reading& reading : set.readings) runs.insert(reading.run);
+  proposal.runs = std::min(proposal.runs, static_cast<int>(runs.size()));
+  return proposal;
+}
+
 /// The effect where the diagnosis found it: its period or place is held, its sizes are fitted.
 model::EffectInstance at_its_value(model::EffectInstance effect) {
   const std::string searched(effect.definition().searched_parameter());
@@ -373,7 +381,7 @@ class Investigator {
     }
     InvestigationStep step;
     step.minutes = run->minutes;
-    step.measured = short_text(proposal);
+    step.measured = short_text(as_measured(proposal, run->set));
     step.readings = run->set.readings.size();
     ECS_DO(ball_.add(run->set, diagnosing()));
     step.verdict = ball_.diagnosis()->verdict;
@@ -410,7 +418,7 @@ class Investigator {
     }
     InvestigationStep step;
     step.minutes = run->minutes;
-    step.measured = short_text(proposal);
+    step.measured = short_text(as_measured(proposal, run->set));
     step.readings = run->set.readings.size();
     readings_.add(std::move(run->set), proposal.set_up_minutes + proposal.wait_minutes, proposal.against_square);
     ECS_DO(diagnose());

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/answer_table.hpp"
 #include "base/text.hpp"
@@ -234,12 +235,6 @@ bool causes_are_single(const model::Diagnosis& diagnosis) {
 
 namespace {
 
-/// One bar a member, up to this many: a falling staircase.
-std::string bar_of(std::size_t members) {
-  constexpr std::size_t kMost = 8;
-  return std::string(std::min(members, kMost), '#') + (members > kMost ? "+" : "");
-}
-
 std::string micrometres(const std::optional<double>& um) { return um ? fmt::format("{:.3f} um", *um) : "unknown"; }
 
 Cell programme_cell(const IsoProgramme& programme) {
@@ -304,7 +299,7 @@ std::string ledger_numbers(std::size_t number, const InvestigationStep& step, do
                      step.set.size());
 }
 
-std::string ledger_head() { return ledger_numbers_head() + "  measured; below: causes (# each), probability"; }
+std::string ledger_head() { return ledger_numbers_head() + "  measured, with the causes still possible"; }
 
 std::string ledger_line(std::size_t number, const InvestigationStep& step, double total_minutes) {
   const std::string head = ledger_numbers(number, step, total_minutes) + "  ";
@@ -313,9 +308,10 @@ std::string ledger_line(std::size_t number, const InvestigationStep& step, doubl
   if (step.set.empty()) {
     text += paragraph_after(below, name_of(step.verdict));
   } else {
-    std::string members = bar_of(step.set.size());
-    for (const SetMember& member : step.set) members += fmt::format(" {} {:.2f}", member.name, member.probability);
-    text += paragraph_after(below, members);
+    std::vector<std::string> members;
+    for (const SetMember& member : step.set)
+      members.push_back(fmt::format("{} (probability {:.2f})", member.name, member.probability));
+    text += paragraph_after(below, fmt::format("possible: {}", fmt::join(members, ", ")));
   }
   text.pop_back();
   return text;

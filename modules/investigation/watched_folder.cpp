@@ -306,8 +306,10 @@ Result<RunReadings> WatchedFolder::wait_for(const RequestedRun& run) {
       return RunReadings{std::move(*set), run.proposal.minutes};
     }
     if (cancelled_ || !options_.pause(kLook))
-      return refused(fmt::format("stopped. The accepted readings are kept in {}; repeat the command to continue",
-                                 ledger_file().string()));
+      return refused(given_.empty()
+                         ? std::string("stopped. No readings have been accepted; repeat the command to continue")
+                         : fmt::format("stopped. The accepted readings are kept in {}; repeat the command to continue",
+                                       ledger_file().string()));
   }
 }
 

@@ -185,6 +185,15 @@ TEST_CASE("minutes are those of the steps, and less than the programme of ISO 23
   CHECK(workshop.steps.size() == found.steps.size());
 }
 
+TEST_CASE("a step states the runs that were measured, not those that were asked for") {
+  MadeWorkshop workshop(usual_error);
+  workshop.only_first_run = true;
+  const Investigation found = investigated(workshop, 10.0);
+  REQUIRE_FALSE(found.steps.empty());
+  CHECK(workshop.asked.front().proposal.runs == 2);
+  CHECK_MESSAGE(contains(found.steps.front().measured, "1 run both ways"), found.steps.front().measured);
+}
+
 TEST_CASE("where nothing is missing nothing is named") {
   MadeWorkshop workshop(usual_error);
   const Investigation found = investigated(workshop, 60.0);

@@ -52,6 +52,7 @@ class MadeWorkshop final : public commissioning::Workshop {
     laser::MeasurementSet set =
         made_readings(run.proposal, run.with_new_map ? left : loaded, noise_um, seed_++, seconds_);
     for (laser::Reading& reading : set.readings) reading.load_kg = load_kg_;
+    if (only_first_run) std::erase_if(set.readings, [](const laser::Reading& reading) { return reading.run > 1; });
     return commissioning::RunReadings{std::move(set), run.proposal.minutes};
   }
   Result<void> activate(const model::Model& found) override {
@@ -61,7 +62,8 @@ class MadeWorkshop final : public commissioning::Workshop {
   void keep(const commissioning::InvestigationStep& step) override { steps.push_back(step); }
 
   double noise_um = 0.2;
-  double um_per_kg_m = 0.0;  ///< what a load does to the slope
+  double um_per_kg_m = 0.0;     ///< what a load does to the slope
+  bool only_first_run = false;  ///< whatever number of runs is asked for
   std::function<bool(const commissioning::RequestedRun&)> refuse;
   std::vector<commissioning::RequestedRun> asked;
   std::vector<commissioning::InvestigationStep> steps;

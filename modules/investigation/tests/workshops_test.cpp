@@ -277,6 +277,13 @@ TEST_CASE("a stop keeps the ledger, and the next start goes on after the runs th
   CHECK(opened->measure(run_of_x(2)).has_value());
 }
 
+TEST_CASE("a stop before any readings were accepted names no ledger") {
+  Watch watch;
+  const std::string stopped = must_fail(watch.opened()->measure(run_of_x())).message;
+  CHECK(contains(stopped, "No readings have been accepted"));
+  CHECK_FALSE(contains(stopped, "ledger.json"));
+}
+
 TEST_CASE("a file of the ledger that was changed since is asked for again") {
   Watch watch;
   watch.deeds = {[&] { watch.put("x.csv", right_file(1)); }};
