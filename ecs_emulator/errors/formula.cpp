@@ -5,6 +5,7 @@
 
 #include <muParser.h>
 
+#include "base/parser_message.hpp"
 #include "base/text.hpp"
 
 namespace ecs::emulator {
@@ -34,7 +35,7 @@ Result<Formula> Formula::compile(const std::string& expression, Variables& varia
     static_cast<void>(parser->parser.Eval());
   } catch (const mu::ParserError& error) {
     return problem(ProblemKind::bad_input, "formula \"{}\", character {}: {}", expression, error.GetPos() + 1,
-                   error.GetMsg());
+                   without_position(error.GetMsg()));
   }
   return Formula(std::move(parser));
 }

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 #include <muParser.h>
 
+#include "base/parser_message.hpp"
 #include "base/text.hpp"
 
 namespace ecs::model {
@@ -128,7 +129,7 @@ Result<UserFormulas> UserFormulas::compile(const EffectInstance& effect, const O
       }
     } catch (const mu::ParserError& error) {
       problems.push_back(bad_formula(effect.name, formula,
-                                     fmt::format("{} The data have the columns {}", error.GetMsg(),
+                                     fmt::format("{} The data have the columns {}", without_position(error.GetMsg()),
                                                  fmt::join(names_of(columns, data.rotary), ", ")),
                                      static_cast<std::size_t>(error.GetPos()) + 1));
     }
