@@ -1,12 +1,14 @@
 #include "app/cli/program.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cassert>
 #include <csignal>
 #include <cstring>
 #include <exception>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -31,6 +33,16 @@ cli::Shared shared_by_all(VerbContext& context) {
           &context.arm_code};
 }
 
+/// With the present name of an option of `ecs unit arm`, whose earlier name stays accepted.
+std::vector<std::string> with_present_names(std::vector<std::string> words) {
+  constexpr std::string_view kEarlier = "--code", kPresent = "--arm-code";
+  const std::array<std::string_view, 2> arms{"unit", "arm"};
+  if (std::ranges::search(words, arms).empty()) return words;
+  for (std::string& word : words)
+    if (word == kEarlier || word.starts_with(std::string(kEarlier) + "=")) word.replace(0, kEarlier.size(), kPresent);
+  return words;
+}
+
 }  // namespace
 
 ParsedWords parsed(const Registry& registry, const std::vector<std::string>& words, VerbContext& context) {
@@ -46,7 +58,7 @@ ParsedWords parsed(const Registry& registry, const std::vector<std::string>& wor
       answer.run = run;
     });
   }
-  answer.request = tree.parsed(words);
+  answer.request = tree.parsed(with_present_names(words));
   return answer;
 }
 

@@ -159,10 +159,10 @@ FormEntry arm_entry() {
            .about = std::string(kArmExplained) +
                     " The emulator shows its code when it starts; `ecs-emulator workshop SOCKET arm-code` shows it "
                     "again. After a wrong code the unit waits before it accepts another one.",
-           .fields = {"--code", "--minutes"},
+           .fields = {"--arm-code", "--minutes"},
            .leaves_when_done = true,
            .done = [](UnitConnection& connection, const FormValues& values, int exit_code) {
-             if (exit_code == 0) connection.know_code(std::string(trimmed(values.at("--code"))));
+             if (exit_code == 0) connection.know_code(std::string(trimmed(values.at("--arm-code"))));
            }}};
 }
 

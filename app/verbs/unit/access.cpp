@@ -15,7 +15,7 @@ struct ArmRequest {
   int minutes = protocol::kUsualArmed_min;
   static Fields<ArmRequest> fields() {
     using R = ArmRequest;
-    return {{"--code", &R::code, "arming code shown by the unit; default: $ECS_ARM_CODE", Is::secret},
+    return {{"--arm-code", &R::code, "arming code shown by the unit; default: $ECS_ARM_CODE", Is::secret},
             {"--minutes", &R::minutes, "time for which this host may write", Range{1, protocol::kMostArmed_min}}};
   }
 };
@@ -25,7 +25,7 @@ Result<Outcome> arm(VerbContext& context, const ArmRequest& request) {
   std::string code = request.code;
   if (code.empty()) code = commissioning::arm_code_in_environment();
   if (code.empty() && unit.is_emulator()) code = unit.emulator_arm_code();
-  if (code.empty()) return problem(ProblemKind::usage, "unit arm: expected --code with the code shown by the unit");
+  if (code.empty()) return problem(ProblemKind::usage, "unit arm: expected --arm-code with the code shown by the unit");
   ECS_DO(unit.client().arm(code, static_cast<std::uint16_t>(request.minutes)));
   return Outcome{fmt::format("the unit accepts writes and commands from this host for {} minutes", request.minutes),
                  one_line(object_of("armed"_is(true), "minutes"_is(request.minutes))), kDone};
@@ -48,7 +48,7 @@ Result<Outcome> events(VerbContext& context, const cli::Nothing&) {
 
 extern const std::vector<Action> kUnitAccess{
     action("unit arm", "allow this host to write to the unit, move axes, close relays and run code, for a limited time",
-           "ecs unit arm --code 271828 --minutes 10", arm, {.link = Link::arms}),
+           "ecs unit arm --arm-code 271828 --minutes 10", arm, {.link = Link::arms}),
     action("unit disarm", "withdraw the write access of this host", "ecs unit disarm", disarm, {.link = Link::arms}),
     action("unit events", "list the accesses of hosts to the unit: time, host, action, result", "ecs unit events",
            events, {.link = Link::reads})};
