@@ -27,6 +27,7 @@
 #include "commissioning/session/records.hpp"
 #include "commissioning/session/remembered.hpp"
 #include "core/fault.hpp"
+#include "core/mode_word.hpp"
 
 namespace ecs::app {
 namespace {
@@ -126,7 +127,7 @@ StatusLine status_line_of(const WatchedUnit& unit, const std::optional<protocol:
     status.state = "no answer";
     status.bad = true;
   } else if (newest) {
-    status.state = ecs::name_of(newest->mode);
+    status.state = word_of(newest->mode);
     if (newest->fault != Fault::none) {
       status.state += fmt::format(", FAULT {}", ecs::text_of(newest->fault).name);
       status.bad = true;

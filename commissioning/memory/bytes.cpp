@@ -12,6 +12,7 @@
 #include "base/text.hpp"
 #include "commissioning/session/records.hpp"
 #include "core/fault.hpp"
+#include "core/mode_word.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -293,7 +294,7 @@ Result<void> may_write_in(UnitMode mode) {
   return problem(ProblemKind::refused,
                  "the unit is {}: memory can be written in integration mode only; "
                  "use ECS UTILITY or `ecs utility mode integrate` first",
-                 ecs::name_of(mode));
+                 word_of(mode));
 }
 
 Result<void> write_logged(protocol::UnitClient& client, const std::string& serial_number, Address address,

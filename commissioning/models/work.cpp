@@ -251,7 +251,8 @@ cli::Fields<ModelArguments> ModelArguments::fields(cli::Need data_need) {
   return {
       {"MODEL", &A::model, "model file (.toml)", cli::Need::required},
       {"DATA", &A::data,
-       "measurement files in any format that `laser import` reads, and files of circles, diagonals and gauge blocks",
+       "measurement files in any format that `laser import` reads, of lines or of a ball on the table, and files of "
+       "circles, diagonals and gauge blocks",
        data_need},
       {"--machine", &A::machine, kMachineHelp},
       &A::import};

@@ -6,6 +6,7 @@
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/parameters/controller.hpp"
 #include "commissioning/unit/transfer.hpp"
+#include "core/mode_word.hpp"
 
 namespace ecs::commissioning {
 
@@ -175,7 +176,7 @@ void ParametersTransfer::take_read_to_send(UnitContent unit) {
     message_->say(
         fmt::format(
             "not sent: {} is {} and accepts parameters only in integration mode; see its status under ECS UTILITY",
-            title_of(unit), ecs::name_of(unit.mode)),
+            title_of(unit), word_of(unit.mode)),
         Tone::bad);
   } else if (controller_->has_unit_values() && controller_->differs_from_unit().empty()) {
     controller_->sent(to_send_, std::move(unit));
@@ -189,7 +190,7 @@ void ParametersTransfer::ask_to_switch(const UnitContent& unit) {
   asking_.ask({fmt::format("Switch {} to integration mode?", title_of(unit)),
                fmt::format("It is {} now and accepts no parameters in this mode. In integration mode it stops "
                            "compensating: outputs go to 0, relays open. The machine must not be cutting.",
-                           ecs::name_of(unit.mode)),
+                           word_of(unit.mode)),
                "switch", "cancel"},
               [this] { read_to_send(true); });
 }

@@ -12,6 +12,7 @@
 #include "commissioning/unit/transfer.hpp"
 #include "core/fault.hpp"
 #include "core/memory_image.hpp"
+#include "core/mode_word.hpp"
 #include "laser/map/error_map.hpp"
 #include "params/fields.hpp"
 #include "protocol/registers/register_map.hpp"
@@ -475,7 +476,7 @@ Cell events_cell(const std::vector<protocol::HostEvent>& events) {
 }
 
 std::string mode_in_words(UnitMode mode) {
-  const std::string name(ecs::name_of(mode));
+  const std::string name(word_of(mode));
   return mode == UnitMode::integration ? name + " (positions are counted, compensation off)" : name;
 }
 

@@ -12,6 +12,7 @@
 #include "commissioning/link/emulator_process.hpp"
 #include "commissioning/session/commands.hpp"
 #include "core/fault.hpp"
+#include "core/mode_word.hpp"
 #include "params/machine.hpp"
 #include "protocol/client/client.hpp"
 
@@ -28,7 +29,7 @@ int shown_age(double age_s) { return age_s < 1.0 ? 0 : static_cast<int>(age_s); 
 std::string refusal_in(UnitMode mode, std::string_view what, std::string_view how) {
   if (mode == UnitMode::integration) return {};
   if (mode == UnitMode::halted) return "The unit is halted after a fatal fault: switch it off and on.";
-  return fmt::format("{} in integration mode only; the unit is {}. {}", what, ecs::name_of(mode), how);
+  return fmt::format("{} in integration mode only; the unit is {}. {}", what, word_of(mode), how);
 }
 
 bool UnitView::look(const UnitConnection& connection) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
+#include "core/mode_word.hpp"
 #include "ecs_emulator/unit/unit.hpp"
 
 namespace ecs::emulator {
@@ -85,7 +86,7 @@ protocol::CommandResult Unit::begin(const Command& command) {
     return done();
   }
   if (mode_ != UnitMode::integration)
-    return refused(UnitError::not_in_integration_mode, fmt::format("the unit is {}", name_of(mode_)));
+    return refused(UnitError::not_in_integration_mode, fmt::format("the unit is {}", word_of(mode_)));
   result_ = begin_in_integration(command);
   watch_supply();
   if (!powered_) return refused(UnitError::unit_fault, "no power");

@@ -20,6 +20,7 @@
 #include "base/words.hpp"
 #include "commissioning/maps/map_in_unit.hpp"
 #include "commissioning/unit/transfer.hpp"
+#include "core/mode_word.hpp"
 #include "modules/fleet/run.hpp"
 #include "params/parameters_toml.hpp"
 
@@ -233,7 +234,7 @@ void attempt(const PlannedUnit& unit, BatchMode mode, const protocol::ProgressCa
     return fail(report, BatchState::failed,
                 problem(ProblemKind::refused,
                         "the unit is {}, and accepts data only in integration mode: run `ecs utility mode integrate`",
-                        name_of(status->mode))
+                        word_of(status->mode))
                     .value());
   report.state = BatchState::ready;
   report.bytes = load->map ? load->map->image.bytes.size() : 0;

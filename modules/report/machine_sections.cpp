@@ -11,6 +11,7 @@
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/measurements/fields.hpp"
 #include "commissioning/unit/status.hpp"
+#include "core/mode_word.hpp"
 #include "modules/report/page.hpp"
 #include "params/fields.hpp"
 
@@ -400,7 +401,7 @@ ReportSection unit_section(const ReportContent& content) {
                 {"serial number", s.identity.serial_number},
                 {"name", s.identity.unit_name},
                 {"firmware", fmt::format("{}.{}", s.identity.firmware_major, s.identity.firmware_minor)},
-                {"mode", std::string(ecs::name_of(s.status.mode))},
+                {"mode", std::string(word_of(s.status.mode))},
                 {"fault", s.status.fault == Fault::none ? "none" : fault_sentence(s.status)},
                 {"block check", fmt::format("expected {:08X}, found {:08X}: {}", s.status.block_check_expected,
                                             s.status.block_check_found, agrees ? "agree" : "differ")},

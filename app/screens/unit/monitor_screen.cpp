@@ -20,6 +20,7 @@
 #include "commissioning/unit/monitor_record.hpp"
 #include "commissioning/unit/status.hpp"
 #include "core/fault.hpp"
+#include "core/mode_word.hpp"
 #include "params/position_unit.hpp"
 
 namespace ecs::app {
@@ -142,7 +143,7 @@ void draw_monitor(Canvas& canvas, const Area& area, const SampledUnit& unit, dou
   }
   const MonitorSample& sample = unit.samples.back();
   const std::string fault = sample.fault == Fault::none ? "no fault" : std::string(ecs::text_of(sample.fault).meaning);
-  int c = 1 + canvas.text(area, 0, 1, fmt::format("{}  ", ecs::name_of(sample.mode)), Tone::strong);
+  int c = 1 + canvas.text(area, 0, 1, fmt::format("{}  ", word_of(sample.mode)), Tone::strong);
   canvas.text(area, 0, c, fault, sample.fault == Fault::none ? Tone::good : Tone::bad);
   const bool old = age_s > kOld_s;
   canvas.text_right(area, 0,

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/fault.hpp"
+#include "core/mode_word.hpp"
 
 namespace ecs::app {
 namespace {
@@ -111,7 +112,7 @@ void AxesScreen::draw_unit_row(Canvas& canvas, const Area& area) const {
     return;
   }
   const std::string name = unit_.watched.identity ? "unit " + unit_.watched.identity->serial_number : "the unit";
-  const std::string mode = fmt::format("{}, {}", name, ecs::name_of(unit_.sample->mode));
+  const std::string mode = fmt::format("{}, {}", name, word_of(unit_.sample->mode));
   if (unit_.sample->fault == Fault::none)
     canvas.text(area, 0, 0, mode, Tone::strong);
   else

@@ -18,6 +18,7 @@
 #include "commissioning/session/commands.hpp"
 #include "commissioning/unit/utility_work.hpp"
 #include "core/fault.hpp"
+#include "core/mode_word.hpp"
 
 namespace ecs::app {
 namespace {
@@ -152,7 +153,7 @@ class StatusScreen final : public KeyedScreen {
       canvas.text(area, row, 0, name, Tone::faint);
       row += canvas.paragraph(area.right_of(kNameColumns), row, text, tone);
     };
-    add("mode", fmt::format("{}: {}", ecs::name_of(s.mode), meaning_of(s.mode)),
+    add("mode", fmt::format("{}: {}", word_of(s.mode), meaning_of(s.mode)),
         s.mode == UnitMode::halted ? Tone::bad : Tone::strong);
     if (s.mode == UnitMode::datuming)
       for (const Axis a : kAllAxes)

@@ -14,6 +14,7 @@
 #include "commissioning/unit/status.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "commissioning/unit/utility_work.hpp"
+#include "core/mode_word.hpp"
 #include "core/parameters.hpp"
 #include "params/check.hpp"
 #include "params/fields.hpp"
@@ -333,7 +334,7 @@ Result<Outcome> adjust(VerbContext& context, const AdjustRequest& request) {
     return problem(ProblemKind::refused,
                    "--trial: expected a unit that compensates, and its mode is {}. Give the command without --trial, "
                    "or first run `ecs utility mode compensate` and reference every axis",
-                   name_of(status.mode));
+                   word_of(status.mode));
   ECS_TRY(parameters, receive_parameters(unit.client()));
   const Component component = *component_of(request.component);
   const auto left = squareness_left(parameters, component, request.reading_um, request.over_mm);

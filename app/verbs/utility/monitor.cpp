@@ -13,6 +13,7 @@
 #include "commissioning/unit/monitor_record.hpp"
 #include "commissioning/unit/status.hpp"
 #include "core/fault.hpp"
+#include "core/mode_word.hpp"
 #include "params/position_unit.hpp"
 
 namespace ecs::app {
@@ -76,7 +77,7 @@ Json surroundings_json(const Surroundings& surroundings) {
 Cell sample_cell(const MonitorSample& sample, const std::string& link, const params::PositionUnit& unit) {
   const std::string_view fault = ecs::text_of(sample.fault).name;
   return record_cell("{time_s} s, {mode}{fault}\n{axes}", "number"_is(sample.number), "time_s"_is(time_s(sample), 3),
-                     "mode"_is(ecs::name_of(sample.mode)),
+                     "mode"_is(ecs::name_of(sample.mode), std::string(word_of(sample.mode))),
                      "fault"_is(fault, sample.fault == Fault::none ? std::string() : fmt::format(", fault {}", fault)),
                      "axes"_is(axes_cell(sample, unit)), "link"_is(link));
 }

@@ -107,7 +107,7 @@ TEST_CASE("a dry run names the mode of a unit that accepts no data, unless nothi
   enter(UnitMode::datuming);
   const auto refused = run_batch(plan, BatchMode::dry_run, 1);
   CHECK(refused.front().state == BatchState::failed);
-  CHECK(contains(refused.front().problem->message, "the unit is datuming"));
+  CHECK(contains(refused.front().problem->message, "the unit is referencing"));
   enter(UnitMode::integration);
   REQUIRE(run_batch(plan, BatchMode::send, 1).front().state == BatchState::sent);
   enter(UnitMode::compensating);

@@ -235,7 +235,7 @@ TEST_CASE("the box agrees with the relays of the newest sample while the unit be
   REQUIRE(shows(screen, "MCM-0107, integration"));
   REQUIRE(becomes("open"));
   REQUIRE(bench.with_link([](UnitLink& link) { return link.client().enter_compensation(); }));
-  REQUIRE(shows(screen, "MCM-0107, datuming"));
+  REQUIRE(shows(screen, "MCM-0107, referencing"));
   REQUIRE(becomes("open"));
   TaskRunner referencing;
   Message failed;

@@ -62,7 +62,7 @@ TEST_CASE("while the unit waits for its references nothing that needs integratio
   };
   for (int k = 0; k < 1000 && !waits(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   REQUIRE(waits());
-  const std::string refusal = "This is possible in integration mode only; the unit is datuming.";
+  const std::string refusal = "This is possible in integration mode only; the unit is referencing.";
   for (const MenuChoice& choice : utility_choices(bench.controller)) {
     if (choice.name == "DISPLAY DATUM SEQUENCE" || choice.name == "TOOLS") continue;  // in every mode
     CAPTURE(choice.name);
@@ -71,7 +71,7 @@ TEST_CASE("while the unit waits for its references nothing that needs integratio
       CHECK(shows_after(*screen, "\n", refusal));
       continue;
     }
-    REQUIRE(shows(*screen, "datuming"));
+    REQUIRE(shows(*screen, "referencing"));
     if (choice.name == "DISPLAY ECS STATUS")
       (void)letter(*screen, 'c');
     else
