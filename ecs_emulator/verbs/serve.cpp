@@ -96,7 +96,8 @@ struct ServeRequest {
          Words{"auto", "compensate", "integrate"}},
         {&R::options,
          Fields<O>{{"--arm-code", &O::arm_code, "arming code shown by the unit; six random digits if not given"},
-                   {"--real-time", &O::real_time, "run in real time; `state` counts missed periods"}}},
+                   {"--real-time", &O::real_time,
+                    "run in real time; `ecs-emulator workshop SOCKET state` shows the missed periods"}}},
         {"--with-parent", &R::with_parent, "end when the parent process ends"}};
   }
 };
