@@ -88,6 +88,13 @@ Cell judged_cell(const Judged& findings) {
   return cell;
 }
 
+/// The words of its lines `uncertainty`; "" where it has none.
+std::string_view uncertainty_text(const laser::MapHeader& header) {
+  return header.uncertainty.empty() ? ""
+                                    : "uncertainty: standard uncertainties (k = 1), um or um/m; value: of each value "
+                                      "alone; pass: common to a pass, which is one run in one direction\n";
+}
+
 Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
   ECS_TRY(only, chosen(request.component));
   if (!request.plot.empty()) ECS_DO(plot_format_of(request.plot));
@@ -104,11 +111,8 @@ Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
   }
   constexpr std::string_view kSigns =
       "values: compensation, which the unit adds to the position (the sign is opposite to that of the error)\n";
-  constexpr std::string_view kUncertainty =
-      "uncertainty: standard uncertainties (k = 1), um or um/m; value: of each value alone; pass: common to a pass, "
-      "which is one run in one direction\n";
   return outcome_of(record_cell("{header}\n{tables}{signs}{uncertainty}{findings}{plot}", "map"_is(found.name),
-                                "uncertainty"_shown(found.map.header.uncertainty.empty() ? "" : kUncertainty),
+                                "uncertainty"_shown(uncertainty_text(found.map.header)),
                                 "signs"_shown(tables.empty() ? "" : kSigns), "header"_is(header_cell(found.map.header)),
                                 "tables"_is(tables_cell(tables, only.has_value())),
                                 "findings"_is(judged_cell(findings)), "plot"_is(written_cell("plot", request.plot))));
@@ -126,7 +130,8 @@ struct HeaderRequest {
 Result<Outcome> header(VerbContext& context, const HeaderRequest& request) {
   ECS_TRY(found, found_map(context, request.file, request.unit));
   const Cell header = header_cell(found.map.header);
-  return outcome_of({object_of("map"_is(found.name), inlined(header)), header.text});
+  return outcome_of({object_of("map"_is(found.name), inlined(header)),
+                     header.text + std::string(uncertainty_text(found.map.header))});
 }
 
 struct CompareRequest {
