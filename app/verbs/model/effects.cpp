@@ -216,10 +216,12 @@ Result<Outcome> predict(VerbContext& context, const PredictRequest& request) {
 extern const std::vector<Action> kModelBeginning{
     action("model effects", "list the library of effects: cause, formula, how to distinguish each from similar ones",
            "ecs model effects cyclic", effects),
-    action("model new",
-           "create an initial model: offset, slope and backlash of the measured lines; for a ball, its position",
-           "ecs model new model.toml data.csv --machine machine.toml", begin,
-           {.logged = Logged::when_written, .kind = "model"}),
+    action(
+        "model new",
+        "create an initial model: offset, slope and backlash of the measured lines; for a ball measured on the table "
+        "(five axes), the position of its centre",
+        "ecs model new model.toml data.csv --machine machine.toml", begin,
+        {.logged = Logged::when_written, .kind = "model"}),
     action("model predict", "predict readings at given positions with a fitted model",
            "ecs model predict fitted.toml points.csv --machine machine.toml -o predicted.csv", predict)};
 
