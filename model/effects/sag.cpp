@@ -12,9 +12,7 @@ EffectDefinition sag() {
       .title = "Droop",
       .formula = "k2 e^2 + k3 e^3, e = |p|",
       .cause = "ram droop, a beam bending under its weight; across the axis a bent guideway looks the same",
-      .tells_apart =
-          "the error grows with the square and cube of the extension. To distinguish it from a bent guideway, hang a "
-          "weight on the ram: droop grows, the bow of a guideway does not",
+      .tells_apart = "the error grows with the square and cube of the extension, as the bow of a guideway may too",
       .check = "hang a weight on the ram or beam and measure again: droop grows, the bow of a guideway does not",
       .headline = "{where} with a bow that grows with the extension as droop does, {sizes}",
       .parameters = {{"k2", "um/m2", "square"}, {"k3", "um/m3", "cube"}},
