@@ -114,7 +114,21 @@ void VolumeCounter::take(const Grid& grid, const VolumeError& error, const Grid&
     });
 }
 
-VolumeSize VolumeCounter::finish() { return {all_.finish(), faces_.finish(), edges_.finish(), on_diagonals_.finish()}; }
+VolumeSize VolumeCounter::finish() {
+  VolumeSize size{all_.finish(), faces_.finish(), edges_.finish(), on_diagonals_.finish()};
+  ErrorSize& all = size.all;
+  const ErrorSize& on = size.diagonals;  // closer together than the grid: the largest of all may be among them
+  if (on.largest_um > all.largest_um) {
+    all.largest_um = on.largest_um;
+    all.at_mm = on.at_mm;
+    all.approach = on.approach;
+    all.error_um = on.error_um;
+    all.setting = on.setting;
+  }
+  for (std::size_t d = 0; d < kAxes; ++d)
+    all.largest_along_um[d] = std::max(all.largest_along_um[d], on.largest_along_um[d]);
+  return size;
+}
 
 VolumeSize size_of(const Grid& grid, const VolumeError& error, const Grid& diagonals,
                    const VolumeError& error_on_diagonals) {

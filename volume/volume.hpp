@@ -41,7 +41,7 @@ struct ErrorSize {
 };
 
 struct VolumeSize {
-  ErrorSize all;
+  ErrorSize all;        ///< on the grid; its largest also of the diagonals
   ErrorSize faces;      ///< at least one axis at an end of its travel
   ErrorSize edges;      ///< all axes but one at an end
   ErrorSize diagonals;  ///< from corner to opposite corner, kDiagonalPlaces each

@@ -212,7 +212,7 @@ std::unique_ptr<Screen> main_menu(const Connection& connection) {
       "ECS",
       "The menus of figure 5.4 of the thesis, which defined the original unit (docs/thesis.md). To find an action, "
       "type "
-      "/ and a part of its name; F3 does so everywhere. `ecs --help` lists the commands for the same actions.",
+      "/ and a part of its name; F3 does so everywhere. `ecs --help` lists the commands.",
       all_choices(connection));
 }
 

@@ -198,6 +198,16 @@ Result<std::size_t> effect_in(const model::Model& model, const std::string& name
         if (names[i] == one) names[i] += value_text(model.effects[i], i);
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  const auto has_name = [&](const model::EffectInstance& effect) { return to_text(effect) == name; };
+  if (std::ranges::count_if(model.effects, has_name) == 1)  // without its sensor or approach
+    return static_cast<std::size_t>(std::ranges::find_if(model.effects, has_name) - model.effects.begin());
+  for (std::size_t i = 0; i < names.size(); ++i)
+    for (const std::string_view alternative : split(model.effects[i].tied_with, ','))
+      if (trimmed(alternative) == name)
+        return problem(ProblemKind::usage,
+                       "{0} is an alternative of {1}: to keep it in place of {1}, use `ecs model remove`, then "
+                       "`ecs model add`",
+                       name, names[i]);
   return problem(ProblemKind::usage, "expected an effect of the model: {}; found \"{}\"", fmt::join(names, ", "), name);
 }
 

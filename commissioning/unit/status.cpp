@@ -456,7 +456,7 @@ Cell battery_cell(const protocol::ControlLines& lines) {
 }
 
 Cell control_cell(const protocol::ControlLines& lines) {
-  if (!lines.control_on_wired) return null_cell("not known: its \"power on\" is not wired to the unit");
+  if (!lines.control_on_wired) return null_cell("state not known: its \"power on\" is not wired to the unit");
   return {lines.control_on, lines.control_on ? "on" : "off: every axis has to be referenced again when it is back"};
 }
 

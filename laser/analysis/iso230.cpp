@@ -67,7 +67,8 @@ void note_targets(const Iso230& axis, std::vector<std::string>& notes) {
     notes.push_back(fmt::format("fewer than 5 targets per metre ({} on {:.3f} m)", count, metres));
   if (metres > kLongAxis_mm / kMmPerM)
     notes.push_back(
-        "longer than 2000 mm: the standard requires targets about every 250 mm and defines A and R for shorter axes");
+        "longer than 2000 mm: the standard requires targets about every 250 mm, and defines A and R for shorter axes "
+        "only");
   if (is_evenly_spaced(axis))
     notes.push_back("targets are equally spaced: a periodic error of that pitch is not visible");
 }

@@ -275,7 +275,7 @@ Result<Sense> sense_of_file(Kind kind, Axis axis, const std::string& file_name, 
                                           : !is_rotation(*options.sense) && *options.sense != positioning;
   if (fits) return *options.sense;
   return tl::unexpected(
-      usage(file_name, fmt::format("expected the sense {}, found {}", choice, ecs::name_of(*options.sense))));
+      usage(file_name, fmt::format("the file needs the sense {}; {} was given", choice, ecs::name_of(*options.sense))));
 }
 
 /// Even passes of a file flagged unidirectional that hold nothing but zeros.

@@ -111,7 +111,7 @@ void take_motion(MeasurementSet& set, const ColumnMapping& mapping) {
     if (mapping.motion_approach) set.readings[i].approach = motion[stop_of[i]].approach;
     if (mapping.motion_run) set.readings[i].run = motion[stop_of[i]].run;
   }
-  set.notes.push_back("approach and run are those of the order of the targets (approach=motion, run=motion)");
+  set.notes.push_back("approach and run were inferred from the order of the targets (approach=motion, run=motion)");
 }
 
 /// Readings of the same line, target and approach are runs one after the other. Where the axis never moves, readings

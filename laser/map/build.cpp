@@ -139,6 +139,12 @@ class MeasuredFiles {
     return source;
   }
 
+  /// Kept for the curves.
+  Result<void> read(const std::filesystem::path& path) {
+    ECS_DO(load(path));
+    return {};
+  }
+
   /// Names in the metadata of the files used, each with one file that has it.
   [[nodiscard]] const std::map<std::string, std::string>& machines() const { return machines_; }
   [[nodiscard]] const std::map<std::string, std::string>& serial_numbers() const { return serial_numbers_; }
@@ -200,8 +206,14 @@ class Builder {
     const auto chain = chain_of(built_.parameters);
     if (!chain) return problem(ProblemKind::refused, "the parameters describe no machine: run `ecs params check`");
     std::vector<Problem> problems;
-    for (const ComponentRecipe& one : recipe_.components)
+    std::set<std::filesystem::path> unread;  // each is said once, also the second one of a component
+    for (const ComponentRecipe& one : recipe_.components) {
+      for (const std::filesystem::path& path : one.files)
+        if (auto read = files_.read(path); !read && unread.insert(path).second)
+          problems.push_back(std::move(read.error()));
+      if (std::ranges::any_of(one.files, [&](const auto& path) { return unread.contains(path); })) continue;
       if (auto done = add(one); !done) problems.push_back(std::move(done.error()));
+    }
     if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
     ECS_DO(fill_header());
     std::ranges::stable_sort(built_.map.tables, [](const MapTable& a, const MapTable& b) {

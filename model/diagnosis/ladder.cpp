@@ -137,8 +137,9 @@ std::string inseparable_text(const Model& model, const EffectInstance& effect) {
       names.push_back(to_text(one));
     }
   if (others.empty()) return "";
+  const bool constants = std::ranges::all_of(others, [&](const EffectInstance& one) { return one.id == effect.id; });
   return fmt::format("these data cannot distinguish it from {} of the model. {}", fmt::join(names, ", "),
-                     separating_measurement(effect, others));
+                     constants ? "One of them is enough." : separating_measurement(effect, others));
 }
 
 }  // namespace

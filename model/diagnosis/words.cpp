@@ -410,6 +410,18 @@ std::map<Axis, std::set<double>> targets_of(const Observations& data) {
   return targets_mm;
 }
 
+/// The pitch of the screw, if all targets of the axis are whole pitches apart, within a fiftieth.
+std::optional<double> pitch_between(const Observations& data, Axis axis, const std::set<double>& targets_mm) {
+  constexpr double kInStep = 0.02;
+  const auto& facts = data.machine.axes[index_of(axis)];
+  if (data.rotary || !facts || !facts->screw_pitch_mm || targets_mm.size() < kFewestWaveTargets) return std::nullopt;
+  for (const double target_mm : targets_mm) {
+    const double turns = (target_mm - *targets_mm.begin()) / *facts->screw_pitch_mm;
+    if (std::abs(turns - std::round(turns)) > kInStep) return std::nullopt;
+  }
+  return facts->screw_pitch_mm;
+}
+
 /// Of an axis: whether its drift is the same elsewhere is not known.
 bool is_at_one_target(const Observations& data) {
   return std::ranges::any_of(targets_of(data), [](const auto& of) { return of.second.size() == 1; });
@@ -497,7 +509,15 @@ std::string reservation_for(const Diagnosis& diagnosis, const Observations& data
     if (targets.size() == 1)
       text += fmt::format("{}All readings along {} are at one target: errors over the position cannot be detected.",
                           text.empty() ? "" : " ", data.letter(axis));
-  for (const EvenTargets& one : even_targets(data))
+  const std::vector<EvenTargets> even = even_targets(data);
+  for (const auto& [axis, targets] : targets_of(data))
+    if (const auto pitch_mm = pitch_between(data, axis, targets);
+        pitch_mm && std::ranges::find(even, axis, &EvenTargets::axis) == even.end())
+      text += fmt::format(
+          "{}All targets along {} are whole screw pitches ({:g} mm) apart: an error with this period cannot be "
+          "detected.",
+          text.empty() ? "" : " ", data.letter(axis), *pitch_mm);
+  for (const EvenTargets& one : even)
     if (const auto behind = undetected(data, one))
       text += fmt::format(
           "{}Periods shorter than {:g} {} along {} {}: the targets are equally spaced at {:g} {}{}.",

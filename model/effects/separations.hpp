@@ -22,6 +22,6 @@ inline constexpr SeparatingMeasurement kAfterReversal{
     100,
     "Measure {axis} both ways at five targets, each approached with short and with long travel after the reversal."};
 inline constexpr SeparatingMeasurement kFinerTargets{
-    120, "Measure the {axis} line again, both ways, on targets between the present ones."};
+    120, "Measure a line along {axis}, both ways, at targets between those measured so far."};
 
 }  // namespace ecs::model::separations

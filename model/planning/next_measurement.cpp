@@ -557,7 +557,7 @@ std::string step_after_proof(const EffectInstance& effect, const params::Machine
   return fmt::format(" Add it to the model. The unit cannot compensate it ({}).", how_compensated(effect, machine));
 }
 
-/// ", and all other effects that could be tried together have a probability below 0.01 %", beside the least likely
+/// ", and the other effects that could be tried have a total probability below 0.01 %", beside the least likely
 /// cause;
 /// "" where the cause is not that likely.
 std::string odds_of_others(const Diagnosis& diagnosis) {
@@ -566,7 +566,7 @@ std::string odds_of_others(const Diagnosis& diagnosis) {
   for (const Candidate& candidate : diagnosis.candidates)
     if (candidate.in_answer()) others = std::max(others, 1.0 - candidate.probability);
   if (others > kMostShown) return {};
-  return fmt::format(", and all other effects that could be tried together have a probability {} {:.1g} %",
+  return fmt::format(", and the other effects that could be tried have a total probability {} {:.1g} %",
                      others < kLeastShown ? "below" : "of", kPercent * std::max(others, kLeastShown));
 }
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include <fmt/format.h>
@@ -45,6 +47,16 @@ double off_equal_steps_mm(const std::vector<double>& targets_mm) {
     most_mm = std::max(most_mm, std::abs(targets_mm[i] - std::lerp(targets_mm.front(), targets_mm.back(),
                                                                    static_cast<double>(i) / std::max(last, 1.0))));
   return most_mm;
+}
+
+/// Whether the targets lie on a grid of more than a fiftieth of their mean distance: periods of the grid do not show.
+bool are_on_a_grid(const std::vector<double>& targets_mm) {
+  constexpr double kMicrometres = 1e3, kGrid = 0.02;
+  std::int64_t grid = 0;
+  for (const double target_mm : targets_mm)
+    grid = std::gcd(grid, std::llround((target_mm - targets_mm.front()) * kMicrometres));
+  const double range_mm = std::abs(targets_mm.back() - targets_mm.front());
+  return static_cast<double>(grid) * static_cast<double>(targets_mm.size()) > kGrid * kMicrometres * range_mm;
 }
 
 /// A pair that a run separates by this many sigmas, whichever of the two is true.
@@ -174,7 +186,8 @@ std::string sentence_of(const MeasurementProposal& p) {
   if (p.second_feed_mm_min) text += fmt::format(" and {:g} mm/min", *p.second_feed_mm_min);
   text += p.dwell_s > 0.0 ? fmt::format(", {:g} s dwell", p.dwell_s) : ", readings on the fly";
   constexpr double kWorthSaying_mm = 0.1;
-  if (const double off_mm = off_equal_steps_mm(p.targets_mm); off_mm > kWorthSaying_mm && !p.at_present_targets)
+  if (const double off_mm = off_equal_steps_mm(p.targets_mm);
+      off_mm > kWorthSaying_mm && !p.at_present_targets && !are_on_a_grid(p.targets_mm))
     text += fmt::format(
         ". The targets are up to {:.1f} mm off equal steps, so that a short period is not mistaken for a long one",
         off_mm);

@@ -226,7 +226,9 @@ const std::vector<Action> kLaserCapturing{
            "--plan plan.toml --row EYX --trigger foot_switch.toml --gauge gauge.toml --environment temper -o EYX.csv\n "
            " ecs laser capture --resume EXX.csv.part --trigger foot_switch.toml --gauge gauge.toml",
            capture_verb, {.logged = Logged::when_written, .kind = "measurement", .live = true}),
-    action("laser devices", "list USB devices (HID) for capture, learn a trigger, try a description, write udev rules",
+    action("laser devices",
+           "list USB devices (HID) for capture, learn a trigger, try a description of a device, write its access rules "
+           "(udev)",
            "ecs laser devices\n  ecs laser devices --learn -o foot_switch.toml\n  ecs laser devices --try temper\n  "
            "ecs laser devices --udev foot_switch.toml",
            devices, {.live = true})};

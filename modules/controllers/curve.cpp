@@ -405,6 +405,15 @@ Result<std::vector<ResidualRow>> residuals(const ExportSource& source, const Con
     if (source.travel_mm[index_of(axis)])
       ECS_DO(add(fmt::format("line of {}", letter_of(axis)), line_places(source, axis)));
   ECS_DO(add("volume", volume_places(source)));
+  const auto take_largest = [](ResidualSize& of, const ResidualSize& line) {
+    for (std::size_t d = 0; d < of.largest_um.size(); ++d)
+      of.largest_um[d] = std::max(of.largest_um[d], line.largest_um[d]);
+  };
+  for (const ResidualRow& line : rows) {  // they lie in the volume, between its places
+    take_largest(rows.back().before, line.before);
+    take_largest(rows.back().unit, line.unit);
+    take_largest(rows.back().control, line.control);
+  }
   return rows;
 }
 

@@ -405,8 +405,8 @@ void add_settings(ControllerExport& made, const std::vector<SiemensTable>& encod
     if (sum_um[index_of(axis)] > 0.0) {
       const std::string& name = options.axis_name[index_of(axis)];
       made.settings.push_back(fmt::format("MD32710 $MA_CEC_ENABLE[{}] = 1, after loading", name));
-      made.settings.push_back(
-          fmt::format("MD32720 $MA_CEC_MAX_SUM[{}] of at least {:.3f} mm", name, sum_um[index_of(axis)] / kUmPerMm));
+      made.settings.push_back(fmt::format("MD32720 $MA_CEC_MAX_SUM[{}] of at least {:.3f} mm", name,
+                                          std::ceil(sum_um[index_of(axis)]) / kUmPerMm));
     }
   if (t > 0) made.settings.push_back(fmt::format("SD41300 $SN_CEC_TABLE_ENABLE[0 ... {}] = 1", t - 1));
 }

@@ -66,7 +66,7 @@ struct ModelCase : ecs::StateFolder {
 
 TEST_CASE("the first screen shows the menus of thesis figure 5.4 and finds an action by its name") {
   const auto menu = main_menu(no_link());
-  CHECK(contains(menu->help(), "`ecs --help` lists the commands for the same actions."));
+  CHECK(contains(menu->help(), "`ecs --help` lists the commands."));
   const std::string text = picture(*menu);
   check_holds(text, {"E.C.S. PARAMETERS", "PROCESS LASER DATA", "ECS UTILITY", "MEMORY ACCESS", "MODEL"});
   check_holds(after(*menu, "/datum rec"), {"> RECORD DATUM SEQUENCE", "utility datum record"});

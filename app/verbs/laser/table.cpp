@@ -101,7 +101,7 @@ Result<Outcome> table(VerbContext&, const TableRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kLaserTables{action(
-    "laser table", "list the error bands before and after commissioning, compared with the published bands of the plan",
+    "laser table", "list the error bands before and after commissioning, compared with the bands stated in the plan",
     "ecs laser table commissioning.toml --before before/ --after after/ --plots plots/", table)};
 
 }  // namespace ecs::app

@@ -97,7 +97,7 @@ struct BuildRequest : FromModelArguments {
              "make the image of a map CSV even if resampling changes a table by more than its resolution"},
             {"--zero", &R::zero, "declare a component zero, with a reason: EBY=\"too small to measure\""},
             {"--zero-missing", &R::zero_missing,
-             "declare every component that the model lacks zero, with this reason (needs --from-model)"},
+             "declare zero, with this reason, every component that the model lacks (needs --from-model)"},
             {"--customer", &R::customer, "customer to state in the map header"},
             {"--engineer", &R::engineer, "engineer to state in the map header"},
             {"--date", &R::date, "date in the map header, as in 2026-03-12"},

@@ -81,7 +81,7 @@ TEST_CASE("descending targets start in reverse, and zero-filled passes of a one-
 
 TEST_CASE("angular runs are mrad in the file and um/m here, and need their sense") {
   CHECK(contains(refusal("pitch.rta"), "give EA, EB or EC"));
-  CHECK(contains(refusal("pitch.rta", options_with({}, Sense::EX)), "expected the sense EA, EB or EC"));
+  CHECK(contains(refusal("pitch.rta", options_with({}, Sense::EX)), "the file needs the sense EA, EB or EC"));
   const Imported file = imported("pitch.rta", options_with({}, Sense::EC));
   CHECK(file.set.readings[1].sense == Sense::EC);
   CHECK(file.set.readings[1].error == Approx(50.0));
@@ -90,7 +90,7 @@ TEST_CASE("angular runs are mrad in the file and um/m here, and need their sense
 TEST_CASE("straightness runs need a sense across the axis") {
   CHECK(read_any(sample("straight.rts"), {}).error().kind == ProblemKind::usage);
   CHECK(contains(refusal("straight.rts", options_with({}, Sense::EX)),
-                 "expected the sense EY or EZ across the axis X, found EX"));
+                 "the file needs the sense EY or EZ across the axis X; EX was given"));
   CHECK(imported("straight.rts", options_with({}, Sense::EZ)).set.readings[1].error == Approx(5.0));
 }
 
