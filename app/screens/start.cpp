@@ -64,7 +64,7 @@ std::unique_ptr<Screen> screen_for_files(const std::vector<std::string>& paths,
   if (has(FileKind::measurements) || has(FileKind::map)) {
     auto screen = std::make_unique<LaserScreen>(connection);
     const FileKind kind = has(FileKind::measurements) ? FileKind::measurements : FileKind::map;
-    screen->open(files.at(kind), kind);
+    screen->open(files.at(kind), kind, has(FileKind::parameters) ? first_of(files, FileKind::parameters) : "");
     return screen;
   }
   for (const FileKind kind : {FileKind::parameters, FileKind::machine})

@@ -68,13 +68,16 @@ void LaserController::change(const std::string& what, const std::function<void(L
   work_out();
 }
 
-void LaserController::open_map(const std::string& file) {
+void LaserController::open_map(const std::string& file, const std::string& parameters) {
   change(fmt::format("the map {} opened", std::filesystem::path(file).filename().string()), [&](LaserChoices& c) {
     c.opened_map = file;
     c.map_file = file;
     c.files.clear();
     const std::string beside = files_of_map(file).parameters;
-    if (disc::exists(beside)) c.params_file = beside;
+    if (!parameters.empty())
+      c.params_file = parameters;
+    else if (disc::exists(beside))
+      c.params_file = beside;
   });
   message_.say(choices().params_file.empty()
                    ? "map opened; press p to choose the parameters of the unit; step 8 sends both"

@@ -47,7 +47,8 @@ class LaserController {
   /// Keeps the draft, works out what follows. @param what  for undo: "run 3 left out"
   void change(const std::string& what, const std::function<void(LaserChoices&)>& how);
   /// An error map in place of measured files, with the parameters saved beside it.
-  void open_map(const std::string& file);
+  /// @param parameters  file of the parameters of the unit; "": those saved with the map, if any
+  void open_map(const std::string& file, const std::string& parameters = "");
   void undo();
   void redo();
   /// Of an earlier sitting; nothing: there is none, or it was answered.

@@ -69,6 +69,9 @@ struct Imported {
 /// options that import that.
 [[nodiscard]] Problem explanation_of(std::string_view text, const std::string& file_name);
 
+/// How the note on assumed places of axes begins.
+inline constexpr std::string_view kPlaceNotStated = "the file does not state where";
+
 /// Axes whose place the file states, or its columns do; a reader takes 0 for the others.
 [[nodiscard]] PerAxis<bool> places_stated(const Imported& imported, const ImportOptions& options);
 

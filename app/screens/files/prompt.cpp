@@ -161,9 +161,14 @@ bool FileChooser::wished(const FolderEntry& entry) const {
   return entry.looked_at && entry.look.kind != FileKind::other && wish_.has(entry.look.kind);
 }
 
+/// A map is opened alone.
+bool FileChooser::is_one_of_all(const FolderEntry& entry) const {
+  return wished(entry) && entry.look.kind != FileKind::map;
+}
+
 std::size_t FileChooser::readable() const {
   return static_cast<std::size_t>(
-      std::count_if(entries_.begin(), entries_.end(), [this](const FolderEntry& e) { return wished(e); }));
+      std::ranges::count_if(entries_, [this](const FolderEntry& entry) { return is_one_of_all(entry); }));
 }
 
 std::vector<FileChooser::Row> FileChooser::rows() const {
@@ -248,7 +253,7 @@ CellPosition FileChooser::cursor(const Area& area) const {
 void FileChooser::mark(const Row& row) {
   if (row.kind == RowKind::all) {
     for (const FolderEntry& entry : entries_)
-      if (wished(entry)) marked_.insert(entry.name);
+      if (is_one_of_all(entry)) marked_.insert(entry.name);
     return;
   }
   if (row.kind != RowKind::recent && (row.kind != RowKind::entry || entries_[row.at].folder)) return;

@@ -69,6 +69,7 @@ class FileChooser {
   void put_wished_first();
   [[nodiscard]] bool wished(const FolderEntry& entry) const;
   [[nodiscard]] std::vector<Row> rows() const;
+  [[nodiscard]] bool is_one_of_all(const FolderEntry& entry) const;
   [[nodiscard]] std::size_t readable() const;
   [[nodiscard]] int recent_columns(int most) const;
   [[nodiscard]] ListRow picture_of_row(const Row& row, int columns) const;

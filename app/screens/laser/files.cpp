@@ -202,7 +202,10 @@ class FilesPage final : public LaserPage {
     for (const LaserLine& line : controller().work().lines)
       if (remarks.empty() && std::find(line.files.begin(), line.files.end(), choice.path) != line.files.end())
         remarks = missing_place_of(line);
-    for (const std::string& note : file->set->notes) remarks += (remarks.empty() ? "note: " : "; ") + note;
+    const bool asks_for_place = !remarks.empty();
+    for (const std::string& note : file->set->notes)
+      if (!asks_for_place || !note.starts_with(laser::kPlaceNotStated))
+        remarks += (remarks.empty() ? "note: " : "; ") + note;
     if (!remarks.empty()) canvas.paragraph(text, row, remarks);
   }
 

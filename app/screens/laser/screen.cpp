@@ -261,12 +261,13 @@ bool LaserScreen::on_lying_over(const Key& key) {
 
 void LaserScreen::go(int step) { step_ = static_cast<LaserStep>((step + kLaserSteps) % kLaserSteps); }
 
-void LaserScreen::open(const std::vector<std::string>& paths, FileKind kind) {
+void LaserScreen::open(const std::vector<std::string>& paths, FileKind kind, const std::string& parameters) {
   LaserController& controller = host_->controller;
   if (controller.offered()) controller.set_offered_aside();
-  if (kind == FileKind::map) return controller.open_map(paths.front());
+  if (kind == FileKind::map) return controller.open_map(paths.front(), parameters);
   controller.change(fmt::format("{} files", paths.size()), [&](LaserChoices& choices) {
     for (const std::string& path : paths) choices.files.push_back({path, {}});
+    choices.params_file = parameters;
   });
   host_->ask_columns(paths);
 }

@@ -223,7 +223,8 @@ class LaserScreen final : public Screen {
 
   [[nodiscard]] LaserController& controller() { return host_->controller; }
   /// Measured files, or one error map; work that is offered is kept for later.
-  void open(const std::vector<std::string>& paths, FileKind kind);
+  /// @param parameters  file of the unit's parameters; "" to be chosen
+  void open(const std::vector<std::string>& paths, FileKind kind, const std::string& parameters = "");
   [[nodiscard]] LaserStep step() const { return step_; }
 
  private:
