@@ -118,7 +118,8 @@ VolumeSize VolumeCounter::finish() {
   VolumeSize size{all_.finish(), faces_.finish(), edges_.finish(), on_diagonals_.finish()};
   ErrorSize& all = size.all;
   const ErrorSize& on = size.diagonals;  // closer together than the grid: the largest of all may be among them
-  if (on.largest_um > all.largest_um) {
+  constexpr double kRounding = 1.0 + 1e-9;
+  if (on.largest_um > kRounding * all.largest_um) {
     all.largest_um = on.largest_um;
     all.at_mm = on.at_mm;
     all.approach = on.approach;
@@ -126,7 +127,7 @@ VolumeSize VolumeCounter::finish() {
     all.setting = on.setting;
   }
   for (std::size_t d = 0; d < kAxes; ++d)
-    all.largest_along_um[d] = std::max(all.largest_along_um[d], on.largest_along_um[d]);
+    if (on.largest_along_um[d] > kRounding * all.largest_along_um[d]) all.largest_along_um[d] = on.largest_along_um[d];
   return size;
 }
 
