@@ -37,7 +37,7 @@ cli::Shared shared_by_all(VerbContext& context) {
 std::vector<std::string> with_present_names(std::vector<std::string> words) {
   constexpr std::string_view kEarlier = "--code", kPresent = "--arm-code";
   const std::array<std::string_view, 2> arms{"unit", "arm"};
-  if (std::ranges::search(words, arms).empty()) return words;
+  if (std::search(words.begin(), words.end(), arms.begin(), arms.end()) == words.end()) return words;
   for (std::string& word : words)
     if (word == kEarlier || word.starts_with(std::string(kEarlier) + "=")) word.replace(0, kEarlier.size(), kPresent);
   return words;
