@@ -233,7 +233,7 @@ class Builder {
     stated_ = {};
     lever_mm_ = kMmPerM;
     outcome_.component = one.component;
-    const auto done = is_squareness(one.component) ? add_squareness(one) : add_curve(one);
+    auto done = is_squareness(one.component) ? add_squareness(one) : add_curve(one);
     if (done) built_.outcomes.push_back(outcome_);
     return done;
   }
@@ -289,9 +289,9 @@ class Builder {
   }
 
   Result<Curve> rotation_curve(const ComponentRecipe& one) {
-    const auto first = curve_from(one.files[0], one, translations_for(one.component));
+    auto first = curve_from(one.files[0], one, translations_for(one.component));
     if (!first) return first;
-    const auto second = curve_from(one.files[1], one, {{first->axis, first->sense}});
+    auto second = curve_from(one.files[1], one, {{first->axis, first->sense}});
     if (!second) return second;
     auto rotation = rotation_from(*first, *second);
     if (!rotation) return tl::unexpected(refusal(one.files[1], one.component, rotation.error().message));

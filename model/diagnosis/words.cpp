@@ -44,11 +44,11 @@ std::string pitch_text(const EffectInstance& effect, const std::optional<double>
     return order == 1.0 ? "one turn" : fmt::format("1/{:.0f} turn", order);
   const auto match = pitch_matching(effect, sigma_mm, data);
   if (!match) return "";
-  const std::string text = fmt::format("{}the pitch of its {}",
-                                       match->times > 1   ? fmt::format("{} times ", match->times)
-                                       : match->parts > 1 ? fmt::format("1/{} of ", match->parts)
-                                                          : "",
-                                       match->is_of_scale ? "scale" : "screw");
+  std::string text = fmt::format("{}the pitch of its {}",
+                                 match->times > 1   ? fmt::format("{} times ", match->times)
+                                 : match->parts > 1 ? fmt::format("1/{} of ", match->parts)
+                                                    : "",
+                                 match->is_of_scale ? "scale" : "screw");
   if (!match->is_excluded) return text;
   return fmt::format("{}{}, {:.6g} mm by the machine file: check this", kNoPitch, text, match->expected_mm);
 }
