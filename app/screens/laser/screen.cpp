@@ -267,7 +267,7 @@ void LaserScreen::open(const std::vector<std::string>& paths, FileKind kind, con
   if (kind == FileKind::map) return controller.open_map(paths.front(), parameters);
   controller.change(fmt::format("{} files", paths.size()), [&](LaserChoices& choices) {
     for (const std::string& path : paths) choices.files.push_back({path, {}});
-    choices.params_file = parameters;
+    if (!parameters.empty()) choices.params_file = parameters;
   });
   host_->ask_columns(paths);
 }

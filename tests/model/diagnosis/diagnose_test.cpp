@@ -58,7 +58,7 @@ TEST_CASE("a short wave is named where nothing is repeated and the noise was est
   }
 }
 
-TEST_CASE("a wave found beside fewer effects as the second harmonic of its double is told as the wave that it is") {
+TEST_CASE("a wave found beside fewer effects as the second harmonic of its double keeps its own period") {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     CAPTURE(seed);
     const auto wave = [](const Reading& r, double period_mm, double phase_rad) {

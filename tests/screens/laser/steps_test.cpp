@@ -109,7 +109,7 @@ TEST_CASE("a component declared zero that the scope does not need is not in the 
   CHECK(zeros_with("volumetric") == 2);
 }
 
-TEST_CASE("Enter on a measured component says what it is made of, and only z asks to declare it zero") {
+TEST_CASE("Enter on a measured component names its files, and only z asks to declare it zero") {
   const StateFolder folder;
   LaserScreenDriver driver;
   driver.take_files({folder.with("EXX.csv", measured_csv(kPositioning, [](double p) { return 0.01 * p; }))},
