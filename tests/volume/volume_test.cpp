@@ -40,6 +40,19 @@ TEST_CASE("a scale error alone is largest at the far end and needs no unit to be
   CHECK(answer.after.all.largest_um < 1e-9);
 }
 
+TEST_CASE(
+    "a part of the volume has no larger error than the whole: a peak between grid places shows on the diagonals") {
+  CompensatedMachine machine = straight_machine();
+  machine.map.tables = {
+      {Component::EXX, Approach::unknown, {0.0, 490.0, 500.0, 510.0, 1000.0}, {0.0, 0.0, -50.0, 0.0, 0.0}}};
+  machine.errors = errors_of_map(machine.map, machine.parameters, {});
+  const auto answer = must(evaluated(machine, 1000));  // X in ten places, none near 500
+  CHECK(answer.before.diagonals.largest_um == Approx(50.0));
+  CHECK(answer.before.all.largest_um == Approx(50.0));
+  CHECK(answer.before.all.at_mm[0] == Approx(500.0));
+  CHECK(answer.before.all.largest_along_um[0] == Approx(50.0));
+}
+
 TEST_CASE("95 of 100 places have no more than p95") {
   const auto answer = evaluated(straight_machine(), 1000);  // 10 steps of X: 0, 2.22, … 20
   REQUIRE(answer);

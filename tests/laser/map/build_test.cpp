@@ -112,6 +112,14 @@ TEST_CASE("an indicator run along Y gives C0Y into the parameters") {
   CHECK(built.map.header.sources.front().component == "C0Y");
 }
 
+TEST_CASE("every file that is missing is named, also the second one of a component") {
+  const auto built = built_of(Component::EBX, {"no_first.csv", "no_second.csv"});
+  REQUIRE_FALSE(built);
+  const std::string said = to_text(built.error());
+  CHECK_MESSAGE(contains(said, "no_first.csv"), said);
+  CHECK_MESSAGE(contains(said, "no_second.csv"), said);
+}
+
 TEST_CASE("a file of another sense is refused with what it holds") {
   const MapFolder folder;
   const auto file = folder.write("x.csv", runs('X', "EX", {0, -1400, 0}, -200, 0, 50, [](double, int) { return 0.0; }));

@@ -249,6 +249,14 @@ TEST_CASE("effects on which no reading depends are named with what is missing") 
   CHECK(found.notes[1] == "scale:Y:EY: acts on none of these readings: none is of EY");
 }
 
+TEST_CASE("targets that are whole screw pitches apart hide the error of one turn, though their steps are uneven") {
+  laser::MeasurementSet set = measured({.step_mm = 60.0, .targets = 15}, kNoise_um, nothing);
+  CHECK_FALSE(contains(diagnosed(straight(), set).headline, "whole screw pitches"));
+  for (Reading& r : set.readings) r.position_mm[0] = 10.0 * std::round(p(r) / 10.0);
+  const std::string headline = diagnosed(straight(), set).headline;
+  CHECK_MESSAGE(contains(headline, "All targets along X are whole screw pitches (10 mm) apart"), headline);
+}
+
 TEST_CASE("a measured line of which the model has no effect comes first") {
   const auto steep = [](const Reading& r) { return 30.0 + 20.0 * p(r) / 1000.0; };
   laser::MeasurementSet set = measured({.sense = Sense::EY}, kNoise_um, steep);

@@ -1,3 +1,4 @@
+#include "base/moved_targets.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "model/planning/questions.hpp"
 #include "tests/model/support/measured_lines.hpp"
@@ -161,6 +162,13 @@ const auto kOtherAir = [](Reading& r) {
 };
 
 }  // namespace
+
+TEST_CASE("off equal steps are said to show short periods only where the targets lie on no coarse grid") {
+  MeasurementProposal proposal{.targets_mm = {20.0, 80.0, 140.0, 200.0, 260.0, 320.0, 380.0, 430.0, 480.0}};
+  CHECK_FALSE(contains(sentence_of(proposal), "off equal steps"));
+  proposal.targets_mm = moved_targets({20.0, 80.0, 140.0, 200.0, 260.0, 320.0, 380.0, 440.0, 500.0});
+  CHECK(contains(sentence_of(proposal), "off equal steps, so that a short period is not mistaken for a long one"));
+}
 
 TEST_CASE("scale, expansion or misalignment: one slope at one temperature") {
   check_case(case_of(
