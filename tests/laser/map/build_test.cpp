@@ -1,6 +1,8 @@
 // From measured files to a map: what each component takes, and what is refused.
 #include "laser/map/build.hpp"
 
+#include <array>
+#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -26,9 +28,11 @@ std::string runs(char axis, const std::string& sense, std::array<double, 3> park
                  double step, Error error, const std::string& metadata = "") {
   std::string text = metadata + kHeader;
   const auto a = static_cast<std::size_t>(axis - 'X');
+  const auto targets = static_cast<int>(std::floor((last - first) / step + 1e-9)) + 1;
   for (int run = 1; run <= 2; ++run)
     for (const int d : {1, -1})
-      for (double p = first; p <= last + 1e-9; p += step) {
+      for (int i = 0; i < targets; ++i) {
+        const double p = first + i * step;
         std::array<double, 3> at = parked;
         at[a] = p;
         text += fmt::format("{},{},{},{},{},{},{},{}\n", axis, sense, at[0], at[1], at[2], d, run, error(p, d));
