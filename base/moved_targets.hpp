@@ -1,5 +1,5 @@
 // Target positions moved off an even grid: on even targets a period looks like others of its (aliases), on moved ones
-// not (ISO 230-2:2014, 5.3.2: p_i = (i − 1)·p + r, r another for each target; here the first and the last stay).
+// not (ISO 230-2:2014, 5.2: p_i = (i − 1)·p + r, r another for each target; here the first and the last stay).
 #pragma once
 
 #include <optional>

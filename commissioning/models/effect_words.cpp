@@ -165,7 +165,7 @@ std::string other_periods_text(const model::EffectInstance& effect) {
   return fmt::format(
       "{}: a period of {} {} fits the readings as well as {:.4g} {}. With a wrong period, compensation adds error "
       "between the targets. Decide this first: measure the line at targets displaced from equal steps by a tenth of "
-      "the step or more (ISO 230-2:2014, 5.3.2), and fit the model to these readings too",
+      "the step or more (ISO 230-2:2014, 5.2), and fit the model to these readings too",
       place_text(effect), fmt::join(periods, " or "), unit,
       given_or_fitted(effect, effect.definition().searched_parameter()).value_or(0.0), unit);
 }

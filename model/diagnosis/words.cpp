@@ -642,7 +642,7 @@ std::optional<std::string> even_targets_note(const Observations& data) {
         2.0 * one.step_mm, data.position_unit(), hidden_pitches(data, one).value_or(""));
   }
   if (note.empty()) return std::nullopt;
-  return note + "; targets displaced from equal steps by a tenth of the step or more show them (ISO 230-2:2014, 5.3.2)";
+  return note + "; targets displaced from equal steps by a tenth of the step or more show them (ISO 230-2:2014, 5.2)";
 }
 
 }  // namespace ecs::model

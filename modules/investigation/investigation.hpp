@@ -54,7 +54,7 @@ struct InvestigatedLine {
 
 inline constexpr const char* kFirstLook = "first look";
 /// Two bidirectional runs, so that repeats show the noise, over targets moved from even places by up to a fifth of the
-/// step (ISO 230-2:2014, 5.3.2, so that no period hides between them). @pre the machine has the axis
+/// step (ISO 230-2:2014, 5.2, so that no period hides between them). @pre the machine has the axis
 [[nodiscard]] model::MeasurementProposal first_look(const InvestigatedLine& line, const params::Machine& machine,
                                                     const model::MeasuringTimes& times);
 
