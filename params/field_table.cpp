@@ -294,7 +294,7 @@ void add_axis_compensation(std::vector<Field>& table, Axis axis) {
   push(table, axis,
        number(
            {"deadband_um", group,
-            "Travel that counts as a move in a new direction before the unit changes between the forward and the "
+            "Travel that is regarded as a move in a new direction before the unit changes between the forward and the "
             "reverse table; a few position counts, more than the vibration of the axis at rest.",
             "minimum distance to qualify as move (encoder deadband)"},
            "um", {0.0, 10'000.0}, [i](auto& p) -> auto& { return p.axes[i].deadband_um; }));

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
 
 namespace ecs::volume {
 namespace {
@@ -33,6 +35,24 @@ std::vector<double> angles_over(const std::array<double, 2>& travel_deg, std::si
     angles.push_back(travel_deg[0] + part * (turns ? kWholeTurn_deg : span));
   }
   return angles;
+}
+
+/// The rotary axis next to the tool, where one carries it: the one that tilts a head.
+std::optional<kinematics::Joint> tilting_joint(const kinematics::JointChain& chain) {
+  const kinematics::ChainJoint* last = nullptr;
+  for (const kinematics::ChainJoint& one : chain)
+    if (is_rotary(one.joint)) last = &one;
+  if (last == nullptr || last->carries_workpiece) return std::nullopt;
+  return last->joint;
+}
+
+/// Along X, Y, Z at that tilt. @param sizes  as in RotaryBending
+Vector3 bent(const std::array<double, 6>& sizes, double tilt_deg) {
+  const double tilt_rad = tilt_deg * std::numbers::pi / (kWholeTurn_deg / 2.0);
+  Vector3 out{};
+  for (std::size_t d = 0; d < kAxes; ++d)
+    out[d] = sizes[d] * std::sin(tilt_rad) + sizes[kAxes + d] * (1.0 - std::cos(tilt_rad));
+  return out;
 }
 
 }  // namespace
@@ -79,7 +99,19 @@ Field ChainOver::from_reference(const Angles& angles_deg) const {
   std::array<kinematics::JointValues, 2> rotary;
   for (std::size_t side = 0; side < kSides.size(); ++side)
     rotary[side] = rotary_values(rotary_, angles_deg, kSides[side]);
+  Vector3 of_machine{};
+  if (const auto tilting = tilting_joint(machine_.chain)) {
+    constexpr double kMmPerM = 1000.0;
+    const Vector3& tool_mm = machine_.tool_offset_mm;
+    const double tilt_deg = angles_deg[index_of(*tilting) - kAxes],
+                 length_m = std::hypot(tool_mm[0], tool_mm[1], tool_mm[2]) / kMmPerM;
+    const Vector3 of_tool = bent(rotary_.bending.of_tool, tilt_deg);
+    for (auto& side : rotary)
+      for (std::size_t d = 0; d < kAxes; ++d) side.curve[index_of(*tilting)][d] += length_m * of_tool[d];
+    of_machine = bent(rotary_.bending.of_machine, tilt_deg);
+  }
   Field field(grid_, components_, pose, rotary);
+  field.shift(along_axes(pose.along, of_machine));
   field.shift(minus(along_axes(pose.along, at_reference_)));
   return field;
 }

@@ -202,6 +202,9 @@ kinematics::JointValues rotary_values(const RotaryErrors& errors, const kinemati
 
 RotaryErrors rotary_errors_in(const laser::MapHeader& header, double factor) {
   RotaryErrors errors;
+  errors.bending = header.bending;
+  for (auto* const sizes : {&errors.bending.of_machine, &errors.bending.of_tool})
+    for (double& size : *sizes) size *= factor;
   for (const laser::MapRotaryAxis& one : header.rotary) {
     const Joint joint = *kinematics::joint_of(one.axis.letter);
     for (std::size_t s = 0; s < kSenseNames.size(); ++s) {

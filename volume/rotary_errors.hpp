@@ -1,5 +1,6 @@
 // The errors of rotary axes: error motions over the angle (EXC … ECC) and location errors (XOC, YOC, AOC, BOC, COC) by
-// the names of ISO 230-7 and ISO 230-1, the file that holds them, and readings of rotary axes as such motions.
+// the names of ISO 230-7 and ISO 230-1, the file that holds them, and readings of rotary axes as such motions. Beside
+// them the bending of a head.
 // Does not live here: how they act at the tool (kinematics/), readings of linear axes, whose map a unit holds
 // (laser/map/).
 #pragma once
@@ -44,6 +45,7 @@ struct RotaryErrors {
   std::array<std::array<std::optional<double>, 6>, kAxes> location_u{};
   std::array<std::array<bool, 6>, kAxes> location_given{};
   std::vector<LocationTie> ties;  ///< the uncertainty of `other` includes what `of` adds to it
+  RotaryBending bending{};        ///< of a head; not in the file
 };
 
 /// The two values of a table between which an angle is, with their weights; of sum 1.
@@ -60,7 +62,7 @@ struct TableWeights {
 [[nodiscard]] kinematics::JointValues rotary_values(const RotaryErrors& errors, const kinematics::Angles& angles_deg,
                                                     Approach side);
 
-/// The errors of the rotary axes that a map says the machine has.
+/// The errors of the rotary axes, and the bending, that a map says the machine has.
 /// @param factor  -1: what the unit adds by it
 [[nodiscard]] RotaryErrors rotary_errors_in(const laser::MapHeader& header, double factor = 1.0);
 

@@ -39,7 +39,7 @@ constexpr GlossaryRow kGlossary[] = {
      "the unit adds the compensation to the velocity command in every period; it refuses parameters and maps"},
     {"credible set", "the smallest set of effects that contains the cause with a probability of 99 %"},
     {"datum|datuming", "reference point of an axis: found by switch and marker while the control references it"},
-    {"deadband", "travel in the new direction after which the approach counts as changed"},
+    {"deadband", "travel in the new direction after which the approach is regarded as changed"},
     {"dead path",
      "laser path from interferometer to reflector when the reading is set to zero; changes of the air in it are not "
      "corrected"},

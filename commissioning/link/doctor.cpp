@@ -328,7 +328,7 @@ bool echoes(const LinkAddress& address, Examination& work) {
         "check that the unit is on, that the cable is crossed (null modem) and that the port is right");
   else
     add(work, "noise", FindingState::note,
-        fmt::format("{} bytes were received that are no answer", raw->received.size()),
+        fmt::format("{} bytes were received that are not an answer", raw->received.size()),
         "speed or parity is wrong, or another device is on this link");
   return false;
 }

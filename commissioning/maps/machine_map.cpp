@@ -38,7 +38,7 @@ UnitParameters parameters_of(const laser::ErrorMap& map, std::vector<std::string
   for (const Axis axis : kAllAxes)
     parameters.axis_present[index_of(axis)] = chain->has(axis) && extent_of(map, axis).has_value();
   notes.push_back(
-      "without --params: squareness counts as 0, reference positions and measurement lines are at the machine zero");
+      "without --params: squareness is taken as 0, reference positions and measurement lines are at the machine zero");
   return parameters;
 }
 
@@ -55,7 +55,7 @@ Result<Found> parameters_for(const ExportArguments& arguments, const FoundMap& f
   }
   if (found.parameters) return Found{*found.parameters, {}};
   if (machine) {
-    work.notes.push_back("without --params: squareness counts as 0");
+    work.notes.push_back("without --params: squareness is taken as 0");
     return Found{params::default_parameters_for(*machine), {}};
   }
   return Found{parameters_of(found.map, work.notes), {}};

@@ -460,8 +460,9 @@ Result<MeasurementSet> joined(const std::vector<MeasurementSet>& sets) {
   }
   if (unnamed)
     all.notes.push_back(
-        "not all of these files name their machine: the same line in several files counts as runs on one machine, and "
-        "their differences count as noise. Give files of different machines one by one");
+        "not all of these files name their machine: the same line in several files is treated as runs on one machine, "
+        "and "
+        "their differences are treated as noise. Give files of different machines one by one");
   const auto parked = laser::metadata_value(all, kParked);
   if (std::any_of(sets.begin(), sets.end(),
                   [&](const MeasurementSet& set) { return laser::metadata_value(set, kParked) != parked; }))

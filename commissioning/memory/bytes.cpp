@@ -247,7 +247,7 @@ SearchStep find_pattern(const MemoryBytes& memory, ByteView pattern, Address fro
 // --- bytes of the unit changed by hand
 namespace {
 
-/// Why the host may not write there, and what does instead.
+/// Why the host is not allowed to write there, and what does instead.
 std::string_view reason_of(const MemoryRegion& region) {
   if (region.first == kEprom.first) return "it contains the unit's program and cannot be changed over the link";
   if (region.first == kCommitRecords.first)
@@ -255,7 +255,7 @@ std::string_view reason_of(const MemoryRegion& region) {
   if (in_axis_memory(region.first))
     return "parameters and maps are written only as a whole, to the inactive bank, by `params send`, `map send` or "
            "`memory load`. Single bytes of either bank cannot be written";
-  return "the host may not write there";
+  return "the host is not allowed to write there";
 }
 
 /// Of bytes in the unit's memory; where writing failed perhaps a part of them is there.

@@ -428,8 +428,8 @@ Cell where_cell(const Diagnosis& d) {
 std::string words_for_property(const std::string& property) {
   constexpr std::pair<std::string_view, std::string_view> kWords[] = {
       {"direction", "direction of approach"},
-      {"position", "over the position"},
-      {"turn", "over a turn"},
+      {"position", "dependence on position"},
+      {"turn", "variation within a turn"},
       {"frame", "belongs to (machine, set-up, another axis)"},
       {"growth", "another variable (time, load, feed, temperature, other axes)"},
       {"session", "runs and set-ups"},

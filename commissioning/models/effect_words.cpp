@@ -205,7 +205,7 @@ Result<std::size_t> effect_in(const model::Model& model, const std::string& name
     for (const std::string_view alternative : split(model.effects[i].tied_with, ','))
       if (trimmed(alternative) == name)
         return problem(ProblemKind::usage,
-                       "{0} is an alternative of {1}: to keep it in place of {1}, use `ecs model remove`, then "
+                       "{0} is an alternative to {1}: to keep it in place of {1}, use `ecs model remove`, then "
                        "`ecs model add`",
                        name, names[i]);
   return problem(ProblemKind::usage, "expected an effect of the model: {}; found \"{}\"", fmt::join(names, ", "), name);

@@ -39,8 +39,9 @@ volume::ErrorSource components_of_model(const model::CompiledModel& compiled, co
 
 /// A model in place of the map's errors, on a machine with rotary axes.
 /// @param rotary_file  of errors of the rotary axes; empty: none
-Result<void> take_model(const model::Model& model, const params::Machine& machine, const std::string& rotary_file,
-                        VolumeWork& work) {
+/// @return the bending that the model has
+Result<RotaryBending> take_model(const model::Model& model, const params::Machine& machine,
+                                 const std::string& rotary_file, VolumeWork& work) {
   constexpr double kIncrement_mm = 1.0, kMostPoints = 5000.0;
   double increment_mm = kIncrement_mm;
   for (const auto& axis : machine.axes)
@@ -53,10 +54,7 @@ Result<void> take_model(const model::Model& model, const params::Machine& machin
     work.notes.push_back(fmt::format("not included in the volume: {}", left_out));
   for (const model::EffectInstance& effect : model.effects) {
     if (effect.definition().bending == nullptr) continue;
-    for (auto& [letter, effects] : compiled.rotary)
-      if (std::erase(effects, to_text(effect)) > 0)
-        work.notes.push_back(
-            fmt::format("not included in the volume: {}: no error motion of an axis", to_text(effect)));
+    for (auto& [letter, effects] : compiled.rotary) std::erase(effects, to_text(effect));
   }
   for (const auto& [letter, effects] : compiled.rotary)
     if (rotary_file.empty() && !effects.empty())
@@ -64,7 +62,7 @@ Result<void> take_model(const model::Model& model, const params::Machine& machin
           fmt::format("not included in the volume: {}: write the errors of {} to a file with `ecs model fit --rotary`, "
                       "and give it with --rotary",
                       fmt::join(effects, ", "), letter));
-  return {};
+  return compiled.map.header.bending;
 }
 
 }  // namespace
@@ -90,8 +88,10 @@ Result<void> take_rotary(const VolumeArguments& arguments, const std::string& ma
     return problem(ProblemKind::refused, "convention as_printed: the printed equations know no rotary axes");
   const auto joints = params::joint_machine_of(machine.machine);
   if (!joints) return problem(ProblemKind::refused, "the chain of the machine file has no axis left");
+  RotaryBending bending = evaluated_machine.map.header.bending;
   if (model) {
-    ECS_DO(take_model(*model, machine.machine, arguments.rotary, work));
+    ECS_TRY(of_model, take_model(*model, machine.machine, arguments.rotary, work));
+    bending = of_model;
     expected.errors = evaluated_machine.errors;
   }
   volume::RotaryAxes rotary;
@@ -104,6 +104,7 @@ Result<void> take_rotary(const VolumeArguments& arguments, const std::string& ma
   } else {
     rotary.errors = volume::rotary_errors_in(evaluated_machine.map.header);
   }
+  rotary.errors.bending = bending;
   rotary.angles_deg = reference_angles(rotary);
   expected.rotary = rotary;
   if (!arguments.errors.empty()) {
@@ -124,8 +125,6 @@ void note_rotary(VolumeWork& work) {
         "the map also compensates the errors of rotary axes, which are at 0 here: give the machine file that has them "
         "(--machine)");
   if (!rotary) return;
-  if (work.prepared.machine.map.header.bending != RotaryBending{})
-    work.notes.emplace_back("the map also compensates bending of the head, which is not included in the volume");
   work.notes.emplace_back(
       !in_map ? "the unit compensates X, Y and Z as if the rotary axes were at 0. The errors of the rotary axes "
                 "remain, and so do the effects of angular errors of X, Y and Z at other angles"

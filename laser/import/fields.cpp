@@ -42,7 +42,7 @@ double converted(const ColumnRule& rule, double value) {
 
 std::string unit_fault(const Field& field, std::string_view shown, bool fits) {
   if (fits) return {};
-  return fmt::format("columns: {}: {} is no unit of it", field.rule.field, shown);
+  return fmt::format("columns: {}: {} is not one of its units", field.rule.field, shown);
 }
 
 std::string units_fault(const Plan& plan) {
@@ -236,7 +236,7 @@ std::string set_target(Reading& reading, const Plan& plan, const Field& field, s
 
 std::string take_units(Plan& plan, const ImportOptions& options) {
   if (options.target_unit && options.target_unit->kind != (plan.rotary ? UnitKind::angle : UnitKind::length))
-    return fmt::format("{} is no unit of {}", options.target_unit->name, plan.rotary ? "angle" : "length");
+    return fmt::format("{} is not a unit of {}", options.target_unit->name, plan.rotary ? "angle" : "length");
   for (Field& field : plan.fields) {
     if (field.rule.unit) continue;
     if (field.role == (plan.rotary ? Role::angle : Role::position) || field.role == Role::measured ||
@@ -248,7 +248,7 @@ std::string take_units(Plan& plan, const ImportOptions& options) {
     const Sense sense = sense_named(field.rule.field).value_or(plan.sense.value_or(own));
     const UnitKind kind = is_rotation(sense) ? UnitKind::angle : UnitKind::length;
     if (options.reading_unit->kind != kind && !has_role(plan.fields, Role::sense))
-      return fmt::format("{} is no unit of {}", options.reading_unit->name, name_of(sense));
+      return fmt::format("{} is not a unit of {}", options.reading_unit->name, name_of(sense));
     field.rule.unit = options.reading_unit;
   }
   return {};

@@ -59,7 +59,7 @@ Result<Imported> rescaled(Result<Imported> imported, const ImportOptions& option
     return wrong("the file contains positions: give the unit of the targets, which also applies to the readings");
   const UnitKind target_kind = options.rotary ? UnitKind::angle : UnitKind::length;
   if (options.target_unit && options.target_unit->kind != target_kind)
-    return wrong(fmt::format("{} is no unit of {}", options.target_unit->name, options.rotary ? "angle" : "length"));
+    return wrong(fmt::format("{} is not a unit of {}", options.target_unit->name, options.rotary ? "angle" : "length"));
   for (Reading& reading : imported->set.readings) {
     if (options.target_unit && !options.rotary) {
       reading.position_mm[index_of(reading.axis)] *= options.target_unit->factor;
@@ -68,7 +68,7 @@ Result<Imported> rescaled(Result<Imported> imported, const ImportOptions& option
     if (!options.reading_unit) continue;
     const bool angle = is_rotation(reading.sense);
     if (options.reading_unit->kind != (angle ? UnitKind::angle : UnitKind::length))
-      return wrong(fmt::format("{} is no unit of {}", options.reading_unit->name, ecs::name_of(reading.sense)));
+      return wrong(fmt::format("{} is not a unit of {}", options.reading_unit->name, ecs::name_of(reading.sense)));
     const double inside = options.reading_unit->factor * (angle ? 1.0 : 1000.0);
     reading.error *= inside / usual_reading_factor(format, reading.sense);
   }

@@ -44,7 +44,7 @@ struct Member {
 };
 
 std::string beyond_library(const Candidate& candidate) {
-  return fmt::format("{} is no candidate on these data", to_text(candidate.effect));
+  return fmt::format("{} is not a candidate for these data", to_text(candidate.effect));
 }
 
 /// Members whose effect cannot be tried on these data are objected to.

@@ -196,9 +196,10 @@ Result<AddRequest> parse_add_request(std::string_view text) {
     } else if (code) {
       request.code = code;
     } else {
-      return problem(ProblemKind::usage, fmt::format("{}: \"{}\" is no axis, sense or code that {} can have; expected "
-                                                     "EFFECT[:axis[:sense or code]], such as cyclic:X:EX",
-                                                     text, part, id->id));
+      return problem(ProblemKind::usage,
+                     fmt::format("{}: \"{}\" is not an axis, sense or code that {} can have; expected "
+                                 "EFFECT[:axis[:sense or code]], such as cyclic:X:EX",
+                                 text, part, id->id));
     }
   }
   if (id->place == Place::set_up || id->place == Place::artefact) request.axis = std::nullopt;  // it has none

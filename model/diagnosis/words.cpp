@@ -507,8 +507,9 @@ std::string reservation_for(const Diagnosis& diagnosis, const Observations& data
   std::string text;
   for (const auto& [axis, targets] : targets_of(data))
     if (targets.size() == 1)
-      text += fmt::format("{}All readings along {} are at one target: errors over the position cannot be detected.",
-                          text.empty() ? "" : " ", data.letter(axis));
+      text +=
+          fmt::format("{}All readings along {} are at one target: errors that depend on position cannot be detected.",
+                      text.empty() ? "" : " ", data.letter(axis));
   const std::vector<EvenTargets> even = even_targets(data);
   for (const auto& [axis, targets] : targets_of(data))
     if (const auto pitch_mm = pitch_between(data, axis, targets);

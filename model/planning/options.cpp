@@ -351,8 +351,8 @@ std::optional<MeasurementProposal> over_the_travel(const Observations& data, con
   over.bidirectional = true;
   over.runs = kTwice;
   over.minutes = minutes_of(over, times);
-  over.tells =
-      fmt::format("would show errors over the position, which readings at one target cannot: {}", minutes_text(over));
+  over.tells = fmt::format("would show errors that depend on position, which readings at one target cannot: {}",
+                           minutes_text(over));
   over.sentence = sentence_of(over);
   return over;
 }

@@ -188,7 +188,7 @@ class AerotechMeaning {
     const auto axis = axis_of_number(number);
     if (!axis)
       wrong(table,
-            fmt::format("axis number {} is no axis of the machine: assign the numbers, as in --axes X={},Y=2,Z=3",
+            fmt::format("axis number {} is not an axis of the machine: assign the numbers, as in --axes X={},Y=2,Z=3",
                         number, number));
     return axis;
   }
@@ -274,7 +274,7 @@ class AerotechMeaning {
                         places_of(rows, number_of(table, "OFFSETROW"), table.step[0]), by_row));
     read.notes.push_back(
         fmt::format("{}: separated into a curve along each axis; the part that needs a two-axis table is ignored: rms "
-                    "{:.3g} um, {:.3g} um at most; rows and columns of zeros at the border count as unmeasured",
+                    "{:.3g} um, {:.3g} um at most; rows and columns of zeros at the border are treated as unmeasured",
                     name, std::sqrt(squares / static_cast<double>(rows.size() * columns.size())), largest));
   }
 

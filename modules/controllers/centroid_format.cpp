@@ -304,7 +304,7 @@ Result<ControllerTables> parse_centroid(std::string_view text, const std::string
     const double um =
         (options.adds ? 1.0 : -1.0) * static_cast<double>(values[i].first) / options.counts_per_mm * kUmPerMm + 0.0;
     if (std::abs(place_mm) > kLargestPosition_mm)
-      findings.add(values[i].second, 1, "{:.6g} mm is no position of a machine. Is --counts-per-mm right?", place_mm);
+      findings.add(values[i].second, 1, "{:.6g} mm is not a plausible position. Is --counts-per-mm right?", place_mm);
     else if (std::abs(um) > kLargestValue_um)
       findings.add(
           values[i].second, 1,

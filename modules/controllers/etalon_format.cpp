@@ -404,7 +404,7 @@ class EtalonReader {
       if (!table.position_mm.empty() && point.position_mm <= table.position_mm.back())
         findings.add(point.line, 0, "{}: the positions do not rise throughout", name_);
       if (std::abs(point.value) * scale > kLargestValue_um || std::abs(point.position_mm) > kLargestPosition_mm)
-        findings.add(point.line, 0, "{}: {} at {} is no error of a machine (mm, rad)", name_, point.value,
+        findings.add(point.line, 0, "{}: {} at {} is not a plausible error (mm, rad)", name_, point.value,
                      point.position_mm);
       table.position_mm.push_back(point.position_mm);
       table.compensation.push_back(-point.value * scale + 0.0);

@@ -60,7 +60,8 @@ Result<void> check_target(const Staged& one, const StagedFiles& before) {
   const auto status = fs::status(one.target, ignored);
   if (fs::is_directory(status))
     return output_problem(one.name, "cannot write: a folder of that name exists; no file was changed");
-  if (fs::is_other(status)) return output_problem(one.name, "cannot write: it is no file; no file was changed");
+  if (fs::is_other(status))
+    return output_problem(one.name, "cannot write: it is not a regular file; no file was changed");
   const auto place = [&](const Staged& staged) { return fs::weakly_canonical(staged.target, ignored); };
   for (const Staged& other : before.all)
     if (place(other) == place(one))
@@ -230,7 +231,8 @@ Cell residual_cell(const ExportReport& report) {
       "from"_is(report.work.errors_from), "rows"_is(rows));
   if (report.work.errors_from == "the map")
     cell.text += paragraph(
-        "From the map itself: errors that are not in the map count as zero, and poor repeatability is not included. "
+        "From the map itself: errors that are not in the map are taken as zero, and poor repeatability is not "
+        "included. "
         "--model predicts from an error model.");
   return cell;
 }

@@ -466,7 +466,7 @@ class ComReader {
     }
     if (!place) return findings.add(number, 1, "expected a position in the column AXISPOS");
     if (std::abs(*place) > kLargestPosition_mm)
-      return findings.add(number, 1, "{} mm is no position of a machine", *place);
+      return findings.add(number, 1, "{} mm is not a plausible position", *place);
     if (!position_mm_.empty() && *place <= position_mm_.back())
       return findings.add(number, 1, "expected a position above {}, found {}", position_mm_.back(), *place);
     position_mm_.push_back(*place);

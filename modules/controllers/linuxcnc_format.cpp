@@ -314,7 +314,7 @@ Result<ControllerTables> parse_linuxcnc(std::string_view text, const std::string
   laser::MapTable forward{component, Approach::forward, {}, {}}, reverse{component, Approach::reverse, {}, {}};
   for (const Row& row : reader.rows()) {
     if (std::abs(row.nominal * to_mm) > kLargestPosition_mm)
-      reader.findings().add(row.line, 1, "{} is no position of a machine", row.nominal);
+      reader.findings().add(row.line, 1, "{} is not a plausible position", row.nominal);
     const auto trim_um = [&](double value) { return (*type == 0 ? row.nominal - value : value) * to_mm * kUmPerMm; };
     for (const double value : {row.forward, row.reverse})
       if (std::abs(trim_um(value)) > kLargestValue_um)

@@ -89,7 +89,7 @@ Result<PartDeviations> deviations_in(const laser::MeasurementSet& set, const std
     found.points.push_back(point);
   }
   if (incomplete > 0)
-    found.notes.push_back(fmt::format("{} of {} points lack a reading in X, Y or Z: the deviation there counts as 0",
+    found.notes.push_back(fmt::format("{} of {} points lack a reading in X, Y or Z: the deviation there is taken as 0",
                                       incomplete, found.points.size()));
   return found;
 }

@@ -178,7 +178,7 @@ Result<PartProgram> parse_part_program(std::string_view text, const std::string&
   constexpr std::size_t kFew = 10;  // faults in so few lines are shown one by one
   if (faulty > kFew && 2 * faulty > filled)
     return problem_at(file, 0, 0,
-                      "expected a part program of ISO 6983 or DIN 66025, but {} of {} lines are no blocks of "
+                      "expected a part program of ISO 6983 or DIN 66025, but {} of {} lines are not blocks of "
                       "such a program",
                       faulty, filled);
   if (!findings.empty()) return tl::unexpected(findings.as_problem());

@@ -63,7 +63,7 @@ Result<TermTable> iso_terms(const UnitParameters& parameters, std::string_view f
                    "\"as_printed\"); {} ISO 230-1: convert map and squareness first",
                    format);
   const auto chain = chain_of(parameters);
-  if (!chain) return problem(ProblemKind::refused, "the configuration of the parameters is no chain");
+  if (!chain) return problem(ProblemKind::refused, "the configuration in the parameters is not a kinematic chain");
   return *terms_of(*chain, Convention::iso, CurveKind::measured);
 }
 

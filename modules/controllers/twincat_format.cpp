@@ -447,7 +447,7 @@ class TwinCatReader {
     const double forward_um = sign() * row.pos->value / kTenthsPerUm;
     const double reverse_um = two ? sign() * row.neg->value / kTenthsPerUm : forward_um;
     if (std::abs(place_mm) > kLargestPosition_mm)
-      return findings.add(first_line(row), 1, "{} mm is no position of a machine", place_mm);
+      return findings.add(first_line(row), 1, "{} mm is not a plausible position", place_mm);
     if (!forward.position_mm.empty() && place_mm <= forward.position_mm.back())
       return findings.add(first_line(row), 1, "position {} mm does not rise", place_mm);
     for (const double value : {forward_um, reverse_um})

@@ -325,9 +325,9 @@ ReportSection volume_section(const ReportContent& content) {
       "not measured: the achieved figures are bands on the measured lines alone.",
       counted(volume.answer.grid.places(), "place", "places"), travels_in_words(volume.prepared.machine.travel_mm),
       volume.prepared.travels_of_machine ? "" : " (as far as the map reaches: no machine file was given)");
-  how +=
-      fmt::format(" Errors that are not in {} count as zero before compensation; scatter and drift are not included.",
-                  volume.prepared.errors_from);
+  how += fmt::format(
+      " Errors that are not in {} are taken as zero before compensation; scatter and drift are not included.",
+      volume.prepared.errors_from);
   if (content.machine && !content.machine->rotary_configuration.empty())
     how += fmt::format(
         " The machine has rotary axes ({}): these figures apply with their angles at 0 and without their errors.",

@@ -73,7 +73,7 @@ std::string cause_words(const laser::PoseComparison& comparison) {
 Cell comparison_cell(const Compared& compared) {
   const laser::PoseComparison& c = compared.comparison;
   return record_cell(
-      "{second} beside {first}: variance of the motions {ratio} times as large (chance {p})\n"
+      "{second} compared with {first}: variance of the motions {ratio} times as large (chance {p})\n"
       "{shifted}{cause}\n",
       "first"_is(compared.first), "second"_is(compared.second), "variance_ratio"_is(c.ratio),
       "ratio"_shown(fmt::format("{:.3g}", c.ratio)), "p"_shown(fmt::format("{:.2g}", c.probability)),

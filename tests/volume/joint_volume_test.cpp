@@ -149,6 +149,50 @@ TEST_CASE("a map with the errors of the rotary axes leaves nothing of them, one 
   }
 }
 
+TEST_CASE("bending shifts the tool along directions of exact matrices; a map that holds it leaves nothing of it") {
+  for (const char* const chain : {"TXYZCB", "XYCTZB"}) {
+    CAPTURE(chain);
+    CompensatedMachine machine = machine_of(chain);
+    RotaryAxes& rotary = *machine.rotary;
+    const Grid grid = grid_over(machine.travel_mm, 27, {});
+    rotary.angles_deg = {0.0, -51.0, 128.0};
+    const Vector3 straight = errors_over(machine, grid)->before.at(grid, 0, {1, 2, 0});
+    rotary.errors.bending = {{11.0, -7.0, 5.0, 3.0, -2.0, 9.0}, {40.0, 25.0, -30.0, 15.0, 35.0, -20.0}};
+    const Vector3 bent = errors_over(machine, grid)->before.at(grid, 0, {1, 2, 0});
+
+    const test::ExactMachine exact{
+        .configuration = chain, .rotary = rotary.machine.rotary, .tool_offset_mm = machine.tool_offset_mm};
+    const auto at = [&](Vector3 position_mm, Angles angles) { return exact_pose(exact, position_mm, angles); };
+    const Angles level{0.0, 0.0, 128.0};
+    Eigen::Matrix3d of_slides;
+    for (std::size_t d = 0; d < kAxes; ++d) {
+      Vector3 unit{};
+      unit[d] = 1.0;
+      of_slides.col(static_cast<Eigen::Index>(d)) = at(unit, level).translation() - at({}, level).translation();
+    }
+    const double sine = std::sin(-51.0 * 3.14159265358979 / 180.0),
+                 rest = 1.0 - std::cos(51.0 * 3.14159265358979 / 180.0);
+    const double length_m = std::sqrt(5.0 * 5.0 + 7.0 * 7.0 + 120.0 * 120.0) / 1000.0;
+    const Eigen::Vector3d machine_um{11.0 * sine + 3.0 * rest, -7.0 * sine - 2.0 * rest, 5.0 * sine + 9.0 * rest},
+        tool_um{40.0 * sine + 15.0 * rest, 25.0 * sine + 35.0 * rest, -30.0 * sine - 20.0 * rest};
+    const Eigen::Vector3d expected = of_slides * machine_um + length_m * (at({}, level).linear() * tool_um);
+    for (std::size_t d = 0; d < kAxes; ++d)
+      CHECK(bent[d] - straight[d] == Approx(expected[static_cast<Eigen::Index>(d)]).epsilon(1e-6));
+
+    rotary.errors = {};  // what the map holds is all that is wrong with the rotary axes
+    for (std::size_t r = 0; r < kAxes; ++r)
+      if (rotary.travel_deg[r])
+        machine.map.header.rotary.push_back({.axis = {.letter = "ABC"[r],
+                                                      .direction = rotary.machine.rotary[r].direction,
+                                                      .pivot_mm = rotary.machine.rotary[r].pivot_mm}});
+    const Vector3 without = errors_over(machine, grid)->after.at(grid, 1, {0, 1, 2});
+    machine.map.header.bending = {{11.0, -7.0, 5.0, 3.0, -2.0, 9.0}, {40.0, 25.0, -30.0, 15.0, 35.0, -20.0}};
+    rotary.errors = rotary_errors_in(machine.map.header);
+    const Vector3 with = errors_over(machine, grid)->after.at(grid, 1, {0, 1, 2});
+    for (std::size_t d = 0; d < kAxes; ++d) CHECK(std::abs(with[d] - without[d]) < 1e-9);
+  }
+}
+
 TEST_CASE("settings cover the travels; a whole turn does not count its beginning twice") {
   RotaryAxes rotary;
   rotary.travel_deg[0] = {-90.0, 30.0};

@@ -162,7 +162,7 @@ Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& 
   for (const MeasurementProposal& one : next.proposals) proposals.add(proposal_cell(one, proposals.json.size() + 1));
   if (proposals.json.size() > 1 && !next.proposals.front().pairs.empty())
     proposals.text +=
-        "\n" + paragraph(fmt::format("Proposal 1 {} best per minute; more than {:g} sigma count as {:g}.",
+        "\n" + paragraph(fmt::format("Proposal 1 {} best per minute; more than {:g} sigma are treated as {:g}.",
                                      next.rivals.size() > 1 ? "distinguishes these causes" : "shows this cause",
                                      model::kEnoughSigma, model::kEnoughSigma));
   return record_cell("{verdict}{rivals}{proposals}{notes}",

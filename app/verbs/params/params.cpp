@@ -266,7 +266,7 @@ struct AdjustRequest {
         {"--over-mm", &R::over_mm,
          "distance over which it shows this, in the positive direction of Y for C0Y, of Z for B0Z and A0Z [mm]",
          Range{1.0, 1e5}, Need::required},
-        {"--nothing-um", &R::nothing_um, "largest reading that counts as zero [um]", Range{0.0, 1e3}},
+        {"--nothing-um", &R::nothing_um, "largest reading that is regarded as zero [um]", Range{0.0, 1e3}},
         {"--trial", &R::trial,
          "only try the value: the unit keeps compensating and stores nothing. A reading of 0 without --trial stores "
          "the value that is tried"}};

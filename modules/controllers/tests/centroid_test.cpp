@@ -127,7 +127,7 @@ TEST_CASE("broken tables are refused all at once, with their places") {
   CHECK(contains(refused_table("\n\n"), "the file is empty"));
   CHECK(contains(refused_table("2 1000\n0\n99000\n"), "CNC7X.TAB:3:1: a compensation of 99 mm is implausibly large"));
   CHECK(contains(refused_table("2 9000000000000\n0\n1\n"), "expected the travel in counts"));
-  CHECK(contains(refused_table("2 999000000000\n0\n1\n"), "9.99e+08 mm is no position of a machine"));
+  CHECK(contains(refused_table("2 999000000000\n0\n1\n"), "9.99e+08 mm is not a plausible position"));
 }
 
 TEST_CASE("the counts of a table are asked for, and its options are checked") {

@@ -320,7 +320,7 @@ TEST_CASE("lines that are no words of a part program are refused with their plac
   std::string letter;
   for (int k = 0; k < 12; ++k) letter += "Dear colleague, this is no program.\n\n";
   CHECK(unread(letter) ==
-        "p.nc: expected a part program of ISO 6983 or DIN 66025, but 12 of 12 lines are no blocks of such a program");
+        "p.nc: expected a part program of ISO 6983 or DIN 66025, but 12 of 12 lines are not blocks of such a program");
   CHECK(contains(unread("%\n(only words)\n"), "p.nc: expected a part program, found no block"));
   const auto twice = must_fail(parse_part_program("%\n(Corrected by ecs export program for m.csv)\nG0 X1\n", "p.nc"));
   CHECK(twice.kind == ProblemKind::refused);

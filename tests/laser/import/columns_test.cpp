@@ -84,7 +84,7 @@ TEST_CASE("a column of standard uncertainties is read in the unit of the reading
   CHECK(contains(refused_table("0 1.5 0\n10 1.6 1\n", by_columns("x_mm=1,reading=2,u_um=3")),
                  "u_um: expected a standard uncertainty above 0, found \"0\""));
   CHECK(contains(refused_table("0 1.5 1\n10 1.6 1\n", by_columns("x_mm=1,reading=2,u_um=3[degC]")),
-                 "u_um: degC is no unit of it"));
+                 "u_um: degC is not one of its units"));
 }
 
 TEST_CASE("several senses in a row, angles in arc seconds") {
@@ -242,7 +242,7 @@ TEST_CASE("rows of one channel: lines between them state the targets, other line
   CHECK(read_table("B 2024-05-06 09:10:09 7\n", options).readings[0].position_mm == Vector3{1.0, 2.0, 3.0});
   CHECK(contains(refused_table("B 2024-05-06 09:10:09 OPEN\n", options), "expected numbers, found none"));
   options.sense = Sense::EA;
-  CHECK(contains(refused_table(text, options), "um is no unit of EA"));
+  CHECK(contains(refused_table(text, options), "um is not a unit of EA"));
 }
 
 TEST_CASE("how a row begins tells tables from other texts") {
@@ -264,7 +264,7 @@ TEST_CASE("units of the options are those of columns without one") {
   CHECK(set.readings[0].error == Approx(500.0));
   CHECK(set.readings[1].error == Approx(0.5));
   options.target_unit = unit_named("degC");
-  CHECK(contains(refused_table("1 0.5 0.5\n", options), "degC is no unit of length"));
+  CHECK(contains(refused_table("1 0.5 0.5\n", options), "degC is not a unit of length"));
 }
 
 TEST_CASE("every bad row is named with line and column, and what to map is said") {
@@ -278,8 +278,8 @@ TEST_CASE("every bad row is named with line and column, and what to map is said"
   CHECK(contains(refused_table("0 1\n", by_columns("x_mm=1,reading=5")), "expected a column 5, found 2"));
   CHECK(contains(refused_table("0 1\n", by_columns("reading=2")), "which axis moved"));
   CHECK(contains(refused_table("0 1\n", by_columns("x_mm=1,run=2")), "expected one of reading"));
-  CHECK(contains(refused_table("0 1\n", by_columns("x_mm=1[degC],reading=2")), "is no unit of it"));
-  CHECK(contains(refused_table("0 1\n", by_columns("x_mm=1,reading=2[mrad]")), "is no unit of it"));
+  CHECK(contains(refused_table("0 1\n", by_columns("x_mm=1[degC],reading=2")), "is not one of its units"));
+  CHECK(contains(refused_table("0 1\n", by_columns("x_mm=1,reading=2[mrad]")), "is not one of its units"));
   CHECK(contains(refused_table("x e\n", by_columns("x_mm=1,reading=2")), "no row has the columns"));
 }
 

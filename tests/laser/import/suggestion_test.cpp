@@ -144,7 +144,7 @@ TEST_CASE("a target of a rotary row is an angle, and a unit of length is refused
   const auto set = must(parse_any(text, "table.txt", options)).set;
   CHECK(target_of(set.readings.at(1)) == 90.0);
   CHECK(contains(must_fail(parse_any(text, "table.txt", by_columns("axis=1,target=2[mm],reading=3"))).message,
-                 "target: mm is no unit of it"));
+                 "target: mm is not one of its units"));
 }
 
 TEST_CASE("straightness is a sense across the axis, and each further sense is read") {

@@ -77,7 +77,7 @@ TEST_CASE("inch files by the option, and by the unit that assignments name") {
   CHECK(imperial.readings[0].error == Approx(metric.readings[0].error * 25.4));
   ImportOptions wrong = along_x();
   wrong.reading_unit = unit_named("arcsec");
-  CHECK(contains(to_text(parse_any(sample_text("table.REN"), "t.ren", wrong).error()), "arcsec is no unit of EX"));
+  CHECK(contains(to_text(parse_any(sample_text("table.REN"), "t.ren", wrong).error()), "arcsec is not a unit of EX"));
   CHECK_FALSE(parse_any(sample_text("x_axis.csv"), "x.csv", inch).has_value());
 }
 

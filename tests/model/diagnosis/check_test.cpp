@@ -141,7 +141,7 @@ TEST_CASE("another effect in the place of the one named is found, and one that n
   swapped.candidates.front().effect = effect(effects::step, Axis::Y, Sense::EX);
   const Check check = found.checked_as(swapped);
   CHECK(!check.holds());
-  CHECK(only(check.objections) == "step:Y:EX is no candidate on these data");
+  CHECK(only(check.objections) == "step:Y:EX is not a candidate for these data");
 }
 
 TEST_CASE("other readings are found, and none are refused") {

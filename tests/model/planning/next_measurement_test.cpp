@@ -131,7 +131,7 @@ TEST_CASE(
     CHECK(first.targets_mm.size() >= 5);
     CHECK(first.targets_mm.back() - first.targets_mm.front() > 900.0);
     CHECK(contains(first.sentence, "Measure X positions over the travel: 7 targets"));
-    CHECK(contains(first.tells, "errors over the position"));
+    CHECK(contains(first.tells, "errors that depend on position"));
   }
 }
 

@@ -46,7 +46,7 @@ TEST_CASE("the field under the cursor is explained: range, default, help and its
   find(screen, "deadband");
   const std::string text = picture(screen);
   check_reads(text, {"> ", "deadband", "4 um", "axis.X.deadband_um", "Accepts 0 to 10000 um; default 5 um.",
-                     "Travel that counts as a move in a new direction", "minimum distance to qualify as move"});
+                     "Travel that is regarded as a move in a new direction", "minimum distance to qualify as move"});
 }
 
 TEST_CASE("a plan of measurements is not opened as parameters, and the reason comes first") {
