@@ -144,10 +144,10 @@ std::string outliers_text(const Comparison& c) {
 Cell comparison_cell(const Comparison& c, std::size_t readings) {
   const Cell lack_of_fit = lack_of_fit_cell(c.lack_of_fit);
   const std::string judged = lack_of_fit_text(c.lack_of_fit, c.outliers.empty() ? c.rms_um : 0.0, c.noise.noise_um);
-  const std::string summary = paragraph(
-      fmt::format("{} readings: rms {}, peak {}; noise of one reading {}; lack-of-fit test with these values: {}",
-                  readings, in_each_unit(c.rms_um, c.rms_by_unit, c.noise.unit),
-                  in_each_unit(c.peak_um, c.peak_by_unit, c.noise.unit), noise_text(c.noise), judged));
+  const std::string summary = paragraph(fmt::format(
+      "{} readings: rms {}, peak {}; noise of one reading {}; lack-of-fit test of the model with these values: {}",
+      readings, in_each_unit(c.rms_um, c.rms_by_unit, c.noise.unit),
+      in_each_unit(c.peak_um, c.peak_by_unit, c.noise.unit), noise_text(c.noise), judged));
   Cell answer = record_cell(
       "{summary}\n{directions}{variables}{worst}{outliers}", "observations"_is(readings), "summary"_shown(summary),
       "rms_um"_is(c.rms_um), "peak_um"_is(c.peak_um), "noise_um"_is(c.noise.noise_um),
@@ -242,7 +242,7 @@ std::string values_text(const Candidate& c) {
   for (const double value : found->second)
     if (values.size() < kMostShown) values.push_back(fmt::format("{:.5g}", value));
   const std::string all = fmt::format("{}", fmt::join(values, c.effect.definition().search.has_slope ? ", " : " to "));
-  return fmt::format("{} {}{}: all fit as well", model::shown_name(searched, c.effect), all,
+  return fmt::format("{} {}{}: all fit equally well", model::shown_name(searched, c.effect), all,
                      found->second.size() > kMostShown ? " and more" : "");
 }
 
@@ -330,11 +330,9 @@ std::string closest_text(const Diagnosis& d) {
     if (closest.size() < kMostShown)
       closest.push_back({to_text(candidate.effect), candidate.probability, place_text(candidate.effect)});
   if (closest.empty()) return {};
-  return "\n" + paragraph(
-                    "Nearest candidates, each with the probability that it is real rather than noise, which is not "
-                    "enough to name a cause: " +
-                        set_text(closest, 2),
-                    0, 2);
+  return "\n" + paragraph("Nearest candidates, with the probability that each is real (too low to name a cause): " +
+                              set_text(closest, 2),
+                          0, 2);
 }
 
 /// What adding the likely effects would do, and how.
@@ -377,10 +375,11 @@ Cell candidates_cell(const Diagnosis& d) {
   return {std::move(list),
           titled_table(
               fmt::format("{}{}", d.verdict == Verdict::missing_effect ? "missing effects" : "proved effects",
-                          of_groups ? " (of causes that cannot be distinguished, only the one that was fitted)" : ""),
+                          of_groups ? " (where causes cannot be distinguished, only the fitted one is listed)" : ""),
               named) +
               titled_table("likely effects, not proved", likely) + add_text(d) +
-              titled_table("other candidates, each alone", rivals)};
+              titled_table(named.empty() && likely.empty() ? "candidates, each alone" : "other candidates, each alone",
+                           rivals)};
 }
 
 std::vector<ShapePoint> shape_of(const model::Dependence& one) {
@@ -394,10 +393,12 @@ constexpr double kLeastProbability = 1e-300;  ///< smaller ones are stated as th
 
 Cell where_cell(const Diagnosis& d) {
   const bool with_answer = std::ranges::any_of(d.candidates, &Candidate::in_answer);
-  Cell where{Json::array(), d.where.empty() ? ""
-                            : with_answer
-                                ? "\nvariables on which the present residual depends (share of its variance)\n"
-                                : "\nvariables on which the residual depends (share of its variance)\n"};
+  Cell where{
+      Json::array(),
+      d.where.empty() ? ""
+      : with_answer
+          ? "\nvariables on which the present residual depends (share of its variance that each explains alone)\n"
+          : "\nvariables on which the residual depends (share of its variance that each explains alone)\n"};
   for (const model::Dependence& one : d.where)
     where.add(record_cell(
         "  {variable} {strength:>8}  probability in noise alone: {p_value}\n",
@@ -505,7 +506,7 @@ Cell left_cell(const Diagnosis& d) {
   }
   if (!withheld.empty())
     left.text += paragraph(
-        fmt::format("These readings do not show: {}. {}", fmt::join(withheld, "; "), fmt::join(measure, " ")), 2, 4);
+        fmt::format("These readings do not show {}. {}", fmt::join(withheld, "; "), fmt::join(measure, " ")), 2, 4);
   return left;
 }
 

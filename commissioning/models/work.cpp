@@ -157,13 +157,13 @@ std::optional<Problem> of_other_axes(const model::Model& model, const laser::Mea
                                      const std::string& file) {
   const bool rotary = set.readings.front().rotary;
   const auto refused = [&](const std::string& what) {
-    return Problem{
-        ProblemKind::bad_input,
-        fmt::format("expected a model of {} axes, as in the readings, found {}", rotary ? "rotary" : "linear", what),
-        file,
-        0,
-        0,
-        {}};
+    return Problem{ProblemKind::bad_input,
+                   fmt::format("the readings are of {0} axes: expected a model of {0} axes, found {1}",
+                               rotary ? "rotary" : "linear", what),
+                   file,
+                   0,
+                   0,
+                   {}};
   };
   for (const model::EffectInstance& effect : model.effects)
     if (!effect.is_user() && effect.rotary != rotary) return refused(to_text(effect));

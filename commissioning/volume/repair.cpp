@@ -417,6 +417,8 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
     cost.how = cost.remedy == Remedy::repair ? std::string(cost.effect.definition().check)
                : !is_of_measurement(cost.effect) && is_alignment(cost.effect, *work.machine)
                    ? "zero and slope of this readout come from the alignment of the optics"
+               : cost.remedy == Remedy::nothing && is_carried(cost.effect, *work.machine)
+                   ? "could be compensated by " + how_compensated(cost.effect, *work.machine)
                    : how_compensated(cost.effect, *work.machine);
     unseen = unseen || !cost.effect.definition().needs.empty();
     answer.causes.push_back(std::move(cost));
@@ -424,10 +426,10 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
   std::stable_sort(answer.causes.begin(), answer.causes.end(),
                    [](const CauseCost& a, const CauseCost& b) { return largest_cost_um(a) > largest_cost_um(b); });
   if (!fit.undetermined.empty())
-    answer.notes.push_back(
-        fmt::format("{}: these readings do not determine them, and the prediction may be far off. First make the "
-                    "measurement that separates them (ecs model next)",
-                    fmt::join(fit.undetermined, "; ")));
+    answer.notes.push_back(fmt::format(
+        "Not determined by these readings: {}. The prediction may therefore be far off. First make the measurement "
+        "that `ecs model next` proposes",
+        fmt::join(fit.undetermined, "; ")));
   for (const CauseCost& cost : answer.causes) {
     if (cost.remedy == Remedy::compensate && !measurement_alternatives(cost.effect).empty())
       answer.notes.push_back(

@@ -456,7 +456,7 @@ std::optional<std::string> slope_note(const Candidate& one, const Regressors& re
       std::ranges::any_of(one.rivals, [&](const EffectInstance& rival) { return is_curve(rival, false); }))
     return std::nullopt;
   return fmt::format(
-      "{} has the same shape in these readings as two errors of the position together, a slope and a curve. One cause "
+      "{} has the same shape in these readings as a slope and a curve of the position together. One cause "
       "is "
       "more probable than two; measure a second line at another distance to exclude them",
       place_text(one.effect));
@@ -590,6 +590,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
                                                                                         : std::nullopt;
   if (of_run || scaled) put_run_first(diagnosis.where, data, in.found, scaled, in.base.residual, kTellingChance);
   if (motions) put_motions_first(diagnosis.where, *motions);
+  diagnosis.different_run = different_run(in.found, scaled, diagnosis, data, in.base.residual);
   for (const EffectInstance& effect : in.model.effects)
     if (std::string note = note_of_no_reading(effect, data, in.regressors.acting(effect)); !note.empty())
       diagnosis.notes.push_back(std::move(note));
@@ -606,7 +607,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   const bool structure = diagnosis.verdict == Verdict::unexplained_structure ||
                          diagnosis.verdict == Verdict::partly_explained ||
                          (diagnosis.verdict == Verdict::likely_effect && !noise_left(in.found, in.options));
-  if (structure && !scaled &&
+  if (structure && !diagnosis.different_run &&
       (!in.found.solution.chosen.empty() || in.found.noisy || in.found.odd_pass || in.found.wanders || in.found.wave))
     diagnosis.notes.push_back(why_not_explained(in.found));
   if (const auto note = sensor_noise_note(diagnosis, data, structure || verdict == Verdict::cannot_tell))
@@ -632,7 +633,6 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.reservation = reservation_for(diagnosis, data);
   diagnosis.cannot_tell = cannot_tell;
   diagnosis.best_sum_leaves = !in.found.solution.chosen.empty() && leaves_structure(in.found, in.options);
-  diagnosis.different_run = different_run(in.found, scaled, diagnosis, data, in.base.residual);
   diagnosis.headline =
       headline_for(diagnosis, data, diagnosis.different_run ? diagnosis.different_run->text : run_note(in.found));
   diagnosis.headline += beside_formulas(in.model, diagnosis);

@@ -507,11 +507,10 @@ std::string run_words(const Observations& data, const VectorXd& residual, double
                        unit_of_readings(data, line), names.front(), names.back());
   if (const auto step = step_of_runs(data, residual, std::vector<bool>(data.size())))
     return fmt::format(
-        "a step of {:+.2g} {} between runs {} and {} in addition to a trend; from the lowest run to the "
-        "highest {:.3g} {}",
+        "a step of {:+.2g} {} between runs {} and {} in addition to a trend; range of the means of the runs {:.3g} {}",
         step->height_um, unit_of_readings(data, line), step->before, step->after,
         *std::ranges::max_element(means) - *std::ranges::min_element(means), unit_of_readings(data, line));
-  return fmt::format("each run has a different zero, {:.3g} {} from smallest to largest",
+  return fmt::format("each run has a different zero, with a range of {:.3g} {}",
                      *std::ranges::max_element(means) - *std::ranges::min_element(means), unit_of_readings(data, line));
 }
 

@@ -460,7 +460,8 @@ Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise)
   const std::string again = "Measure the same lines again in both directions";
   if (ranked.wander && is_like_wander(ranked.effect))
     return {"a zero that wanders without any law explains the same nearly as well", again};
-  if (ranked.wander) return {"no line was measured twice, and a slow drift of the readings explains it as well", again};
+  if (ranked.wander)
+    return {"no line was measured twice, and a slow drift of the readings explains it equally well", again};
   if (!noise) return {why_not_explained(found), "Measure the same lines again on targets between the present ones"};
   if (ranked.e_value)
     return {fmt::format("held-out readings do not decide it (e-value {:.2g}; {:g} is proof)", *ranked.e_value, kProved),

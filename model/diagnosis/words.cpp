@@ -37,18 +37,18 @@ constexpr std::string_view kNoPitch = "certainly not ";
 
 std::string percent(double share) { return fmt::format("{:.3g} %", kPercent * share); }
 
-/// "one turn", "1/3 turn" for a period of a rotary axis; "the pitch of its screw", "1/2 of the pitch of its scale" for
-/// one that matches a fact of the machine, "certainly not …" where the readings exclude that; "" if none does.
+/// "one turn", "1/3 turn" for a period of a rotary axis; "the pitch of the X screw", "1/2 of the pitch of the X scale"
+/// for one that matches a fact of the machine, "certainly not …" where the readings exclude that; "" if none does.
 std::string pitch_text(const EffectInstance& effect, const std::optional<double>& sigma_mm, const Observations& data) {
   if (const double order = waves_a_turn(effect); order > 0.0)
     return order == 1.0 ? "one turn" : fmt::format("1/{:.0f} turn", order);
   const auto match = pitch_matching(effect, sigma_mm, data);
   if (!match) return "";
-  std::string text = fmt::format("{}the pitch of its {}",
+  std::string text = fmt::format("{}the pitch of the {} {}",
                                  match->times > 1   ? fmt::format("{} times ", match->times)
                                  : match->parts > 1 ? fmt::format("1/{} of ", match->parts)
                                                     : "",
-                                 match->is_of_scale ? "scale" : "screw");
+                                 axis_letter(effect), match->is_of_scale ? "scale" : "screw");
   if (!match->is_excluded) return text;
   return fmt::format("{}{}, {:.6g} mm by the machine file: check this", kNoPitch, text, match->expected_mm);
 }
@@ -71,18 +71,18 @@ std::string duration_text(double s) {
   return s < kLong * kHour_s ? fmt::format("{:.0f} min", s / kMinute_s) : fmt::format("{:.1f} h", s / kHour_s);
 }
 
-/// Of the readings that the effect acts on.
+/// Of the readings that the effect acts on, inside a sentence.
 std::string where_word(const EffectInstance& effect) {
-  if (effect.sense)
-    return readings_word(*effect.sense, effect.axis, effect.rotary) +
-           (effect.line > 1 ? fmt::format(" in line {}", effect.line) : "") +
-           (effect.from_run > 0 ? fmt::format(" from run {}", effect.from_run) : "");
-  return effect.axis ? fmt::format("Readings along {}", axis_letter(effect)) : "Readings";
+  if (!effect.sense) return effect.axis ? fmt::format("readings along {}", axis_letter(effect)) : "readings";
+  std::string text = readings_word(*effect.sense, effect.axis, effect.rotary);
+  if (text.starts_with('A')) text.front() = 'a';  // "Angles"
+  return text + (effect.line > 1 ? fmt::format(" in line {}", effect.line) : "") +
+         (effect.from_run > 0 ? fmt::format(" from run {}", effect.from_run) : "");
 }
 
 /// "t_spindle_degC" → "spindle"
 std::string sensor_word(std::string name) {
-  if (name.empty()) return "its sensor";
+  if (name.empty()) return "sensor";
   if (name.starts_with("t_")) name.erase(0, 2);
   if (name.ends_with("_degC")) name.erase(name.size() - 5);
   return name;
@@ -98,8 +98,8 @@ std::string pair_word(const EffectInstance& effect) {
 }
 
 std::string map_word(const EffectInstance& effect) {
-  if (effect.code) return fmt::format("Table {} of the map", name_of(*effect.code));
-  return effect.axis ? fmt::format("Map of {}", letter_of(*effect.axis)) : "Map";
+  if (effect.code) return fmt::format("table {} of the map", name_of(*effect.code));
+  return effect.axis ? fmt::format("map of {}", letter_of(*effect.axis)) : "map";
 }
 
 /// The data do not say so much as its sign.
@@ -118,8 +118,7 @@ std::string value_of(const EffectInstance& effect, const ParameterEstimate& para
   }
   const std::string pitch = pitch_text(effect, parameter.sigma, data);
   std::string text = fmt::format("{:#.4g} {}", parameter.value, unit);
-  if (pitch.empty()) return text;
-  return pitch.starts_with(kNoPitch) ? fmt::format("{} ({})", text, pitch) : fmt::format("{}, {}", text, pitch);
+  return pitch.empty() ? text : fmt::format("{} ({})", text, pitch);
 }
 
 /// What a size is of, where an effect has several of one kind: "scale of X ", else "".
@@ -215,7 +214,8 @@ std::string with_alternatives(const std::string& finding, const Candidate& candi
                      fmt::join(texts, ", or "));
 }
 
-/// ", or another period that fits as well"; of a rotary axis ", or 11 or 13 waves a turn, which fit as well".
+/// ", or a different period that fits equally well"; of a rotary axis ", or 11 or 13 waves per turn, which fit equally
+/// well".
 std::string other_periods_text(const Candidate& candidate) {
   constexpr std::size_t kMostListed = 3;
   const auto values = candidate.parameters_set.find(std::string(candidate.effect.definition().searched_parameter()));
@@ -225,11 +225,11 @@ std::string other_periods_text(const Candidate& candidate) {
     std::vector<std::string> orders;
     for (const double period_deg : std::span(values->second).subspan(1))
       orders.push_back(fmt::format("{:.0f}", kUsualPeriod_deg / period_deg));
-    return fmt::format(", or {} waves a turn, which {} as well", fmt::join(orders, " or "),
+    return fmt::format(", or {} waves per turn, which {} equally well", fmt::join(orders, " or "),
                        others == 1 ? "fits" : "fit");
   }
-  if (others < 2) return others == 1 ? ", or another period that fits as well" : "";
-  return fmt::format(", or one of {} other periods that fit as well", others);
+  if (others < 2) return others == 1 ? ", or a different period that fits equally well" : "";
+  return fmt::format(", or one of {} other periods that fit equally well", others);
 }
 
 NamedWave wave_of(const Candidate& candidate) { return larger_wave({candidate.effect, candidate.parameters}); }
@@ -273,11 +273,9 @@ std::string likely_text(const Diagnosis& diagnosis, const Observations& data) {
   const auto first =
       std::ranges::find_if(diagnosis.candidates, [](const Candidate& one) { return one.standing == Standing::likely; });
   if (first == diagnosis.candidates.end()) return "";
-  std::string findings = findings_text(diagnosis, data, true);
-  if (findings.size() > 1 && std::islower(static_cast<unsigned char>(findings[1])) != 0)
-    findings.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(findings.front())));
   return fmt::format("Probably {}{}: not proved, because {}. {} to be sure.",
-                     diagnosis.candidates.front().named ? "also " : "", findings, first->but, first->decide);
+                     diagnosis.candidates.front().named ? "also " : "", findings_text(diagnosis, data, true),
+                     first->but, first->decide);
 }
 
 std::string structure_text(const Diagnosis& diagnosis) {
@@ -399,7 +397,11 @@ std::optional<std::string> undetected(const Observations& data, const EvenTarget
                  : "";
   }
   const auto hidden = hidden_pitches(data, targets);
-  if (!hidden) return ", and no machine file gives the pitch of its screw or scale";
+  if (!hidden)
+    return fmt::format(
+        ", and {} the pitch of the {} screw or scale",
+        data.machine.axes[index_of(targets.axis)] ? "the machine file does not state" : "no machine file states",
+        data.letter(targets.axis));
   return hidden->empty() ? std::nullopt : hidden;
 }
 
@@ -435,7 +437,7 @@ std::string smaller_wave_text(const NamedWave& wave, const Observations& data) {
   if (!smaller) return "";
   const ParameterEstimate& size = smaller->size();
   if (size.undetermined || !size.sigma || size.value < kSigmas * *size.sigma) return "";
-  return fmt::format(", and of +-{} with a period of {}", value_of(smaller->effect, size, data),
+  return fmt::format(", and of +-{}, period {}", value_of(smaller->effect, size, data),
                      value_of(smaller->effect, smaller->period(), data));
 }
 
@@ -473,10 +475,10 @@ std::string finding_text(const EffectInstance& found_effect, const std::vector<P
   std::string text = fmt::vformat(definition.headline, words);
   if (const auto lag = std::ranges::find(parameters, kLag, &ParameterEstimate::name); lag != parameters.end())
     text += fmt::format(", following it with a time constant of {}", duration_text(lag->value));
-  constexpr std::string_view kEverywhere = "equally at all positions";
+  constexpr std::string_view kEverywhere = "equal at every position";
   if (const std::size_t at = text.find(kEverywhere); at != std::string::npos && effect.axis)
     if (const auto targets = targets_of(data); targets.contains(*effect.axis) && targets.at(*effect.axis).size() == 1)
-      text.replace(at, kEverywhere.size(), "at the only target");
+      text.replace(at, kEverywhere.size(), "measured at one target only");
   if (const std::size_t sign = text.find("+-an "); sign != std::string::npos) text.erase(sign, 2);
   constexpr std::string_view kNegative = "read -", kLate = " late ";
   if (const std::size_t sign = text.find(kNegative), late = text.find(kLate);
@@ -643,7 +645,8 @@ std::optional<std::string> even_targets_note(const Observations& data) {
         2.0 * one.step_mm, data.position_unit(), hidden_pitches(data, one).value_or(""));
   }
   if (note.empty()) return std::nullopt;
-  return note + "; targets displaced from equal steps by a tenth of the step or more show them (ISO 230-2:2014, 5.2)";
+  return note +
+         ". To detect such periods, displace the targets by a tenth of the spacing or more (ISO 230-2:2014, 5.2)";
 }
 
 }  // namespace ecs::model

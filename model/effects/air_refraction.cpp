@@ -13,7 +13,7 @@ EffectDefinition air_refraction() {
       .cause = "the laser's wavelength was not corrected for air",
       .tells_apart = "a slope that follows the refractive index of air",
       .check = "compare pressure, temperature and humidity at the beam with the values used by the laser's electronics",
-      .headline = "{where} not corrected for air, {factor} of the full amount",
+      .headline = "a missing correction for air in {where}, {factor} of the full amount",
       .parameters =
           {{.name = "factor", .unit = "", .meaning = "1 = not corrected at all", .limits = ValueRange{0.0, 2.0}}},
       .carrier = Carrier::set_up,

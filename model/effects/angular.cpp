@@ -15,7 +15,7 @@ EffectDefinition angular() {
       .check =
           "mount an autocollimator or a level on the carriage and move the axis; inspect ways, gibs and wipers where "
           "the angle changes",
-      .headline = "{axis} carriage with an angular error {code} of {rms_um}, acting through its lever",
+      .headline = "an angular error {code} of the {axis} carriage of {rms_um}, acting through a lever arm",
       .parameters = {{"rms_um", "um/m", "size of the angle", Coding::size_of_curve}},
       .carrier = Carrier::error_map,
       .how = "a table of the angle; the unit multiplies by the lever arm",

@@ -15,7 +15,7 @@ EffectDefinition artefact_form() {
       .tells_apart =
           "changes its sign when the artefact is turned over (column reversed); an error of the machine does not",
       .check = "read the certificate of the straight edge; turn it over and measure again",
-      .headline = "Straight edge of {where} not straight, {rms_um}",
+      .headline = "a straight edge that is not straight, {rms_um} in {where}",
       .parameters = {{"rms_um", "um", "size of the curve", Coding::size_of_curve}},
       .carrier = Carrier::set_up,
       .how = "an error of the artefact: subtract half the difference of both positions from its readings",

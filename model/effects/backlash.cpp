@@ -15,7 +15,7 @@ EffectDefinition backlash() {
       .check =
           "place a dial gauge against the table and reverse by a few micrometres; check the preload of nut and "
           "bearings, coupling, keys and gibs",
-      .headline = "{where} with a lost motion of {um} at reversal",
+      .headline = "lost motion of {um} at reversal in {where}",
       .parameters = {{"um", "um", "forward minus reverse"}},
       .carrier = Carrier::error_map,
       .how = "forward and reverse tables",

@@ -21,7 +21,7 @@ EffectDefinition ball_in_spindle() {
       .cause = "the ball, probe or sensor in the spindle is not at its assumed position: length or run-out",
       .tells_apart = "a vector that turns with the tool; an error of an axis line does not",
       .check = "measure the length of the tool, and its run-out while the spindle turns",
-      .headline = "Ball in the spindle off its place by {x_um}, {y_um}, {z_um} along X, Y, Z",
+      .headline = "an offset of the ball in the spindle by {x_um}, {y_um}, {z_um} along X, Y, Z",
       .parameters = {{"x_um", "um", "place along X of the tool at angles of 0"},
                      {"y_um", "um", "along Y"},
                      {"z_um", "um", "along Z"}},

@@ -12,7 +12,7 @@ EffectDefinition ball_on_table() {
       .cause = "the ball, sensor or artefact on the table is not at its assumed position, or off the axis line",
       .tells_apart = "a vector that turns with the workpiece; an error of an axis line does not",
       .check = "measure the ball with the probe at angles of 0, and use that position as its target",
-      .headline = "Ball on the table off its place by {x_um}, {y_um}, {z_um} along X, Y, Z",
+      .headline = "an offset of the ball on the table by {x_um}, {y_um}, {z_um} along X, Y, Z",
       .parameters = {{"x_um", "um", "place along X of the workpiece at angles of 0"},
                      {"y_um", "um", "along Y"},
                      {"z_um", "um", "along Z"}},

@@ -11,7 +11,7 @@ EffectDefinition cosine() {
       .cause = "laser not aligned with the axis",
       .tells_apart = "always shortens: a slope of one sign only",
       .check = "move the axis over its travel and watch the returned beam on the detector: it must not walk",
-      .headline = "{where} measured short, the beam {angle_mrad} off the axis",
+      .headline = "a cosine error in {where}, with the beam {angle_mrad} off the axis",
       .parameters = {{"angle_mrad", "mrad", "misalignment", Coding::square_root}},
       .carrier = Carrier::set_up,
       .how = "an error of the measurement: align the beam",

@@ -15,7 +15,7 @@ EffectDefinition dead_path() {
       .check =
           "measure the air between the two optics where the readout was set to zero, and check that the laser corrects "
           "it",
-      .headline = "{where} with {length_m} of dead path in air between the optics",
+      .headline = "a dead path of {length_m} in air between the optics in {where}",
       .parameters =
           {{.name = "length_m", .unit = "m", .meaning = "length of the dead path", .limits = ValueRange{-10.0, 10.0}}},
       .carrier = Carrier::set_up,

@@ -24,7 +24,8 @@ EffectDefinition delay() {
       .title = "Delay between two channels",
       .formula = "-T v",
       .cause =
-          "position and reading are not of the same moment: channels read one after the other, a filter, or a drive "
+          "position and reading were not taken at the same moment: channels read one after the other, a filter, or a "
+          "drive "
           "that follows late",
       .tells_apart =
           "in readings on the fly, proportional to the speed: absent at rest, small where the axis starts or "

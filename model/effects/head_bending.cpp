@@ -104,7 +104,7 @@ EffectDefinition head_bending() {
   EffectDefinition head = bending({"head_bending", "Bending of the head",
                                    "s sin b + c (1 - cos b), in the frame that carries the tilting axis",
                                    "head or spindle bent by its own weight, which the tilting axis turns",
-                                   "Head bent as it tilts: {sizes}", "curves of the tilting axis in the map"});
+                                   "a head that bends as it tilts: {sizes}", "curves of the tilting axis in the map"});
   head.carrier = Carrier::error_map;
   for (std::size_t i = 0; i < head.parameters.size(); ++i)
     head.motions.push_back({head.parameters[i].name, kAlong[i % kAxes], i < kAxes ? odd_moment : even_moment});
@@ -117,10 +117,11 @@ EffectDefinition head_bending() {
 }
 
 EffectDefinition machine_bending() {
-  EffectDefinition machine = bending({"machine_bending", "Bending of the machine under its head",
-                                      "s sin b + c (1 - cos b), in the frame of the machine",
-                                      "slide or column bent by the weight of the head, which the tilting axis turns",
-                                      "Machine bent as its head tilts: {sizes}", "bending of the machine in the map"});
+  EffectDefinition machine =
+      bending({"machine_bending", "Bending of the machine under its head",
+               "s sin b + c (1 - cos b), in the frame of the machine",
+               "slide or column bent by the weight of the head, which the tilting axis turns",
+               "a machine that bends as its head tilts: {sizes}", "bending of the machine in the map"});
   machine.carrier = Carrier::error_map;
   machine.bending = &RotaryBending::of_machine;
   machine.preference = 66;
@@ -136,7 +137,7 @@ EffectDefinition tool_bending() {
       bending({"tool_bending", "Bending in proportion to the length of the tool",
                "L (s sin b + c (1 - cos b)), in the frame that carries the tilting axis",
                "tool, holder or spindle bearing that gives way to the weight, with the length of the tool as lever",
-               "Tool tilted by its weight as the head tilts: {sizes}", "bending of the tool in the map"});
+               "a tool that gives way to its weight as the head tilts: {sizes}", "bending of the tool in the map"});
   tool.carrier = Carrier::error_map;
   tool.bending = &RotaryBending::of_tool;
   for (ParameterDefinition& parameter : tool.parameters) parameter.unit = "um/m";

@@ -35,7 +35,7 @@ EffectDefinition linear_axes() {
       .cause = "scale or squareness of the linear axes, which follow the ball",
       .tells_apart = "grows with the distance that the linear axes move while a rotary axis turns",
       .check = "measure the positioning of X, Y and Z with a laser, and their squareness with a square",
-      .headline = "Linear axes with scale and squareness errors: {sizes}",
+      .headline = "scale and squareness errors of the linear axes: {sizes}",
       .parameters = {{"x_um_per_m", "um/m", "scale of X"},
                      {"y_um_per_m", "um/m", "scale of Y"},
                      {"z_um_per_m", "um/m", "scale of Z"},

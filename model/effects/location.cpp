@@ -46,7 +46,7 @@ EffectDefinition location() {
       .check =
           "check pivot and offsets of the rotary axis in the machine data of the control with a ball or a test bar: "
           "turn the axis by 180 degrees and halve the difference",
-      .headline = "Axis line of {axis} off by {um} ({code})",
+      .headline = "an offset of the {axis} axis line by {um} ({code})",
       .parameters = {{"um", "um", "position of the axis line; for AO., BO., CO. its direction or zero, um_per_m"}},
       .carrier = Carrier::error_map,
       .how = "location errors of the rotary axes in the map",

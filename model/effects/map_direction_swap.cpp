@@ -15,7 +15,7 @@ EffectDefinition map_direction_swap() {
       .check =
           "jog the axis both ways and see on the monitor which table is in use; compare with the direction set for the "
           "unit",
-      .headline = "{map} applied with forward and reverse tables exchanged",
+      .headline = "the {map} applied with forward and reverse tables exchanged",
       .carrier = Carrier::parameters,
       .how = "a setting of the unit: correct it and measure again",
       .separated_by = separations::kCompensationOff,

@@ -13,7 +13,7 @@ EffectDefinition map_gain() {
       .cause = "D/A scaling or unit of the map wrong",
       .tells_apart = "in proportion to the uploaded map",
       .check = "command a known correction on the output screen and read the motion with a dial gauge or the laser",
-      .headline = "{map} applied {gain} times its size",
+      .headline = "the {map} applied {gain} times its size",
       .parameters = {{.name = "gain", .unit = "", .meaning = "1 = right", .neutral = 1.0}},
       .carrier = Carrier::parameters,
       .how = "the output scale",

@@ -13,7 +13,7 @@ EffectDefinition map_polarity() {
       .cause = "polarity of the output or sign convention of a component",
       .tells_apart = "minus twice the uploaded map",
       .check = "command a known correction on the output screen and check in which direction the axis moves",
-      .headline = "{map} applied with the wrong sign",
+      .headline = "the {map} applied with the wrong sign",
       .parameters = {{"fraction", "", "1 = all of it", Coding::fixed}},
       .carrier = Carrier::parameters,
       .how = "compensation polarity, or the sign of that component's table",

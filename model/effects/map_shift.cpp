@@ -45,7 +45,7 @@ EffectDefinition map_shift() {
       .cause = "datum of the map and of the machine differ",
       .tells_apart = "has the shape of the map's own slope",
       .check = "move the axis to its datum and compare the position of the unit with that of the control",
-      .headline = "{map} applied {shift_mm} off its place",
+      .headline = "the {map} applied {shift_mm} off its place",
       .parameters = {{"shift_mm", "mm", "shift", Coding::searched}},
       .carrier = Carrier::parameters,
       .how = "the reference position",

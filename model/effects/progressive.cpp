@@ -14,7 +14,7 @@ EffectDefinition progressive() {
       .check =
           "compare an error of position with the certificate of screw or scale, a straightness with a straight edge; "
           "check for wear where the axis works most",
-      .headline = "{where} with a smooth error along the travel, {rms_um}",
+      .headline = "a smooth error along the travel in {where}, {rms_um}",
       .parameters = {{"rms_um", "um", "size of the curve", Coding::size_of_curve}},
       .carrier = Carrier::error_map,
       .how = "a table of the error map",

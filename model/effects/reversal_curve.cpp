@@ -15,7 +15,7 @@ EffectDefinition reversal_curve() {
       .check =
           "measure the reversal with a dial gauge at both ends and in the middle; check for wear of the nut, loss of "
           "preload and a long unsupported screw",
-      .headline = "{where} with a lost motion that varies along the travel, {rms_um}",
+      .headline = "lost motion that varies along the travel in {where}, {rms_um}",
       .parameters = {{"rms_um", "um", "size of the curve", Coding::size_of_curve}},
       .carrier = Carrier::error_map,
       .how = "forward and reverse tables",

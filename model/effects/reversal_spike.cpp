@@ -51,7 +51,7 @@ EffectDefinition reversal_spike() {
       .check =
           "creep through a reversal with a dial gauge and watch for a jump; check lubrication, wipers, gibs and screw "
           "bearings",
-      .headline = "{where} with a spike of {c_um} after each reversal, which decays to a third within {u0_mm}",
+      .headline = "a spike of {c_um} after each reversal in {where}, with a decay length of {u0_mm}",
       .parameters = {{"c_um", "um", "size at the reversal"},
                      {"u0_mm", "mm", "travel over which it decays", Coding::searched}},
       .carrier = Carrier::none,

@@ -14,7 +14,7 @@ EffectDefinition sag() {
       .cause = "ram droop, a beam bending under its weight; across the axis a bent guideway looks the same",
       .tells_apart = "the error grows with the square and cube of the extension, as the bow of a guideway may too",
       .check = "hang a weight on the ram or beam and measure again: droop grows, the bow of a guideway does not",
-      .headline = "{where} with a bow that grows with the extension as droop does, {sizes}",
+      .headline = "a bow in {where} that grows with the extension as droop does, {sizes}",
       .parameters = {{"k2", "um/m2", "square"}, {"k3", "um/m3", "cube"}},
       .carrier = Carrier::error_map,
       .how = "a table of the error map",

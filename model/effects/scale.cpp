@@ -14,7 +14,7 @@ EffectDefinition scale() {
       .check =
           "along the axis, check the scale factor of the control, and the expansion coefficient and material "
           "temperature entered at the laser; across it, the alignment of the optics, then the squareness",
-      .headline = "{where} with a {slope} of {um_per_m}",
+      .headline = "a {slope} of {um_per_m} in {where}",
       .parameters = {{"um_per_m", "um/m", "slope (across the axis: squareness or alignment)"}},
       .carrier = Carrier::error_map,
       .how = "a table of the error map",

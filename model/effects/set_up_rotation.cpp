@@ -47,7 +47,7 @@ EffectDefinition set_up_rotation() {
       .check =
           "move a dial gauge along the reference edge of the artefact, or turn the artefact by 180 degrees and measure "
           "again",
-      .headline = "Set-up turned about {turn} by {um_per_m}",
+      .headline = "a set-up turned about {turn} by {um_per_m}",
       .parameters = {{"um_per_m", "um/m", "angle"}},
       .carrier = Carrier::set_up,
       .how = "an error of the measurement: align the artefact, or remove the rotation from its readings",

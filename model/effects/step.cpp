@@ -37,7 +37,7 @@ EffectDefinition step() {
       .tells_apart = "a jump at one place, level on both sides",
       .check =
           "inspect that position for a joint of the scale or rack, a chip on the scale or a damaged track of the screw",
-      .headline = "{where} with a step of {height_um}, {position_mm} from the datum",
+      .headline = "a step of {height_um} in {where}, {position_mm} from the datum",
       .parameters = {{"height_um", "um", "jump"},
                      {"position_mm", "mm", "position of the jump from the datum", Coding::searched}},
       .carrier = Carrier::error_map,

@@ -51,11 +51,11 @@ EffectDefinition thermal_bend() {
       .check =
           "measure the temperature of both sides of the column or bed and check for motors, coolant, sun or draught; "
           "mount a level on it while they change",
-      .headline = "{where} bent by {um_per_m2_degC} of temperature difference between {sensor} and {sensor2}",
+      .headline = "bending of {where} by {um_per_m2_degC} of temperature difference between {sensor} and {sensor2}",
       .parameters = {lag_parameter(), {"um_per_m2_degC", "um/m2/degC", "bending"}},
       .carrier = Carrier::inputs,
       .live = {{"um_per_m2_degC", ThermalLaw::bending, LiveSource::difference}},
-      .how = "a row of the unit that follows both sensors",
+      .how = "a thermal row of the map that follows both sensors",
       .separated_by = {25,
                        "Repeat the {axis} line with the difference between the two sensors changed by 2 degC or more: "
                        "one side warmed, or shaded."},

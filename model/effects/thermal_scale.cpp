@@ -16,11 +16,11 @@ EffectDefinition thermal_scale() {
       .check =
           "compare the temperature of screw or scale with the sensor used for the material, and check its coefficient "
           "in the machine file",
-      .headline = "{where} with an expansion of {um_per_m_degC} with the material's temperature",
+      .headline = "an expansion of {um_per_m_degC} in {where} with the material's temperature",
       .parameters = {lag_parameter(), {"um_per_m_degC", "um/m/degC", "expansion"}},
       .carrier = Carrier::inputs,
       .live = {{"um_per_m_degC", ThermalLaw::growth, LiveSource::material}},
-      .how = "a row of the unit that follows the material's temperature",
+      .how = "a thermal row of the map that follows the material's temperature",
       .separated_by = separations::kOtherTemperature,
       .turns_into = {{Limit::at_least, "thermal_scale"}, {Limit::at_greatest, "thermal_scale"}},
       .traits = {.has_lag = true, .of_condition = true, .one_per_axis = true},

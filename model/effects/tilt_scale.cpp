@@ -40,8 +40,8 @@ EffectDefinition tilt_scale() {
       .check =
           "compare the axis at its two ends, or before and after a whole turn, with a clinometer, a polygon or a laser "
           "with angular optics",
-      .headline = "{where} with a scale error of {um_per_degree}",
-      .parameters = {{"um_per_degree", "um/deg", "error of a degree"}},
+      .headline = "a scale error of {um_per_degree} in {where}",
+      .parameters = {{"um_per_degree", "um/deg", "error per degree"}},
       .carrier = Carrier::error_map,
       .how = "a curve of the rotary axes in the map",
       .separated_by = {55, "Measure {axis} at both ends of its travel and in the middle."},

@@ -14,7 +14,7 @@ EffectDefinition time_drift() {
       .check =
           "keep the axis at rest and watch the laser for the length of a run; let its head warm up, shield the beam, "
           "tighten fixtures",
-      .headline = "{where} drifting equally at all positions by {um_per_h}",
+      .headline = "a drift of {um_per_h} in {where}, equal at every position",
       .parameters = {{"um_per_h", "um/h", "rate"}},
       .carrier = Carrier::set_up,
       .how = "an error of the measurement, not of the machine",

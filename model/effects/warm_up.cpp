@@ -19,7 +19,7 @@ EffectDefinition warm_up() {
       .check =
           "switch on from cold, keep the axis at rest and watch the drift; mount a sensor at the nearest source of "
           "heat",
-      .headline = "{where} drifting as the machine warms up, towards {sizes} with a time constant of {tau_s}",
+      .headline = "a drift in {where} as the machine warms up, towards {sizes} with a time constant of {tau_s}",
       .parameters = {{"tau_s", "s", "time constant", Coding::searched},
                      {"c_um", "um", "final shift"},
                      {"c_um_per_m", "um/m", "final change of scale"}},

@@ -362,7 +362,7 @@ void name_undetermined(const Assembly& assembly, const CoreFit& core, Fit& fit) 
     const bool dependent = !core.collides[column].empty();
     if (!dependent && core.sizes(static_cast<Index>(column)) != 0.0) continue;
     std::string text = to_text(assembly.slots[s].effect);
-    text += others.empty() ? ": these data do not show it"
+    text += others.empty() ? ": these data do not determine it"
                            : fmt::format(" cannot be distinguished from {}", fmt::join(others, ", "));
     if (std::ranges::find(fit.undetermined, text) == fit.undetermined.end()) fit.undetermined.push_back(text);
   }

@@ -262,11 +262,12 @@ std::string why_not(const OpenGroup& group, const Separations& separations,
         "the cause itself (a setting, a level, a square)",
         names);
   if (apart < kSeparates)
-    return fmt::format("too weak to separate {}: no single run of up to five repeats adds more than {:.1f} sigma",
+    return fmt::format("too weak to separate {}: no single measurement of up to five runs adds more than {:.1f} sigma",
                        names, std::max(apart, seen));
   const std::vector<EffectInstance> others(group.rivals.begin() + 1, group.rivals.end());
   return fmt::format(
-      "no single run of up to five repeats is certain to distinguish between {}; the best run achieves {:.1f} sigma, "
+      "no single measurement of up to five runs is certain to distinguish between {}; the best run achieves {:.1f} "
+      "sigma, "
       "for some of them. {}",
       names, apart, separating_measurement(group.rivals.front(), others));
 }
@@ -341,7 +342,7 @@ Result<void> ask_group_by(NextMeasurement& next, const Setting& in, OpenGroup gr
     next.notes.push_back(why_not(group, separations, options));
   else if (next.proposals.front().separation_sigma < kSeparates)
     next.notes.push_back(
-        fmt::format("no run of up to five repeats reaches {:.0f} sigma; these are the best", kSeparates));
+        fmt::format("no measurement of up to five runs reaches {:.0f} sigma; these are the best", kSeparates));
   else
     note_pairs_together(next, group);
   return {};
@@ -531,7 +532,7 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
   take_proposals(next, weighed(options, separations, names, Question::see, in.times), Question::see);
   std::erase_if(next.proposals, [](const MeasurementProposal& p) { return p.separation_sigma < kSeparates; });
   if (next.proposals.empty())
-    next.notes.emplace_back("no single run of up to five repeats along the lines measured now would show any of them");
+    next.notes.emplace_back("no single measurement of up to five runs along the present lines would show any of them");
   return {};
 }
 
@@ -583,13 +584,13 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
   if (diagnosis.verdict != Verdict::missing_effect) return std::nullopt;
   for (const Candidate& candidate : diagnosis.candidates)
     if (candidate.in_answer() && !is_settled(candidate)) return std::nullopt;
-  return "No further measurement is needed to find the cause: it is proved" + odds_of_others(diagnosis) + ".";
+  return "No further measurement is needed: the cause is proved" + odds_of_others(diagnosis) + ".";
 }
 
 /// Of a cause that follows a sensor, where others are possible: the cause is proved, its sensor only likelier.
 std::string odds_of_sensor(const Candidate& candidate) {
   if (candidate.effect.sensor.empty() || candidate.set.size() < 2) return {};
-  return fmt::format(" Which sensor it follows is not proved: {} has a probability of {:.3g} %.",
+  return fmt::format(" The sensor that it follows is not proved: {} has a probability of {:.3g} %.",
                      candidate.effect.sensor, kPercent * candidate.set.front().probability);
 }
 

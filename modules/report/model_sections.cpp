@@ -156,8 +156,9 @@ Markup diagnosis_part(const ReportedDiagnosis& d) {
   for (const ReportedDependence& one : d.where)
     if (one.strength >= 0.01) where.push_back(fmt::format("{} {}", one.variable, percent(one.strength)));
   if (!where.empty())
-    body += paragraph_of(
-        fmt::format("Variables that the residual depends on, share of its variance: {}.", fmt::join(where, ", ")));
+    body += paragraph_of(fmt::format(
+        "Variables that the residual depends on, with the share of its variance that each explains alone: {}.",
+        fmt::join(where, ", ")));
   if (!d.left.empty()) {
     body += paragraph_of(
         "Residual after these effects; in brackets the share of its variance above noise that each description alone "

@@ -161,10 +161,10 @@ Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& 
   Cell proposals{Json::array(), {}};
   for (const MeasurementProposal& one : next.proposals) proposals.add(proposal_cell(one, proposals.json.size() + 1));
   if (proposals.json.size() > 1 && !next.proposals.front().pairs.empty())
-    proposals.text +=
-        "\n" + paragraph(fmt::format("Proposal 1 {} best per minute; more than {:g} sigma are treated as {:g}.",
-                                     next.rivals.size() > 1 ? "distinguishes these causes" : "shows this cause",
-                                     model::kEnoughSigma, model::kEnoughSigma));
+    proposals.text += "\n" + paragraph(fmt::format(
+                                 "Proposal 1 {} best for the time it takes (more than {:g} sigma are treated as {:g}).",
+                                 next.rivals.size() > 1 ? "distinguishes these causes" : "shows this cause",
+                                 model::kEnoughSigma, model::kEnoughSigma));
   return record_cell("{verdict}{rivals}{proposals}{notes}",
                      "verdict"_is(name_of(diagnosis.verdict), paragraph(diagnosis.headline)),
                      "rivals"_is(next.rivals, rivals_text(next, diagnosis)), "proposals"_is(std::move(proposals)),
@@ -275,7 +275,8 @@ extern const std::vector<Action> kModelDiagnosis{
            {.logged = Logged::always, .kind = "diagnosis"}),
     action("model check", "recompute a saved diagnosis from its data; exit 1 if the result differs",
            "ecs model check answer.json data.csv", check_saved),
-    action("model next", "propose the measurement that distinguishes the causes best per minute; --check tests a plan",
+    action("model next",
+           "propose the measurement that distinguishes the causes best for the time it takes; --check tests a plan",
            "ecs model next model.toml data.csv --machine machine.toml\n"
            "  ecs model next model.toml --check plan.csv --machine machine.toml",
            next)};

@@ -30,12 +30,19 @@ Cell parameter_cell(const ParameterDefinition& parameter) {
       "unit"_is(parameter.unit, parameter.unit.empty() ? std::string() : fmt::format(" [{}]", parameter.unit)),
       "least"_is(limits ? Cell{limits->least, fmt::format(", {} to ", shortest(limits->least))} : null_cell()),
       "greatest"_is(limits ? Cell{limits->greatest, shortest(limits->greatest)} : null_cell()),
-      "searched"_is(parameter.coding == model::Coding::searched, " (searched)", ""), "meaning"_is(parameter.meaning));
+      "searched"_is(parameter.coding == model::Coding::searched, " (found by trial)", ""),
+      "meaning"_is(parameter.meaning));
   return {object_of(fields),
           paragraph(laid_out("parameter:    {name}{unit}: {meaning}{least}{greatest}{searched}", fields), 2, 16)};
 }
 
 std::string label_before(std::string_view label) { return fmt::format("{:<14}", fmt::format("{}: ", label)); }
+
+constexpr std::string_view kSymbols =
+    "In the formulas p is the position, d the approach (+1 forward, -1 reverse), t the time, u the travel since the "
+    "last "
+    "reversal, v the speed, b an angle, m the load, T a temperature, dn the change of the refractive index of air, L a "
+    "lever arm, and s(p) a curve. Other letters are fitted.";
 
 AnswerFields fields_of(const EffectDefinition& effect) {
   Cell parameters = list_cell(effect.parameters, parameter_cell);
@@ -55,8 +62,10 @@ AnswerFields fields_of(const EffectDefinition& effect) {
 Result<Outcome> one_effect(const std::string& name) {
   const model::EffectId id = model::effect_named(name);
   if (id)
-    return outcome_of(record_cell(
-        "{effect}: {title}\n{formula}{cause}{tells_apart}{check}{parameters}{of_approach}{how}", fields_of(*id)));
+    return outcome_of(
+        record_cell("{effect}: {title}\n{formula}{cause}{tells_apart}{check}{parameters}{of_approach}{how}" +
+                        paragraph(std::string(kSymbols)),
+                    fields_of(*id)));
   std::vector<std::string> names;
   for (const EffectDefinition& effect : model::effect_library()) names.emplace_back(effect.id);
   const std::string like = nearest_word(name, names);
@@ -94,8 +103,9 @@ Result<Outcome> effects(VerbContext&, const EffectsRequest& request) {
   for (const EffectDefinition& effect : model::effect_library())
     all.add({object_of(fields_of(effect)), row_of(effect)});
   return outcome_of(
-      record_cell("{effects}`ecs model effects NAME` explains one. Thermal rows are the part of a map that follows\n"
-                  "temperatures, load and motion; `ecs utility inputs` shows them\n",
+      record_cell("{effects}" + paragraph(std::string(kSymbols)) +
+                      "`ecs model effects NAME` explains one. Thermal rows are the part of a map that follows\n"
+                      "temperatures, load and motion; `ecs utility inputs` shows them\n",
                   "effects"_is(std::move(all))));
 }
 

@@ -98,7 +98,7 @@ TEST_CASE("two zeros of lines measured once are likely, with what is not exclude
   CHECK(parameter(found.candidates[0], "um") == Approx(-17.0).epsilon(0.05));
   CHECK(to_text(found.candidates[1].effect) == "offset:X:EX");
   CHECK(parameter(found.candidates[1], "um") == Approx(10.0).epsilon(0.05));
-  CHECK_MESSAGE(found.headline.starts_with("Probably Y positions"), found.headline);
+  CHECK_MESSAGE(found.headline.starts_with("Probably a shift of "), found.headline);
   CHECK(!contains(found.headline, "no effects of the library"));
   CHECK(found.rms_after_um == Approx(3.8).epsilon(0.1));  // both together leave the noise
   REQUIRE(found.add);

@@ -31,23 +31,23 @@ TEST_CASE("a finding says cause, size and place; a period that is a pitch of the
   const std::vector<ParameterEstimate> parameters{estimate_of("period_mm", "mm", 10.003),
                                                   estimate_of("amplitude_um", "um", 6.83)};
   CHECK(finding_text(wave, parameters, data) ==
-        "X positions with a periodic error of +-6.8 um with a period of 10.00 mm, the pitch of its screw, only when "
-        "moving forward");
+        "a periodic error in X positions of +-6.8 um, period 10.00 mm (the pitch of the X screw), only when moving "
+        "forward");
   std::vector<ParameterEstimate> known{estimate_of("period_mm", "mm", 9.95), estimate_of("amplitude_um", "um", 6.83)};
   known.front().sigma = 0.004;
-  CHECK(finding_text(screw_wave(9.95), known, data) ==
-        "X positions with a periodic error of +-6.8 um with a period of 9.950 mm (certainly not the pitch of its "
-        "screw, 10 mm by the "
-        "machine file: check this)");
+  CHECK(
+      finding_text(screw_wave(9.95), known, data) ==
+      "a periodic error in X positions of +-6.8 um, period 9.950 mm (certainly not the pitch of the X screw, 10 mm by "
+      "the machine file: check this)");
   known.front().sigma = 0.02;
-  CHECK(contains(finding_text(screw_wave(9.95), known, data), "9.950 mm, the pitch of its screw"));
+  CHECK(contains(finding_text(screw_wave(9.95), known, data), "9.950 mm (the pitch of the X screw)"));
   const std::vector<ParameterEstimate> mostly_second{estimate_of("period_mm", "mm", 20.0),
                                                      estimate_of("amplitude_um", "um", 0.6),
                                                      estimate_of("amplitude2_um", "um", 4.1)};
   const std::string finding = finding_text(screw_wave(20.0), mostly_second, data);
-  CHECK_MESSAGE(contains(finding, "+-4.1 um with a period of 10.00 mm"), finding);
+  CHECK_MESSAGE(contains(finding, "+-4.1 um, period 10.00 mm"), finding);
   CHECK(finding_text(effect(effects::backlash, Axis::X, Sense::EX), {estimate_of("um", "um", -5.17)}, data) ==
-        "X positions with a lost motion of -5.2 um at reversal");
+        "lost motion of -5.2 um at reversal in X positions");
 }
 
 TEST_CASE("every effect of the library has a finding without holes") {
@@ -73,15 +73,15 @@ TEST_CASE("a size that the data do not determine is not told as a number") {
   ParameterEstimate lost = estimate_of("um_per_m", "um/m", 39.0);
   lost.undetermined = true;
   CHECK(finding_text(effect(effects::scale, Axis::X, Sense::EX), {lost}, data) ==
-        "X positions with a scale error of an undetermined amount");
+        "a scale error of an undetermined amount in X positions");
   ParameterEstimate square = estimate_of("k2", "um/m2", 12.0), cube = estimate_of("k3", "um/m3", -3.0);
   cube.sigma = 5.0;
   CHECK(finding_text(effect(effects::sag, Axis::X, Sense::EX), {square, cube}, data) ==
-        "X positions with a bow that grows with the extension as droop does, 12 um/m2");
+        "a bow in X positions that grows with the extension as droop does, 12 um/m2");
   ParameterEstimate wave = estimate_of("amplitude_um", "um", 3.0);
   wave.undetermined = true;
   CHECK(finding_text(screw_wave(10.0), {estimate_of("period_mm", "mm", 10.0), wave}, data)
-            .starts_with("X positions with a periodic error of an undetermined amount with a period of 10.00 mm"));
+            .starts_with("a periodic error in X positions of an undetermined amount, period 10.00 mm"));
 }
 
 TEST_CASE("sizes in readings of a rotation are in um/m, of curves too") {
@@ -208,12 +208,12 @@ TEST_CASE("equal steps of a rotary axis hide waves: an answer without a cause sa
 }
 
 TEST_CASE("one or two waves a turn come first, beside those that equal steps do not distinguish from them") {
-  for (const auto& [waves, words] : {std::pair(1.0, "one turn, or 11 or 13 waves"),
-                                     {11.0, "one turn, or 11 or 13 waves"},
-                                     {10.0, "1/2 turn, or 10 or 14 waves"}}) {
+  for (const auto& [waves, words] : {std::pair(1.0, "(one turn), or 11 or 13 waves"),
+                                     {11.0, "(one turn), or 11 or 13 waves"},
+                                     {10.0, "(1/2 turn), or 10 or 14 waves"}}) {
     const Diagnosis found = turn_of_c(waves);
     REQUIRE(found.verdict == Verdict::missing_effect);
-    CHECK_MESSAGE(contains(found.headline, std::string(words) + " a turn, which fit as well"), found.headline);
+    CHECK_MESSAGE(contains(found.headline, std::string(words) + " per turn, which fit equally well"), found.headline);
     CHECK(contains(found.candidates.front().next_measurement, "C again at targets displaced from equal steps"));
   }
 }
@@ -224,7 +224,7 @@ TEST_CASE("waves of one period in both directions are named as one cause, with b
                                     }));
   REQUIRE(found.verdict == Verdict::missing_effect);
   check_holds(found.headline,
-              {"a period of 10.00 mm, the pitch of its screw, only when moving", ", and of +-2.0 um only when",
+              {"period 10.00 mm (the pitch of the X screw), only when moving", ", and of +-2.0 um only when",
                "one cause that differs between the directions", "cyclic:X:EX, forward"});
   CHECK_MESSAGE(!contains(found.headline, "cannot distinguish"), found.headline);
 }
@@ -287,5 +287,5 @@ TEST_CASE("of a pitch and five times the pitch, which even targets do not distin
     r.error += 4.0 * std::sin(2.0 * 3.14159265358979 * p(r) / 10.0 + 0.8);
   }
   const Diagnosis found = diagnosed(straight(), set);
-  CHECK_MESSAGE(contains(found.headline, "10.00 mm, the pitch of its screw, or another period"), found.headline);
+  CHECK_MESSAGE(contains(found.headline, "10.00 mm (the pitch of the X screw), or a different period"), found.headline);
 }

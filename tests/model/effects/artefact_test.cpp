@@ -51,7 +51,7 @@ TEST_CASE("a square that was turned over shows its own angle error beside the ma
   const Candidate* angle = named(diagnosis, "artefact_angle:Y:EX");
   REQUIRE(angle != nullptr);
   CHECK(angle->parameters.at(0).value == Approx(8.0).epsilon(0.05));
-  CHECK_MESSAGE(diagnosis.headline.starts_with("Found: Square of X deviations along Y wrong by 8"), diagnosis.headline);
+  CHECK_MESSAGE(diagnosis.headline.starts_with("Found: an error of 8"), diagnosis.headline);
 }
 
 TEST_CASE("that the zero moved when the square was turned over is no harm") {

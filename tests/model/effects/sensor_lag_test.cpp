@@ -210,8 +210,9 @@ TEST_CASE("a drift that follows its sensor late is named with its time constant,
     const Candidate* found = named_drift(late);
     REQUIRE(found != nullptr);
     CHECK(must(lag_of(*found)) == Approx(900.0).epsilon(0.1));
-    CHECK(contains(finding_text(found->effect, found->parameters, observations_of(late_set, straight(), mill())),
-                   "with the temperature at spindle, following it with a time constant of 15 min"));
+    CHECK(
+        contains(finding_text(found->effect, found->parameters, observations_of(late_set, straight(), mill())),
+                 "with the spindle temperature, equal at every position, following it with a time constant of 15 min"));
     CHECK(std::ranges::count_if(late.candidates, [](const Candidate& one) { return one.effect.id == thermal_drift; }) ==
           1);
   }
