@@ -442,20 +442,8 @@ void add_variables(PlotFigure& figure, const Fit& fit, const Observations& data,
 }
 
 std::string_view verdict_title(const model::Diagnosis& diagnosis) {
-  switch (diagnosis.verdict) {
-    case model::Verdict::adequate:
-      return diagnosis.reservation.empty() ? "the model is adequate" : "these data show no missing effect";
-    case model::Verdict::missing_effect:
-      return "an effect is missing";
-    case model::Verdict::partly_explained:
-      return "an effect is missing, and structure remains";
-    case model::Verdict::likely_effect:
-      return "an effect is probably missing (not proved)";
-    case model::Verdict::cannot_tell:
-      return "these data cannot show whether an effect is missing";
-    default:
-      return "the residual is more than noise";
-  }
+  const bool reserved = diagnosis.verdict == model::Verdict::adequate && !diagnosis.reservation.empty();
+  return reserved ? "these data show no missing effect" : title_of(diagnosis.verdict);
 }
 
 /// Refits with the named effects; nothing where none is named.

@@ -25,6 +25,8 @@ enum class Verdict : std::uint8_t {
   cannot_tell,            ///< too few readings, an undetermined base, or a lack of fit beside residuals like noise
 };
 [[nodiscard]] std::string_view name_of(Verdict verdict);
+/// "an effect is missing": of plots and tables.
+[[nodiscard]] std::string_view title_of(Verdict verdict);
 
 /// How sure a candidate is.
 enum class Standing : std::uint8_t {

@@ -506,6 +506,23 @@ std::string_view name_of(Verdict verdict) {
   }
 }
 
+std::string_view title_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::adequate:
+      return "the model is adequate";
+    case Verdict::missing_effect:
+      return "an effect is missing";
+    case Verdict::partly_explained:
+      return "an effect is missing, and structure remains";
+    case Verdict::likely_effect:
+      return "an effect is probably missing (not proved)";
+    case Verdict::cannot_tell:
+      return "these data cannot show whether an effect is missing";
+    default:
+      return "the residual is more than noise";
+  }
+}
+
 std::string_view name_of(Standing standing) {
   switch (standing) {
     case Standing::proved:

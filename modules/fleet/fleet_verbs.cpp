@@ -8,6 +8,7 @@
 #include "app/cli/verb.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
+#include "model/diagnosis/diagnose.hpp"
 #include "modules/fleet/batch.hpp"
 #include "modules/fleet/result.hpp"
 #include "modules/fleet/run.hpp"
@@ -132,11 +133,18 @@ Cell errors_cell(const FleetReport& report) {
   return errors;
 }
 
+std::string_view title_of_verdict(std::string_view name) {
+  model::Verdict verdict = model::Verdict::adequate;
+  while (verdict != model::Verdict::cannot_tell && name_of(verdict) != name)
+    verdict = static_cast<model::Verdict>(static_cast<int>(verdict) + 1);
+  return title_of(verdict);
+}
+
 Cell verdicts_cell(const FleetReport& report) {
   Cell verdicts{Json::object(), {}};
   for (const auto& [verdict, count] : report.verdicts) {
     verdicts.json[verdict] = count;
-    verdicts.text += fmt::format("  {:<22} {:>8}\n", verdict, count);
+    verdicts.text += fmt::format("  {:<52} {:>8}\n", title_of_verdict(verdict), count);
   }
   return verdicts;
 }
