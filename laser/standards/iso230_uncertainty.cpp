@@ -126,7 +126,8 @@ std::optional<Iso230Uncertainty> iso230_uncertainty_of(const Iso230& iso, const 
   const double n_forward = fewest(iso, &Iso230Target::n_forward), n_reverse = fewest(iso, &Iso230Target::n_reverse);
   const auto give = [&](std::optional<double>& U, const std::optional<double>& value, double of_length,
                         double variance) {
-    if (value && std::isfinite(variance)) U = expanded(inputs, of_length, std::sqrt(variance));
+    if (!value || !std::isfinite(variance)) return;
+    if (const double stated = expanded(inputs, of_length, std::sqrt(variance)); stated > 0.0) U = stated;
   };
   // Variances in those of a single reading: of a mean, and of the standard deviation of n readings.
   const double mean_f = 1.0 / n_forward, mean_r = 1.0 / n_reverse;

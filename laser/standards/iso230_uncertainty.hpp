@@ -70,7 +70,7 @@ struct UncertaintyPart {
   double U_um = 0.0;
 };
 
-/// Expanded uncertainties (k = 2) in um, absent where the quantity is.
+/// Expanded uncertainties (k = 2) in um; absent where the quantity is, or no condition contributes to it.
 struct Iso230Uncertainty {
   double length_mm = 0.0;              ///< between the outermost targets
   std::vector<UncertaintyPart> parts;  ///< that are not 0; "environment" of a single reading

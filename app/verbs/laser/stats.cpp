@@ -92,7 +92,7 @@ std::string component_row(const Lines& of) {
 
 std::string line_row(const LineStatistics& line, bool with_file) {
   std::string text =
-      fmt::format("{:<5} {:<22} {:>3} {:>9.3f} {:>9.3f} {:>8} {:>8} {:>8}", component_text(line),
+      fmt::format("{:<5} {:<18} {:>7} {:>9.3f} {:>9.3f} {:>8} {:>8} {:>8}", component_text(line),
                   commissioning::parked_text(line.group), line.iso.targets.size(), line.largest, line.iso.range,
                   value_text(line.iso.A), value_text(line.iso.R), value_text(line.iso.B));
   if (with_file) text += fmt::format("  {}", fmt::join(line.files, " + "));
@@ -131,7 +131,7 @@ std::string summary_text(const std::vector<LineStatistics>& lines) {
   std::string text = fmt::format("{:<5} {:>6} {:>9} {:>11} {:>10} {:>9} {:>9} {:>9}\n", "", "lines", "readings",
                                  "largest", "max range", "max A", "outliers", "drifting");
   for (const Lines& of : components) text += component_row(of);
-  text += fmt::format("\nthe worst:\n{:<5} {:<22} {:>3} {:>9} {:>9} {:>8} {:>8} {:>8}\n", "", "parked [mm]", "n",
+  text += fmt::format("\nthe worst:\n{:<5} {:<18} {:>7} {:>9} {:>9} {:>8} {:>8} {:>8}\n", "", "parked [mm]", "targets",
                       "largest", "range", "A", "R", "B");
   text += worst_rows(components);
   text += "\n" + note_rows(lines);
@@ -176,6 +176,7 @@ Cell uncertainty_cell(const laser::Iso230& iso, const laser::Iso230Conditions& c
   std::string text = "  uncertainty (k = 2)";
   AnswerFields fields = described("coverage_factor"_is(laser::kCoverage), "length_mm"_is(uncertainty->length_mm));
   const char* separator = ": ";
+  std::string not_stated;
   for (const LaserQuantity& quantity : kLaserQuantities) {
     if (quantity.uncertainty == nullptr) continue;
     const auto& U = *uncertainty.*quantity.uncertainty;
@@ -183,9 +184,12 @@ Cell uncertainty_cell(const laser::Iso230& iso, const laser::Iso230Conditions& c
     if (U && std::string_view(quantity.key).size() == 1) {
       text += fmt::format("{}U({}) {:.2f}", separator, quantity.key, *U);
       separator = ", ";
+    } else if (!U && iso.*quantity.value && conditions.environment_um == 0.0 &&
+               std::string_view(quantity.key).size() == 1) {
+      not_stated += fmt::format("{}U({})", not_stated.empty() ? "" : ", ", quantity.key);
     }
   }
-  text += " um\n";
+  text += not_stated.empty() ? " um\n" : fmt::format(" um; {}: not stated without --environment-um\n", not_stated);
   for (const laser::UncertaintyPart& part : uncertainty->parts) {
     parts.push_back(object_of("name"_is(part.name), "U_um"_is(part.U_um)));
     text += fmt::format("    {:<28} {:>8.2f} um\n", part.name, part.U_um);
