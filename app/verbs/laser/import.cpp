@@ -148,8 +148,8 @@ Cell readings_cell(const std::vector<double>& readings) { return {readings, fmt:
 Cell target_cell(const laser::TargetReadings& t, bool rotary) {
   const char* const position = rotary ? "position_deg" : "position_mm";
   return record_cell(fmt::format("{{{}:>12}} ", position) +
-                         "{mean_forward:>12} {forward:>4} {mean_reverse:>12} {reverse:>4} {mean_undirected:>12} "
-                         "{undirected:>4} {reversal:>12}\n",
+                         "{mean_forward:>9} {forward:>8} {mean_reverse:>9} {reverse:>8} {mean_undirected:>9} "
+                         "{undirected:>8} {reversal:>9}\n",
                      FieldKey(position)(t.position_mm, 4), "mean_forward"_is(mean_cell(t.forward)),
                      "forward"_is(readings_cell(t.forward)), "mean_reverse"_is(mean_cell(t.reverse)),
                      "reverse"_is(readings_cell(t.reverse)), "mean_undirected"_is(mean_cell(t.undirected)),
@@ -159,9 +159,9 @@ Cell target_cell(const laser::TargetReadings& t, bool rotary) {
 Cell targets_cell(const std::vector<laser::TargetReadings>& targets, bool rotary) {
   return list_cell(
       targets, [&](const laser::TargetReadings& t) { return target_cell(t, rotary); },
-      fmt::format("{:>12} {:>12} {:>4} {:>12} {:>4} {:>12} {:>4} {:>12}\n",
-                  fmt::format("target [{}]", laser::target_unit(rotary)), "forward", "n", "reverse", "n", "unknown",
-                  "n", "reversal"));
+      fmt::format("{:>12} {:>9} {:>8} {:>9} {:>8} {:>9} {:>8} {:>9}\n",
+                  fmt::format("target [{}]", laser::target_unit(rotary)), "forward", "readings", "reverse", "readings",
+                  "unknown", "readings", "reversal"));
 }
 
 /// "circle XY ...: deviation of the radius"; "" off a path (docs/laser.md).
