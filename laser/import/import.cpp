@@ -167,7 +167,7 @@ void take_columns(PerAxis<bool>& known, const std::vector<std::string>& columns)
 
 /// A place that is assumed decides over levers and squareness: a measuring instrument's file has none.
 void note_assumed_places(Imported& imported, const ImportOptions& options) {
-  if (imported.format->places_in_columns || options.mapping || options.matrix || imported.set.readings.empty()) return;
+  if (imported.format->places_in_columns || imported.set.readings.empty()) return;
   const PerAxis<bool> known = places_stated(imported, options);
   std::vector<std::string> axes, example;
   for (const Axis a : kAllAxes) {

@@ -51,6 +51,14 @@ TEST_CASE("columns by number, with a factor, a run and an approach") {
   CHECK(set.readings[1].approach == Approach::reverse);
 }
 
+TEST_CASE("a table says where the axes without a column are assumed, and which option states it") {
+  ImportOptions options = by_columns("x_mm=1,reading=2,y_mm=3");
+  const auto noted = [&] { return read_table("0 1 5\n100 2 5\n", options).notes; };
+  CHECK(noted() == std::vector<std::string>{"the file does not state where Z stood; 0 is assumed (--parked z=MM)"});
+  options.parked_stated[index_of(Axis::Z)] = true;
+  CHECK(noted().empty());
+}
+
 TEST_CASE("columns by heading, units in brackets, lines skipped, decimal commas") {
   const std::string text = "Protokoll 7\nBediener: N.N.\nPos [in];Abw;\"Temp; Bett\"\n0,0;0,0001;68\n10,0;-0,0002;77\n";
   const auto set =
