@@ -445,9 +445,11 @@ Result<Outcome> receive(VerbContext& context, const ReceiveRequest& request) {
   const params::Identity owner{{}, identity.serial_number};
   if (!request.output.empty()) ECS_DO(params::write_parameters(request.output, parameters, owner));
   return outcome_of(record_cell(
-      request.output.empty() ? "{toml}" : "parameters of unit {serial_number} written to {file}",
+      request.output.empty() ? "{toml}" : "parameters of unit {serial_number}{of_machine} written to {file}",
       "file"_is(text_cell(request.output)), "serial_number"_is(text_cell(identity.serial_number)),
-      "parameters"_is(parameters_cell(parameters)), "toml"_shown(params::parameters_toml(parameters, owner))));
+      "of_machine"_shown(identity.machine.empty() ? " (its map names no machine)" : ", of machine " + identity.machine),
+      "machine"_is(text_cell(identity.machine)), "parameters"_is(parameters_cell(parameters)),
+      "toml"_shown(params::parameters_toml(parameters, owner))));
 }
 
 }  // namespace
