@@ -55,6 +55,7 @@ Tone tone_of(Mark mark) { return forward(mark) ? Tone::forward : (reverse(mark) 
 char32_t glyph_of(Mark mark, Glyphs glyphs) {
   if (mark == Mark::forward_value) return glyphs == Glyphs::ascii ? U'*' : U'◆';
   if (mark == Mark::reverse_value) return glyphs == Glyphs::ascii ? U'+' : U'◇';
+  if (mark == Mark::level) return glyphs == Glyphs::ascii ? U'=' : U'■';
   if (mark == Mark::value) return glyphs == Glyphs::ascii ? U'*' : U'●';
   if (glyphs == Glyphs::ascii) return forward(mark) ? U'^' : (reverse(mark) ? U'v' : U'o');
   return forward(mark) ? U'▲' : (reverse(mark) ? U'▼' : U'○');

@@ -88,6 +88,15 @@ TEST_CASE("values of both directions have marks of their own where they are not 
   }
 }
 
+TEST_CASE("four curves of one chart, such as the body diagonals, have four marks") {
+  for (const auto& [glyphs, level] : {std::pair{Glyphs::unicode, "■ limit"}, std::pair{Glyphs::ascii, "= limit"}}) {
+    Canvas canvas(16, 60, glyphs);
+    draw_chart(canvas, canvas.whole(),
+               {"t", "x", "y", {{"mean", Mark::both, {{0.0, 1.0}}}, {"limit", Mark::level, {{1.0, 2.0}}}}}, {});
+    CHECK_MESSAGE(contains(canvas.plain_text(), level), canvas.plain_text());
+  }
+}
+
 TEST_CASE("a line stops where its points are too far apart") {
   PlotPanel p{"", "s", "um", {{"", Mark::forward, {{0.0, 0.0}, {1.0, 0.0}, {9.0, 0.0}, {10.0, 0.0}}}}};
   const auto dots = [&p] {
