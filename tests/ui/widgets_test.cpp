@@ -250,8 +250,10 @@ TEST_CASE("the selected row is copied without its margins, else the whole pictur
 
 TEST_CASE("a key that does nothing says whether it ever does") {
   const TwoKeys screen;
-  CHECK(idle_key_words(screen, U'd') == "d (diagnose): not possible now");
-  CHECK(idle_key_words(screen, U'-') == "- (zoom): not possible now");
+  CHECK(idle_key_words(screen, U'd') ==
+        "d (diagnose): no change. It is already shown, at its limit, or still being computed");
+  CHECK(idle_key_words(screen, U'-') ==
+        "- (zoom): no change. It is already shown, at its limit, or still being computed");
   CHECK(idle_key_words(screen, U'k') == "k has no function here; ? lists the keys");
   CHECK(idle_key_words(screen, U' ') == "Space has no function here; ? lists the keys");
 }
