@@ -241,7 +241,10 @@ LaserMark LaserController::mark(LaserStep step) const {
 }
 
 std::string LaserController::unsaved() const {
-  if (!changed_ || !edited_.unsaved()) return {};
+  LaserChoices opened;  // a map from a file, unchanged: nothing would be lost
+  opened.opened_map = opened.map_file = choices().opened_map;
+  opened.params_file = choices().params_file;
+  if (!changed_ || !edited_.unsaved() || opened == choices()) return {};
   return "PROCESS LASER DATA: the map with these choices is not saved (they are kept and offered again)";
 }
 
@@ -394,7 +397,7 @@ void LaserController::look_after_failure() {
 }
 
 void LaserController::take_active_after_failure(const std::optional<std::uint32_t>& active) {
-  const std::string now = active ? fmt::format("block check {:08X}", *active) : "none";
+  const std::string now = active ? fmt::format("checksum {:08X}", *active) : "none";
   if (active && failed_ && *active == failed_->check)
     after_failure_ = "The unit has accepted the new map (" + now + "). Step 9 compares it byte by byte.";
   else if (failed_ && active == failed_->active)

@@ -73,8 +73,11 @@ TEST_CASE("the laser screen opens a map with the parameters beside it, ready to 
   REQUIRE(driver.settled());
   CHECK(driver.controller().work().map.complete());
   CHECK_FALSE(driver.controller().would_overwrite());
+  CHECK(driver.controller().unsaved().empty());  // it is a file already, also with parameters of another machine
   CHECK(contains(driver.after("6"), "complete"));
-  REQUIRE(driver.settles_after("u"));
+  driver.controller().change("machine", [](LaserChoices& c) { c.recipe.machine = "another"; });
+  CHECK_FALSE(driver.controller().unsaved().empty());
+  REQUIRE(driver.settles_after("uu"));
   CHECK_FALSE(driver.controller().work().map.made);
 }
 
