@@ -340,7 +340,7 @@ std::string add_text(const Diagnosis& d) {
   if (!d.add) return {};
   const bool proved =
       std::any_of(d.candidates.begin(), d.candidates.end(), [](const Candidate& candidate) { return candidate.named; });
-  return "\n" + paragraph(fmt::format("To try it: add {}{} with `ecs model add MODEL EFFECT --data DATA`. On held-out "
+  return "\n" + paragraph(fmt::format("To try it: add {}{} with `ecs model add MODEL EFFECT DATA`. On held-out "
                                       "readings the residual is "
                                       "then expected to {} from {} to {} {} rms.",
                                       proved ? "the proved effects, then " : "", fmt::join(d.add->effects, ", then "),
@@ -554,7 +554,7 @@ std::string formula_text(const Diagnosis& diagnosis) {
   if (!diagnosis.formula) return {};
   const model::ProposedFormula& formula = *diagnosis.formula;
   return fmt::format(
-      "As a formula of {} term{}: {}. `ecs model add MODEL formula --data DATA` adds it. On held-out readings the "
+      "As a formula of {} term{}: {}. `ecs model add MODEL formula DATA` adds it. On held-out readings the "
       "residual is then expected to fall from {} to {} {} rms.",
       formula.effect.user.size(), formula.effect.user.size() == 1 ? "" : "s", formulas_text(formula.effect),
       model::in_digits(formula.held_out_rms_before_um), model::in_digits(formula.held_out_rms_um),

@@ -22,7 +22,7 @@ namespace {
 
 struct AddRequest {
   std::string model, effect, output, approach, sensor, sensor2, sense, code, machine;
-  std::vector<std::string> data, alternatives, formulas;
+  std::vector<std::string> data, more_data, alternatives, formulas;
   ImportArguments import;
   static Fields<AddRequest> fields() {
     using R = AddRequest;
@@ -32,7 +32,8 @@ struct AddRequest {
          "effect[:axis[:sense or code]], as in cyclic:X:EX; `ecs model effects` lists them; \"formula\": the formula "
          "that `diagnose` proposes for the residual; user:NAME: your own formula, given by --formula",
          Need::required},
-        {"--data", &R::data, "measurement files to fit to", Need::required},
+        {"DATA", &R::data, "measurement files to fit to"},
+        {"--data", &R::more_data, "measurement files to fit to: the same as DATA"},
         {"-o,--output", &R::output, "model file to write, with the effect; may be MODEL itself", Is::output},
         {"--approach", &R::approach, "approach in which the effect acts", Words{"both", "forward", "reverse"}},
         {"--sensor", &R::sensor, "column of the sensor that the effect follows"},
@@ -178,10 +179,13 @@ Result<Outcome> add(VerbContext& context, const AddRequest& request) {
     wanted = std::move(given);
   }
   ECS_TRY(alternatives, tied_with(request.alternatives));
-  std::vector<std::string> inputs = request.data;
+  std::vector<std::string> data = request.data;
+  data.insert(data.end(), request.more_data.begin(), request.more_data.end());
+  if (data.empty()) return problem(ProblemKind::usage, "DATA is required: the measurement files to fit to");
+  std::vector<std::string> inputs = data;
   inputs.push_back(request.machine);
   ECS_DO(check_output_not_input(request.output, inputs));
-  const auto work = model_work(context.console, {request.model, request.data, request.machine, request.import});
+  const auto work = model_work(context.console, {request.model, data, request.machine, request.import});
   if (!work) return tl::unexpected(with_hint(work.error()));
   if (!work->data.clock_note.empty()) context.console.note(work->data.clock_note);
   if (is_formula) {
@@ -320,7 +324,7 @@ Result<Outcome> history(VerbContext&, const HistoryRequest& request) {
 
 extern const std::vector<Action> kModelLadder{
     action("model add", "add an effect where it fits best; shows how far the error falls",
-           "ecs model add model.toml cyclic:X:EX --data data.csv --machine machine.toml -o model.toml", add,
+           "ecs model add model.toml cyclic:X:EX data.csv --machine machine.toml -o model.toml", add,
            {.logged = Logged::always, .kind = "model"}),
     action("model undo", "remove the effect that was added last", "ecs model undo model.toml", undo,
            {.logged = Logged::when_written, .kind = "model"}),

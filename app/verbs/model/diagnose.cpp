@@ -18,6 +18,7 @@
 #include "commissioning/models/plots.hpp"
 #include "commissioning/models/view.hpp"
 #include "commissioning/models/work.hpp"
+#include "commissioning/session/commands.hpp"
 #include "model/planning/next_measurement.hpp"
 #include "model/planning/questions.hpp"
 
@@ -45,6 +46,26 @@ Result<void> draw(const ModelWork& work, const model::Diagnosis& diagnosis, cons
   return write_plot(request.plot, figure);
 }
 
+/// The command that adds the first effect of the answer; "" where the answer names none.
+std::string add_text(const model::Diagnosis& diagnosis, const ModelArguments& files) {
+  const auto first = std::ranges::find_if(diagnosis.candidates, &model::Candidate::in_answer);
+  if (first == diagnosis.candidates.end()) return {};
+  const model::EffectInstance& effect = first->effect;
+  std::vector<std::string> words{"ecs", "model", "add", files.model, to_text(effect)};
+  words.insert(words.end(), files.data.begin(), files.data.end());
+  const auto option = [&words](const char* name, const std::string& value) {
+    if (!value.empty()) words.insert(words.end(), {name, value});
+  };
+  if (effect.approach != model::ApproachMode::both) option("--approach", std::string(name_of(effect.approach)));
+  option("--sensor", effect.sensor);
+  option("--sensor2", effect.sensor2);
+  option("--machine", files.machine);
+  for (const std::string& word : import_words(files.import))
+    words.push_back(word == "--sense" ? "--reading-sense" : word);
+  option("-o", files.model);
+  return fmt::format("\nTo add {} to the model:\n  {}\n", place_text(effect), shell_command(words));
+}
+
 Result<Outcome> diagnose(VerbContext& context, const DiagnoseRequest& request) {
   if (!request.plot.empty()) ECS_DO(plot_format_of(request.plot));
   ECS_TRY(work, model_work(context.console, request.common));
@@ -56,6 +77,7 @@ Result<Outcome> diagnose(VerbContext& context, const DiagnoseRequest& request) {
   (void)model::planned_next(work.model, work.data, diagnosis);  // the proposal of `ecs model next`
   Cell answer = diagnosis_cell(diagnosis);
   ECS_DO(add_check_inputs(answer, request.common, work, request.plain));
+  answer.text += add_text(diagnosis, request.common);
   if (!request.plot.empty()) {
     ECS_DO(draw(work, diagnosis, request));
     answer.text += "\nplot written to " + request.plot + "\n";
