@@ -139,6 +139,7 @@ TEST_CASE("unlike scales are a group on a circle: one longer is the other shorte
   CHECK(alike == std::vector<std::string>{"scale:Y:EY"});  // no misaligned laser: no line was measured
   CHECK(std::ranges::any_of(diagnosis.notes,
                             [](const std::string& note) { return contains(note, "on a circle their difference"); }));
+  CHECK_MESSAGE(contains(diagnosis.headline, " of -15 um/m (scale:Y:EY, "), diagnosis.headline);  // with its size
 }
 
 TEST_CASE("a line keeps its effect and the circle adds the one that only it shows") {
