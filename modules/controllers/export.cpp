@@ -173,7 +173,8 @@ Cell tables_cell(const std::vector<controllers::ExportedTable>& tables) {
       tables, table_cell,
       fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8} {:>8}\n", "", "table", "points", "in map", "largest", "differs"));
   list.text +=
-      "largest: largest value of the table; differs: largest difference from the compensation by the ECS unit\n";
+      "largest: largest value of the table; differs: largest difference from an ideal ECS unit,\nwhose output follows "
+      "the map without steps of the D/A converter and without delay\n";
   return list;
 }
 
