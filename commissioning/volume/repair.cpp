@@ -452,7 +452,8 @@ Cell repair_cell(const RepairAnswer& answer) {
   const bool has_circle = answer.diameter_mm > 0.0;
   std::string head = fmt::format(
       "Remaining error [um] with one cause left as it is, compensated or repaired, and all others compensated as far "
-      "as the unit can; in brackets the 95 % bound. {} readings (noise of one {:.2f} um), {} positions of the volume "
+      "as the unit can; in brackets the 95 % bound. {} readings, each with a noise of {:.2f} um, {} positions of the "
+      "volume "
       "in both approaches",
       answer.readings, answer.noise_um, answer.places);
   if (has_circle)
