@@ -33,7 +33,7 @@ namespace ecs {
 /// SHA-256 as 64 hexadecimal digits.
 [[nodiscard]] std::string sha256_hex(std::string_view content);
 
-/// CRC-32 (IEEE 802.3, as zlib and the unit's block check).
+/// CRC-32 (IEEE 802.3, as zlib and the unit's checksum).
 [[nodiscard]] std::uint32_t crc32_of(std::span<const std::uint8_t> bytes);
 /// Of two stretches one behind the other, from the CRC of each.
 [[nodiscard]] std::uint32_t crc32_of_both(std::uint32_t first, std::uint32_t second, std::size_t second_bytes);

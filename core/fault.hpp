@@ -18,7 +18,7 @@ enum class UnitMode : std::uint16_t {
 enum class Fault : std::uint16_t {
   none = 0,
   ram_test = 1,                ///< a location of the axis memory does not hold what is written; address known
-  block_check = 2,             ///< axis memory corrupt: the block check does not agree
+  block_check = 2,             ///< axis memory corrupt: the checksum does not agree
   no_map = 3,                  ///< axis memory holds no committed map
   map_not_for_parameters = 4,  ///< a component the scope needs is missing, or the chain differs
   bad_parameters = 5,          ///< parameters out of range

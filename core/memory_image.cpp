@@ -223,7 +223,7 @@ void seal_image(Bytes image) noexcept { store_big(image, prefix_at::check, block
 std::string_view text_of(ImageFault fault) noexcept {
   return WordTable<ImageFault, 12>{
       {"sound", "contains no image", "has a format unknown to this program",
-       "is truncated, or its lengths are inconsistent", "is corrupt: the block check does not agree",
+       "is truncated, or its lengths are inconsistent", "is corrupt: the checksum (CRC-32) does not agree",
        "contains impossible parameters", "has a table directory of impossible numbers",
        "has a table of impossible numbers", "contains a table twice",
        "contains more values than the axis memory modules can store",

@@ -1,7 +1,7 @@
 // The bytes of one bank of axis memory: the one contract between the host that builds them and the unit that reads
 // them. prefix (64) | parameters (512) | identity (64) | table directory (40 each) | thermal settings (64) and rows (40
 // each) | rotary axes (400, with bending 96 more, then 24 for each value of a curve) | values (int16 each) | header
-// text (UTF-8). The block check is the CRC-32 of the whole image with its own four bytes taken as zero. A map with
+// text (UTF-8). The checksum is the CRC-32 of the whole image with its own four bytes taken as zero. A map with
 // bending is of format 5, another one with rotary axes of format 4, another one with thermal rows of format 3, every
 // other of format 2. Format 1, which is read but no longer written, has no identity. Settings, rows and axes that a map
 // does not have take no bytes.
@@ -139,7 +139,7 @@ void write_thermal(Bytes image, const ThermalSettings& settings, std::span<const
 void write_rotary(Bytes image, const RotarySetup& setup) noexcept;
 void write_value(Bytes image, std::uint32_t index, std::int16_t counts) noexcept;
 void write_header(Bytes image, std::string_view text) noexcept;
-/// Computes and stores the block check; the last step.
+/// Computes and stores the checksum; the last step.
 void seal_image(Bytes image) noexcept;
 
 /// The parameters as the fixed block of the image, and back; nothing if a word or number in it is impossible.
@@ -171,7 +171,7 @@ struct ImageVerdict {
   std::uint32_t table = 0;           ///< at fault, for bad_entry and duplicate_table; the row, for bad_thermal_row
 };
 
-/// Every offset, count and number of the image, then its block check. Total: any bytes are accepted as input.
+/// Every offset, count and number of the image, then its checksum. Total: any bytes are accepted as input.
 /// @param bank  the bank from its first byte; may be longer than the image
 [[nodiscard]] ImageVerdict check_image(ByteView bank) noexcept;
 
@@ -225,7 +225,7 @@ struct Commit {
   std::uint32_t sequence = 0;  ///< 1, 2, …
   std::uint32_t bank = 0;      ///< 0 = A, 1 = B
   std::uint32_t image_bytes = 0;
-  std::uint32_t image_check = 0;  ///< block check of the image committed
+  std::uint32_t image_check = 0;  ///< checksum of the image committed
   friend bool operator==(const Commit&, const Commit&) = default;
 };
 inline constexpr std::uint32_t kCommitSlotBytes = 64;

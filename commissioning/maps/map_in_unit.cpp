@@ -85,8 +85,9 @@ Result<void> write_image(const std::string& file, std::span<const std::uint8_t> 
 Cell image_cell(const std::string& file, std::span<const std::uint8_t> image) {
   if (file.empty()) return null_cell();
   const laser::StatedIdentity stated = laser::stated_identity(image);
-  return record_cell("memory image written to {file}: {bytes} bytes, block check {check}, {whose}\n", "file"_is(file),
-                     "bytes"_is(image.size()), "check"_is(fmt::format("{:08X}", ImageView(image).check())),
+  return record_cell("memory image written to {file}: {bytes} bytes, checksum (CRC-32) {check}, {whose}\n",
+                     "file"_is(file), "bytes"_is(image.size()),
+                     "check"_is(fmt::format("{:08X}", ImageView(image).check())),
                      "serial_number"_is(text_cell(stated.serial_number)),
                      "whose"_shown(stated.serial_number.empty()
                                        ? "for no unit in particular: neither map nor parameters state a serial number"

@@ -66,8 +66,8 @@ struct PrepareOptions {
 /// Nothing where no file is named.
 [[nodiscard]] Result<void> write_image(const std::string& file, std::span<const std::uint8_t> image);
 
-/// "memory image written to mill.image: 1234 bytes, block check 1234ABCD, for unit MCM-0107"; null and no text where no
-/// file is named. @param image  sound where a file is named
+/// "memory image written to mill.image: 1234 bytes, checksum (CRC-32) 1234ABCD, for unit MCM-0107"; null and no text
+/// where no file is named. @param image  sound where a file is named
 [[nodiscard]] Cell image_cell(const std::string& file, std::span<const std::uint8_t> image);
 
 /// Why the unit with this serial number is not the one of the map, or not the one of its parameters.
@@ -103,18 +103,18 @@ struct LargestDifference {
 [[nodiscard]] std::optional<LargestDifference> largest_difference(const laser::ErrorMap& file,
                                                                   const laser::ErrorMap& unit);
 
-/// The block check of the active image, as the unit names it; nothing if the unit holds none.
+/// The checksum of the active image, as the unit names it; nothing if the unit holds none.
 [[nodiscard]] Result<std::optional<std::uint32_t>> active_check(protocol::UnitClient& client);
 
 struct SentMap {
   SendReport report;
   protocol::Identity identity;
-  std::uint32_t check = 0;                    ///< block check of what is active now
+  std::uint32_t check = 0;                    ///< checksum of what is active now
   std::optional<std::uint32_t> check_before;  ///< of what was active; nothing: the unit held no image
   double seconds = 0.0;
 };
 
-/// Called before the first byte leaves: the block check of the image that is active until the new one is
+/// Called before the first byte leaves: the checksum of the image that is active until the new one is
 /// whole.
 using BeforeSending = std::function<void(std::optional<std::uint32_t>)>;
 

@@ -57,7 +57,7 @@ std::string other_unit_for(const params::Machine& machine, const WatchedUnit& un
 namespace {
 
 std::string check_text(const std::optional<std::uint32_t>& check) {
-  return check ? fmt::format("block check {:08X}", *check) : std::string("no map");
+  return check ? fmt::format("checksum {:08X}", *check) : std::string("no map");
 }
 
 /// Who answers is known already: the connection asked before it gave the link. The status is asked once, not also by
@@ -119,17 +119,17 @@ Question question_before_sending(const ReadyMap& ready, const WatchedUnit& unit,
                 check_text(ready.active))
           : "The unit contains no map yet, and accepts this one only as a whole";
   return {fmt::format("Send the map to {}?", unit_text(unit)),
-          fmt::format("{}{} bytes with parameters, block check {:08X}. {}; press Esc to stop the transfer.", doubts,
+          fmt::format("{}{} bytes with parameters, checksum {:08X}. {}; press Esc to stop the transfer.", doubts,
                       ready.map->image.bytes.size(), ready.check, replaced),
           "send", "not now"};
 }
 
 std::string sent_text(const SentMap& sent) {
   if (sent.report.already_held)
-    return fmt::format("unit {} already contains this map, block check {:08X}: not sent again",
+    return fmt::format("unit {} already contains this map, checksum {:08X}: not sent again",
                        sent.identity.serial_number, sent.check);
-  return fmt::format("sent to unit {} and verified: {} bytes in {:.1f} s, block check {:08X}",
-                     sent.identity.serial_number, sent.report.bytes, sent.seconds, sent.check);
+  return fmt::format("sent to unit {} and verified: {} bytes in {:.1f} s, checksum {:08X}", sent.identity.serial_number,
+                     sent.report.bytes, sent.seconds, sent.check);
 }
 
 Result<ReadyMap> ready_map(UnitConnection& unit, JobControl& control, const MapFiles& files) {

@@ -38,7 +38,7 @@ struct ReadyMap {
   std::shared_ptr<const PreparedMap> map;
   MapFiles files;
   protocol::Identity unit;
-  std::optional<std::uint32_t> active;  ///< block check of what the unit holds now
+  std::optional<std::uint32_t> active;  ///< checksum of what the unit holds now
   std::uint32_t check = 0;              ///< of this map
   std::string tools_beyond{};           ///< tools_beyond_range() of its parameters
 };
@@ -51,7 +51,7 @@ struct SendAttempt {
 /// Which unit, and which map is active in it: what a comparison holds for.
 struct UnitHolding {
   std::string serial_number;
-  std::optional<std::uint32_t> check;                 ///< block check of the active map; nothing: it holds none
+  std::optional<std::uint32_t> check;                 ///< checksum of the active map; nothing: it holds none
   std::uint32_t activations = 0;                      ///< counts the maps made active in the unit
   std::uint32_t uptime_s = 0;                         ///< since power-up
   std::chrono::steady_clock::time_point opened_at{};  ///< the link over which it was asked
@@ -83,7 +83,7 @@ struct ExpectedMap {
                                                const std::vector<std::string>& remarks);
 /// "EMULATOR, serial number 7", "no link to a unit: …"
 [[nodiscard]] std::string unit_text(const WatchedUnit& unit);
-/// "sent to unit 7 and verified: 1234 bytes in 0.2 s, block check 1234ABCD"
+/// "sent to unit 7 and verified: 1234 bytes in 0.2 s, checksum 1234ABCD"
 [[nodiscard]] std::string sent_text(const SentMap& sent);
 /// Whole or not at all; the old map stays active until the new one is whole and checked in the unit.
 [[nodiscard]] SendAttempt sent_map(UnitConnection& unit, JobControl& control, const ReadyMap& ready);

@@ -161,7 +161,7 @@ void match_commit(const Commit& commit, DecodedMemory& memory) {
       image.faults.push_back(
           fmt::format("the commit record states {} bytes, the image {}", commit.image_bytes, image.bytes));
     if (image.verdict.check_expected != commit.image_check)
-      image.faults.push_back(fmt::format("the commit record states block check {:08X}, the image {:08X}",
+      image.faults.push_back(fmt::format("the commit record states checksum {:08X}, the image {:08X}",
                                          commit.image_check, image.verdict.check_expected));
     return;
   }
@@ -303,9 +303,11 @@ Cell below_a_gap(Cell cell) {
 Cell image_cell(const DecodedImage& image, const MemoryDump& dump, bool with_bytes) {
   const ImageVerdict& verdict = image.verdict;
   const Cell block_check =
-      record_cell("block check {stored} stored, {computed} computed: {agrees}\n",
+      record_cell(verdict.check_expected == verdict.check_found
+                      ? "checksum (CRC-32) {stored}, as computed\n"
+                      : "checksum (CRC-32) {stored} stored, {computed} computed: {agrees}\n",
                   "stored"_is(hex_cell(verdict.check_expected)), "computed"_is(hex_cell(verdict.check_found)),
-                  "agrees"_is(verdict.check_expected == verdict.check_found, "they agree", "they differ"));
+                  "agrees"_is(verdict.check_expected == verdict.check_found, "", "they differ"));
   return record_cell(
       "\n== {region} at {address}, {bytes} "
       "bytes{active}\n{identity}{block_check}{faults}{fields}{parameters}\n{tables}{header}",

@@ -95,7 +95,7 @@ void take_status(const Json& header, const std::string& name, MemoryDump& dump) 
     dump.damage.push_back("the status in the header cannot be read: " + status.error().message);
 }
 
-/// Its own block check vouches for an image whose region has lost its CRC.
+/// Its own checksum vouches for an image whose region has lost its CRC.
 bool is_whole_image(std::string_view piece) {
   return check_image({reinterpret_cast<const std::uint8_t*>(piece.data()), piece.size()}).fault == ImageFault::none;
 }

@@ -272,8 +272,10 @@ Cell ram_test_cell(const UnitStatus& status) {
 Cell block_check_cell(const UnitStatus& status) {
   const bool made = status.block_check_expected != 0 || status.block_check_found != 0;  // both zero until the first
   const bool agrees = status.block_check_expected == status.block_check_found;
-  const std::string differ = fmt::format(": they differ. What to do: {}", text_of(Fault::block_check).action);
-  return record_cell(made ? "block check  expected {expected}, found {found}{agrees}\n" : "block check  not run\n",
+  const std::string differ = fmt::format("they differ. What to do: {}", text_of(Fault::block_check).action);
+  return record_cell(!made    ? "checksum     not computed\n"
+                     : agrees ? "checksum     {found} (CRC-32), as stored with the map\n"
+                              : "checksum     expected {expected}, found {found} (CRC-32): {agrees}\n",
                      "expected"_is(made ? hex_cell(status.block_check_expected) : null_cell()),
                      "found"_is(made ? hex_cell(status.block_check_found) : null_cell()),
                      "agrees"_is(made ? Cell{agrees, agrees ? "" : differ} : null_cell()));
@@ -456,7 +458,8 @@ Cell battery_cell(const protocol::ControlLines& lines) {
 }
 
 Cell control_cell(const protocol::ControlLines& lines) {
-  if (!lines.control_on_wired) return null_cell("state not known: its \"power on\" is not wired to the unit");
+  if (!lines.control_on_wired)
+    return null_cell("on or off is not known. To see it, wire the \"power on\" of the CNC control to the unit");
   return {lines.control_on, lines.control_on ? "on" : "off: every axis has to be referenced again when it is back"};
 }
 
@@ -485,7 +488,7 @@ Cell status_cell(const StatusSnapshot& snapshot) {
   Cell fault = fault_cell(s);
   const bool checked = s.block_check_expected == s.block_check_found;
   if (s.fault == Fault::none)
-    fault.text = checked ? "no fault" : "no stored fault, but the axis memory is damaged: see the block check below";
+    fault.text = checked ? "no fault" : "no stored fault, but the axis memory is damaged: see the checksum below";
   const auto& lines = snapshot.lines;
   const auto row = [](std::string_view name, Cell cell) {
     cell.text = fmt::format("{:<13}{}\n", name, cell.text);
@@ -503,7 +506,7 @@ Cell status_cell(const StatusSnapshot& snapshot) {
       "ram_test"_is(ram_test_cell(s)), "block_check"_is(block_check_cell(s)), "map"_is(map_cell(s)),
       "battery"_is(lines ? row("battery", battery_cell(*lines)) : null_cell()),
       "battery_age_s"_is(lines ? cell_of(lines->battery_age_s) : null_cell()),
-      "control_on"_is(lines ? row("control", control_cell(*lines)) : null_cell()),
+      "control_on"_is(lines ? row("CNC control", control_cell(*lines)) : null_cell()),
       "loop"_is(record_cell("loop         period {period_us} us, {overruns} overruns; {ticks} periods since power-up",
                             "period_us"_is(s.loop_period_us), "overruns"_is(s.loop_overruns), "ticks"_is(s.ticks))),
       "uptime_s"_is(s.uptime_s), "watchdog_trips"_is(s.watchdog_trips), "axes"_is(axes_cell(snapshot)),

@@ -68,7 +68,7 @@ struct StatusSnapshot {
 // parts of its text
 [[nodiscard]] std::string axes_text(const StatusSnapshot& snapshot);        ///< a row for each axis, rotary ones too
 [[nodiscard]] std::string pointers_text(const StatusSnapshot& snapshot);    ///< a row for each curve in use
-[[nodiscard]] std::string memory_text(const protocol::UnitStatus& status);  ///< RAM test, block check, active map
+[[nodiscard]] std::string memory_text(const protocol::UnitStatus& status);  ///< RAM test, checksum, active map
 
 /// By letter: angle and approach. Text only where the unit has rotary axes, a row for each.
 [[nodiscard]] Cell rotary_axes_cell(const protocol::RotarySample& sample);

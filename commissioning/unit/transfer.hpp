@@ -54,7 +54,7 @@ inline constexpr std::string_view kTakeTheRightOne =
 [[nodiscard]] std::optional<Problem> refused_map(const std::vector<std::string>& objections, const std::string& file);
 
 /// The active image of the unit, byte for byte; nothing if it holds none. Refused if another map becomes active
-/// meanwhile. Its block check is not judged here.
+/// meanwhile. Its checksum is not judged here.
 [[nodiscard]] Result<std::optional<std::vector<std::uint8_t>>> read_active_image(
     protocol::UnitClient& client, const protocol::ProgressCallback& progress = {});
 
@@ -69,7 +69,7 @@ enum class UnfitMap {
 
 struct SendReport {
   std::size_t bytes = 0;                    ///< of the image that is now active
-  std::uint32_t check = 0;                  ///< its block check
+  std::uint32_t check = 0;                  ///< its checksum
   std::uint32_t commit_sequence = 0;        ///< of the unit, afterwards
   std::size_t bytes_sent = 0;               ///< of the image, what the unit did not hold yet
   bool already_held = false;                ///< this very image was active: nothing was sent or committed

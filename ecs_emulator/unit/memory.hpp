@@ -1,5 +1,5 @@
 // The unit's memory: the regions of core/address_map.hpp with bytes in them, what can be wrong with a memory chip, and
-// what the unit checks before it compensates (thesis 5.3): axis memory, block check, parameters, map; and the file that
+// what the unit checks before it compensates (thesis 5.3): axis memory, checksum, parameters, map; and the file that
 // stands for the lithium battery, in which axis memory and commit records survive (5.2). One battery, one emulator: a
 // lock lies beside the file, which is replaced whole at every change and cannot carry a lock itself. Does not live
 // here: who may write when, and what follows from a test (unit.hpp).
@@ -88,8 +88,8 @@ struct TestVerdict {
   Fault fault = Fault::none;
   Address address = 0;         ///< of the failing location, or of the image at fault
   std::optional<Axis> axis;    ///< an axis that the parameters name and the rack has no such module for
-  std::uint32_t expected = 0;  ///< block check stored with the active image
-  std::uint32_t found = 0;     ///< block check computed over it
+  std::uint32_t expected = 0;  ///< checksum stored with the active image
+  std::uint32_t found = 0;     ///< checksum computed over it
 };
 
 /// First address of axis memory (both banks) that does not hold what is written; its content is restored. The commit
@@ -111,11 +111,11 @@ struct ActiveImage {
 /// The address lies in the bank of the active image, which nothing but the unit's own tests may write.
 [[nodiscard]] bool in_active_bank(const UnitMemory& memory, Address address);
 
-/// Block check, parameters and map of the active image; `map` is built on success.
+/// Checksum, parameters and map of the active image; `map` is built on success.
 /// An axis that the parameters name needs a module in the rack, for the transducer that they name.
 [[nodiscard]] TestVerdict test_map(const UnitMemory& memory, const AxisModules& axis_modules, CompiledMap& map);
 
-/// The active image if its block check holds; a view into memory.
+/// The active image if its checksum holds; a view into memory.
 [[nodiscard]] std::optional<ImageView> stored_image(const UnitMemory& memory);
 
 /// Brings the content of the file into the memory. A file that does not exist leaves it empty (a new battery). A file

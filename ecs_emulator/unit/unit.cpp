@@ -558,7 +558,7 @@ protocol::Identity Unit::identity() {
   return identity;
 }
 
-/// Block check stored in the commit record, and computed now.
+/// Checksum stored in the commit record, and computed now.
 TestVerdict Unit::block_check_now() const {
   const auto active = active_image(memory_);
   if (!active) return {};

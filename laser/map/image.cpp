@@ -212,9 +212,10 @@ std::vector<std::uint8_t> image_of(const UnitParameters& parameters) { return as
 Result<ImageContent> content_of(std::span<const std::uint8_t> image) {
   const ImageVerdict verdict = check_image(image);
   if (verdict.fault == ImageFault::block_check)
-    return problem(ProblemKind::refused, fmt::format("the memory image is corrupt: block check {:08X} stored, {:08X} "
-                                                     "computed",
-                                                     verdict.check_expected, verdict.check_found));
+    return problem(ProblemKind::refused,
+                   fmt::format("the memory image is corrupt: checksum (CRC-32) {:08X} stored, {:08X} "
+                               "computed",
+                               verdict.check_expected, verdict.check_found));
   if (verdict.fault != ImageFault::none)
     return problem(ProblemKind::refused, fmt::format("the memory image {}", text_of(verdict.fault)));
   const ImageView view(image);

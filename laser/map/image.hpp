@@ -17,7 +17,7 @@ struct MapImage {
   std::vector<std::string> changed;  ///< of these, the tables that it changes by more than their resolution
 };
 
-/// Parameters and map as one image, block check and the identity that the header states included. Refused (with every
+/// Parameters and map as one image, checksum and the identity that the header states included. Refused (with every
 /// reason) if findings_for() objects, if the values or the bytes exceed the axis memory modules, or if a table needs
 /// more points than a uniform grid can give. Values are rounded to 0.01 um (0.01 um/m); a table beyond ±327 um to 0.1,
 /// beyond ±3.2 mm to 1. Tables whose points are not evenly spaced are resampled at their smallest spacing.

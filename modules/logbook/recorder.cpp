@@ -386,7 +386,7 @@ void record_transfer(const SentImage& one) {
                                        rollback ? ": it was active before" : ""));
   active.files.push_back({"image", "image " + check, std::make_shared<const std::string>(bytes)});
   record_all(
-      {entry("transfer", fmt::format("{} of {} bytes sent, block check {}", one.sent->bytes_sent, bytes.size(), check)),
+      {entry("transfer", fmt::format("{} of {} bytes sent, checksum {}", one.sent->bytes_sent, bytes.size(), check)),
        std::move(active)});
 }
 

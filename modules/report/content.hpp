@@ -90,7 +90,7 @@ struct PredictedRow {
 
 struct Predicted {
   std::vector<PredictedRow> rows;      ///< as many as the table has
-  std::optional<std::uint32_t> check;  ///< CRC-32 of the image as that unit holds it, which it reports as block check;
+  std::optional<std::uint32_t> check;  ///< CRC-32 of the image as that unit holds it, which it reports as checksum;
                                        ///< absent where neither map nor `unit` says the unit's serial number
 };
 

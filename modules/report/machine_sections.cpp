@@ -380,7 +380,7 @@ ReportSection map_section(const ReportContent& content) {
   if (!content.map) return {"map", "Error map", {}, "no error map was given"};
   const laser::MapHeader& header = content.map->map.header;
   Markup body = facts_of({{"SHA-256 of the file", content.map->sha256},
-                          {"block check in the unit (CRC-32, with these parameters)",
+                          {"checksum (CRC-32) in the unit, with these parameters",
                            content.map->check ? fmt::format("{:08X}", *content.map->check)
                                               : "not computed: the unit's serial number was not given"},
                           {"date of the map", header.date},
@@ -396,22 +396,22 @@ ReportSection unit_section(const ReportContent& content) {
   if (!content.status) return {"unit", "State of the unit", {}, "no state of the unit was given"};
   const StatusSnapshot& s = *content.status;
   const bool agrees = s.status.block_check_expected == s.status.block_check_found;
-  Markup body =
-      facts_of({{"taken", s.taken},
-                {"serial number", s.identity.serial_number},
-                {"name", s.identity.unit_name},
-                {"firmware", fmt::format("{}.{}", s.identity.firmware_major, s.identity.firmware_minor)},
-                {"mode", std::string(word_of(s.status.mode))},
-                {"fault", s.status.fault == Fault::none ? "none" : fault_sentence(s.status)},
-                {"block check", fmt::format("expected {:08X}, found {:08X}: {}", s.status.block_check_expected,
-                                            s.status.block_check_found, agrees ? "agree" : "differ")},
-                {"loop", fmt::format("{} period, {} overruns, {} watchdog trips",
-                                     quantity_text(s.status.loop_period_us, 0, "us"), s.status.loop_overruns,
-                                     s.status.watchdog_trips)}});
+  Markup body = facts_of({{"taken", s.taken},
+                          {"serial number", s.identity.serial_number},
+                          {"name", s.identity.unit_name},
+                          {"firmware", fmt::format("{}.{}", s.identity.firmware_major, s.identity.firmware_minor)},
+                          {"mode", std::string(word_of(s.status.mode))},
+                          {"fault", s.status.fault == Fault::none ? "none" : fault_sentence(s.status)},
+                          {"checksum", agrees ? fmt::format("{:08X}, as expected", s.status.block_check_found)
+                                              : fmt::format("expected {:08X}, found {:08X}: they differ",
+                                                            s.status.block_check_expected, s.status.block_check_found)},
+                          {"loop", fmt::format("{} period, {} overruns, {} watchdog trips",
+                                               quantity_text(s.status.loop_period_us, 0, "us"), s.status.loop_overruns,
+                                               s.status.watchdog_trips)}});
   if (content.map && content.map->check && s.status.block_check_found != 0)
     body += paragraph_of(*content.map->check == s.status.block_check_found
-                             ? "The unit contains this map with these parameters: the block checks agree."
-                             : "The unit contained another map or other parameters: the block checks differ.");
+                             ? "The unit contains this map with these parameters: the checksums agree."
+                             : "The unit contained another map or other parameters: the checksums differ.");
   return {"unit", "State of the unit", std::move(body)};
 }
 

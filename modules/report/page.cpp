@@ -181,7 +181,7 @@ Markup head_of(const ReportContent& content) {
   facts.emplace_back("date of the report", content.date.empty() ? "no date was given" : content.date);
   facts.emplace_back("error map (SHA-256)", content.map ? content.map->sha256.substr(0, 16) + "…" : "none given");
   if (content.map && content.map->check)
-    facts.emplace_back("block check in the unit", fmt::format("{:08X}", *content.map->check));
+    facts.emplace_back("checksum (CRC-32) in the unit", fmt::format("{:08X}", *content.map->check));
   return element("header", element("p", "Commissioning report", "class=\"kind\"") +
                                element("h1", machine_name(content)) + facts_of(facts)) +
          Markup::literal("\n");

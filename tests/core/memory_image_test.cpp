@@ -39,7 +39,7 @@ Image small_image() {
 
 ImageFault fault_of(const Image& image) { return check_image(image).fault; }
 
-/// The image with one word of its prefix changed and the block check made to agree again.
+/// The image with one word of its prefix changed and the checksum made to agree again.
 Image resealed_with(Image image, std::uint32_t at, std::uint32_t word) {
   store_big(image, at, word);
   seal_image(image);
@@ -185,7 +185,7 @@ TEST_CASE("the bytes of an image are where the layout says, big-endian") {
   CHECK(ImageView(image).value_offset(2) == 640 + 80 + 4);
 }
 
-TEST_CASE("the block check is the CRC-32 of the whole image with its own four bytes zero") {
+TEST_CASE("the checksum is the CRC-32 of the whole image with its own four bytes zero") {
   Image image = small_image();
   const std::uint32_t stored = ImageView(image).check();
   std::fill_n(image.begin() + prefix_at::check, 4, std::uint8_t{0});
@@ -244,7 +244,7 @@ TEST_CASE("random bytes are not an image") {
 }
 
 TEST_CASE("a resealed image of random words in its prefix and directory never crashes the check") {
-  // the block check agrees, so that every later check is reached
+  // the checksum agrees, so that every later check is reached
   CHECK(rc::check([] {
     Image image = small_image();
     for (int i = *rc::gen::inRange(1, 4); i > 0; --i) {

@@ -14,7 +14,7 @@ namespace ecs::app {
 namespace {
 
 std::string check_text(const std::optional<std::uint32_t>& check) {
-  return check ? fmt::format("block check {:08X}", *check) : std::string("none");
+  return check ? fmt::format("checksum {:08X}", *check) : std::string("none");
 }
 
 /// Lines of "name   text", wrapped under the text.

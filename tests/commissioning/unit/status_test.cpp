@@ -52,7 +52,7 @@ TEST_CASE("a saved status decodes to the same fault, address, pointers and value
   CHECK(j["link"] == "tcp:mill:502:1");
 }
 
-TEST_CASE("a block check that differs says what to do, and so does its JSON that it does") {
+TEST_CASE("a checksum that differs says what to do, and so does its JSON that it does") {
   StatusSnapshot s = faulty_unit();
   s.status.block_check_expected = 0x1234ABCD;
   s.status.block_check_found = 0x1234ABCE;
@@ -61,7 +61,7 @@ TEST_CASE("a block check that differs says what to do, and so does its JSON that
                  "expected 1234ABCD, found 1234ABCE: they differ. What to do: send parameters and map again"));
   CHECK(differs.json["block_check"]["agrees"] == false);
   s.status.block_check_found = s.status.block_check_expected;
-  CHECK(!contains(status_cell(s).text, "What to do: send"));
+  CHECK(contains(status_cell(s).text, "checksum     1234ABCD (CRC-32), as stored with the map\n"));
 }
 
 TEST_CASE("battery and control are in the status, and unknown in a file of a unit that does not state them") {
@@ -84,7 +84,7 @@ TEST_CASE("battery and control are in the status, and unknown in a file of a uni
     CHECK(contains(cell.text, "battery      low, 900.0 days old; replace it while the unit is switched on"));
     CHECK(cell.json["battery"] == "low");
     CHECK(cell.json["battery_age_s"] == lines.battery_age_s);
-    CHECK(contains(cell.text, wired ? "control      off: every axis has to be referenced again" : "not known"));
+    CHECK(contains(cell.text, wired ? "CNC control  off: every axis has to be referenced again" : "not known"));
     CHECK(cell.json["control_on"] == (wired ? Json(false) : Json(nullptr)));
   }
 }

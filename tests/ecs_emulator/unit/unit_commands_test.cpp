@@ -55,7 +55,7 @@ TEST_CASE_FIXTURE(Bench, "axis memory takes writes only beside the active map, a
 }
 
 TEST_CASE_FIXTURE(Bench,
-                  "the status computes the block check of the active map while nothing else has the processor's time") {
+                  "the status computes the checksum of the active map while nothing else has the processor's time") {
   REQUIRE(stage_and_commit(flat_image(1.0)).value == 1);
   const auto sound = unit.status();
   CHECK(sound.block_check_found == sound.block_check_expected);
@@ -176,7 +176,7 @@ TEST_CASE_FIXTURE(Bench, "an image that is not what was announced, or no image, 
   const auto image = flat_image(1.0);
   REQUIRE(stage_and_commit(image).value == 1);
   auto other = image;
-  other[100] ^= 1;  // parameters: the block check inside the image no longer agrees
+  other[100] ^= 1;  // parameters: the checksum inside the image no longer agrees
   const auto result = stage_and_commit(other);
   CHECK(result.error == UnitError::image_refused);
   CHECK(!result.text.empty());

@@ -111,7 +111,7 @@ TEST_CASE_FIXTURE(Bench, "a stuck bit of axis memory is found with its address, 
   CHECK(unit.status().ram_test == protocol::TestOutcome::failed);
 }
 
-TEST_CASE_FIXTURE(Bench, "one flipped bit anywhere in the map fails the block check") {
+TEST_CASE_FIXTURE(Bench, "one flipped bit anywhere in the map fails the checksum") {
   const auto image = this->image([](Component, double p, Approach) { return 0.01 * p; });
   REQUIRE(stage_and_commit(image).state == CommandState::done);
   for (std::uint32_t at = 0; at < image.size(); at += 97) {

@@ -142,7 +142,7 @@ TEST_CASE(
   CHECK(contains(changed_since(then, now), "unit MCM-0999 answers instead of MCM-0107"));
   now = then;
   now.check = 0xCAFE0001;
-  CHECK(contains(changed_since(then, now), "block check CAFE0001 instead of block check 12345678"));
+  CHECK(contains(changed_since(then, now), "checksum CAFE0001 instead of checksum 12345678"));
   now.check.reset();
   CHECK(contains(changed_since(then, now), "no map instead of"));
   now = then;
@@ -191,7 +191,7 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
     CHECK(driver.controller().verified());
     CHECK(driver.shows_after("cy", "reference every axis at the control now; the unit is waiting"));
   }
-  SUBCASE("and compensation, asked for at once, is refused with both block checks") {
+  SUBCASE("and compensation, asked for at once, is refused with both checksums") {
     CHECK(driver.shows_after("cy", "another host has changed it"));
     CHECK(contains(driver.seen(), fmt::format("{:08X}", driver.controller().sent()->check)));
     CHECK(driver.unit->newest()->mode == UnitMode::integration);
@@ -218,8 +218,7 @@ TEST_CASE(
                          (ready.folder.path / "other-parameters.toml").string());
   });
   driver.type("cy");
-  CHECK(
-      driver.until([&] { return contains(driver.controller().message().text(), "the compared map was block check"); }));
+  CHECK(driver.until([&] { return contains(driver.controller().message().text(), "the compared map was checksum"); }));
   as_another_host(driver, [&](UnitLink& link) {
     return map_sent_over(link, (ready.folder.path / "map.csv").string(),
                          (ready.folder.path / "map-parameters.toml").string());
