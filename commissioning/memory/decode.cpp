@@ -207,7 +207,7 @@ std::string name_of(const DecodedTable& table) {
 
 std::string text_of(const CommitSlot& slot) {
   if (!slot.commit) return slot.blank ? "blank" : "corrupt";
-  return fmt::format("sequence {}, bank {}, {} bytes, check {:08X}", slot.commit->sequence,
+  return fmt::format("sequence {}, bank {}, {} bytes, checksum {:08X}", slot.commit->sequence,
                      slot.commit->bank == 0 ? "A" : "B", slot.commit->image_bytes, slot.commit->image_check);
 }
 
@@ -227,8 +227,8 @@ Cell regions_cell(const MemoryDump& dump) {
 Cell commit_cell(const CommitSlot& slot) {
   const auto& commit = slot.commit;
   const std::string_view state = commit ? "valid" : (slot.blank ? "blank" : "corrupt");
-  return record_cell(commit ? "commit record {address}: sequence {sequence}, bank {bank}, {image_bytes} bytes, block "
-                              "check {image_check}{active}\n"
+  return record_cell(commit ? "commit record {address}: sequence {sequence}, bank {bank}, {image_bytes} bytes, "
+                              "checksum (CRC-32) {image_check}{active}\n"
                             : "commit record {address}: {state}\n",
                      "address"_is(hex_address(slot.address)), "state"_is(state),
                      "active"_is(slot.active, " (active)", ""),

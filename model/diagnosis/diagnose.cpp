@@ -203,6 +203,7 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
   candidate.false_naming = false_naming_of(in.found, ranked.choice);
   candidate.skipped = in.regressors.acting(ranked.effect).skipped;
   candidate.parameters = quick_parameters(ranked, problem, whitener, in.regressors, in.problem.columns.cols());
+  if (!candidate.parameters.empty()) candidate.size_alone = candidate.parameters.front().value;
   if (prove) {
     candidate.held_out_rms_before_um = held_out_before;
     candidate.held_out_rms_um =

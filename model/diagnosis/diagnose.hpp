@@ -87,6 +87,7 @@ struct RivalOfPart {
 struct Candidate : TrialNumbers {
   EffectInstance effect;                      ///< with `fitted` values and its curve
   std::vector<ParameterEstimate> parameters;  ///< with sigma where they are determined
+  double size_alone = 0.0;                    ///< the first parameter without the other effects of the answer
   bool named = false;                         ///< proved
   Standing standing = Standing::possible;
   std::string but;     ///< of what is likely: what is not excluded, in words; else ""

@@ -180,19 +180,22 @@ std::string with_small_letter(std::string_view title) {
 }
 
 /// " of -12 um/m": of a rival that is the same effect at another place, such as the second scale of a circle; else "".
-std::string like_size_text(const EffectInstance& rival, const Candidate& candidate, const Diagnosis& diagnosis,
-                           const Observations& data) {
-  if (rival.id != candidate.effect.id) return {};
+/// Both have one size and explain the same, so their sizes have one ratio, alone and beside other effects.
+std::string like_size_text(const EffectInstance& rival, const Candidate& candidate, const Diagnosis& diagnosis) {
   const auto one = std::ranges::find_if(
       diagnosis.candidates, [&](const Candidate& other) { return place_text(other.effect) == place_text(rival); });
-  return one == diagnosis.candidates.end() ? "" : " of " + sizes_word(one->effect, one->parameters, data);
+  if (rival.id != candidate.effect.id || one == diagnosis.candidates.end() || one->parameters.size() != 1 ||
+      candidate.parameters.size() != 1 || candidate.size_alone == 0.0 || !is_known(candidate.parameters.front()))
+    return {};
+  const ParameterEstimate& own = candidate.parameters.front();
+  return " of " + size_text(own.value * one->size_alone / candidate.size_alone, own.unit);
 }
 
 /// The finding with its id in brackets. Beside it, likeliest first, what these data cannot tell from it and what is
 /// more probable than it, unless that is named itself.
 /// @param part  of the answer that is one cause with it; null: none
 std::string with_alternatives(const std::string& finding, const Candidate& candidate, const Candidate* part,
-                              const Diagnosis& diagnosis, const Observations& data) {
+                              const Diagnosis& diagnosis) {
   const std::string id = id_text(candidate, diagnosis) + (part != nullptr ? " and " + id_text(*part, diagnosis) : "");
   std::map<std::string, double> probabilities;
   for (const SetMember& member : candidate.set) probabilities[member.place] += member.probability;
@@ -200,8 +203,7 @@ std::string with_alternatives(const std::string& finding, const Candidate& candi
   const double own_probability = probabilities.try_emplace(own, candidate.probability).first->second;
   std::map<std::string, std::string> others;  // what each is called
   for (const EffectInstance& rival : candidate.open_rivals())
-    others[place_text(rival)] =
-        std::string(rival.definition().title) + like_size_text(rival, candidate, diagnosis, data);
+    others[place_text(rival)] = std::string(rival.definition().title) + like_size_text(rival, candidate, diagnosis);
   for (const auto& [place, probability] : probabilities)
     if (probability > own_probability + kEqualShare) others.try_emplace(place);
   std::erase_if(others, [&](const auto& other) {
@@ -269,7 +271,7 @@ std::string findings_text(const Diagnosis& diagnosis, const Observations& data, 
     told.insert(other);
     text += other_periods_text(candidate);
     if (may_be_wave(candidate.effect, data)) text += ", which a periodic error can look like on so few targets";
-    findings.push_back(with_alternatives(text, candidate, other, diagnosis, data));
+    findings.push_back(with_alternatives(text, candidate, other, diagnosis));
   }
   return fmt::format("{}", fmt::join(findings, "; and "));
 }

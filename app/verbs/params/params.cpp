@@ -447,7 +447,8 @@ Result<Outcome> receive(VerbContext& context, const ReceiveRequest& request) {
   return outcome_of(record_cell(
       request.output.empty() ? "{toml}" : "parameters of unit {serial_number}{of_machine} written to {file}",
       "file"_is(text_cell(request.output)), "serial_number"_is(text_cell(identity.serial_number)),
-      "of_machine"_shown(identity.machine.empty() ? " (its map names no machine)" : ", of machine " + identity.machine),
+      "of_machine"_shown(identity.machine.empty() ? " (the unit names no machine)"
+                                                  : ", of machine " + identity.machine),
       "machine"_is(text_cell(identity.machine)), "parameters"_is(parameters_cell(parameters)),
       "toml"_shown(params::parameters_toml(parameters, owner))));
 }
