@@ -89,7 +89,7 @@ TEST_CASE("values of both directions have marks of their own where they are not 
 }
 
 TEST_CASE("four curves of one chart, such as the body diagonals, have four marks") {
-  for (const auto& [glyphs, level] : {std::pair{Glyphs::unicode, "■ limit"}, std::pair{Glyphs::ascii, "= limit"}}) {
+  for (const auto& [glyphs, level] : {std::pair{Glyphs::unicode, "■  limit"}, std::pair{Glyphs::ascii, "=  limit"}}) {
     Canvas canvas(16, 60, glyphs);
     draw_chart(canvas, canvas.whole(),
                {"t", "x", "y", {{"mean", Mark::both, {{0.0, 1.0}}}, {"limit", Mark::level, {{1.0, 2.0}}}}}, {});

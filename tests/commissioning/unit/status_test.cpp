@@ -58,7 +58,7 @@ TEST_CASE("a checksum that differs says what to do, and so does its JSON that it
   s.status.block_check_found = 0x1234ABCE;
   const Cell differs = status_cell(s);
   CHECK(contains(differs.text,
-                 "expected 1234ABCD, found 1234ABCE: they differ. What to do: send parameters and map again"));
+                 "expected 1234ABCD, found 1234ABCE (CRC-32): they differ. What to do: send parameters and map again"));
   CHECK(differs.json["block_check"]["agrees"] == false);
   s.status.block_check_found = s.status.block_check_expected;
   CHECK(contains(status_cell(s).text, "checksum     1234ABCD (CRC-32), as stored\n"));

@@ -53,6 +53,7 @@ TEST_CASE("columns by number, with a factor, a run and an approach") {
 
 TEST_CASE("a table says where the axes without a column are assumed, and which option states it") {
   ImportOptions options = by_columns("x_mm=1,reading=2,y_mm=3");
+  options.axis = Axis::X;
   const auto noted = [&] { return read_table("0 1 5\n100 2 5\n", options).notes; };
   CHECK(noted() == std::vector<std::string>{"the file does not state where Z stood; 0 is assumed (--parked z=MM)"});
   options.parked_stated[index_of(Axis::Z)] = true;
