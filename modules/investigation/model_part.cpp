@@ -275,7 +275,7 @@ NextPart investigation_part(ModelController& model, Prompt& prompt) {
       "On the page Next, press i to investigate: a workshop makes one run after the other until one cause remains "
       "(with the bundled emulator this is the emulated machine of the link). The list of runs shows minutes, error and "
       "the "
-      "causes not yet excluded. Press Esc to stop, i to continue, and f to save the model with the causes found."};
+      "causes that remain. Press Esc to stop, i to continue, and f to save the model with the causes found."};
 }
 
 }  // namespace

@@ -299,7 +299,7 @@ std::string ledger_numbers(std::size_t number, const InvestigationStep& step, do
                      step.set.size());
 }
 
-std::string ledger_head() { return ledger_numbers_head() + "  measured; below it the causes not yet excluded"; }
+std::string ledger_head() { return ledger_numbers_head() + "  measured, with the causes that remain"; }
 
 std::string ledger_line(std::size_t number, const InvestigationStep& step, double total_minutes) {
   const std::string head = ledger_numbers(number, step, total_minutes) + "  ";
@@ -311,7 +311,7 @@ std::string ledger_line(std::size_t number, const InvestigationStep& step, doubl
     std::vector<std::string> members;
     for (const SetMember& member : step.set)
       members.push_back(fmt::format("{} (probability {:.2f})", member.name, member.probability));
-    text += paragraph_after(below, fmt::format("not yet excluded: {}", fmt::join(members, ", ")));
+    text += paragraph_after(below, fmt::format("remaining: {}", fmt::join(members, ", ")));
   }
   text.pop_back();
   return text;
