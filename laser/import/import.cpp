@@ -178,7 +178,7 @@ void note_assumed_places(Imported& imported, const ImportOptions& options) {
     example.push_back(lower(axes.back()) + "=MM");
   }
   if (axes.empty()) return;
-  imported.set.notes.push_back(fmt::format("{} {} stood; 0 is assumed (--parked {})", kPlaceNotStated,
+  imported.set.notes.push_back(fmt::format("{} {}; 0 is assumed. State it with --parked {}", kPlaceNotStated,
                                            fmt::join(axes, " and "), fmt::join(example, ",")));
 }
 

@@ -70,7 +70,7 @@ struct Imported {
 [[nodiscard]] Problem explanation_of(std::string_view text, const std::string& file_name);
 
 /// How the note on assumed places of axes begins.
-inline constexpr std::string_view kPlaceNotStated = "the file does not state where";
+inline constexpr std::string_view kPlaceNotStated = "the file states no parked position of";
 
 /// Axes whose place the file states, or its columns do; a reader takes 0 for the others.
 [[nodiscard]] PerAxis<bool> places_stated(const Imported& imported, const ImportOptions& options);

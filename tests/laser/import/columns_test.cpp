@@ -55,7 +55,8 @@ TEST_CASE("a table says where the axes without a column are assumed, and which o
   ImportOptions options = by_columns("x_mm=1,reading=2,y_mm=3");
   options.axis = Axis::X;
   const auto noted = [&] { return read_table("0 1 5\n100 2 5\n", options).notes; };
-  CHECK(noted() == std::vector<std::string>{"the file does not state where Z stood; 0 is assumed (--parked z=MM)"});
+  CHECK(noted() ==
+        std::vector<std::string>{"the file states no parked position of Z; 0 is assumed. State it with --parked z=MM"});
   options.parked_stated[index_of(Axis::Z)] = true;
   CHECK(noted().empty());
 }
