@@ -375,7 +375,7 @@ Cell candidates_cell(const Diagnosis& d) {
   return {std::move(list),
           titled_table(
               fmt::format("{}{}", d.verdict == Verdict::missing_effect ? "missing effects" : "proved effects",
-                          of_groups ? " (where causes cannot be distinguished, only the fitted one is listed)" : ""),
+                          of_groups ? " (of causes not distinguished, the fitted one)" : ""),
               named) +
               titled_table("likely effects, not proved", likely) + add_text(d) +
               titled_table(named.empty() && likely.empty() ? "candidates, each alone" : "other candidates, each alone",

@@ -118,7 +118,8 @@ std::string value_of(const EffectInstance& effect, const ParameterEstimate& para
   }
   const std::string pitch = pitch_text(effect, parameter.sigma, data);
   std::string text = fmt::format("{:#.4g} {}", parameter.value, unit);
-  return pitch.empty() ? text : fmt::format("{} ({})", text, pitch);
+  if (pitch.empty()) return text;
+  return pitch.starts_with(kNoPitch) ? fmt::format("{} ({})", text, pitch) : fmt::format("{}, {}", text, pitch);
 }
 
 /// What a size is of, where an effect has several of one kind: "scale of X ", else "".

@@ -31,7 +31,7 @@ TEST_CASE("a finding says cause, size and place; a period that is a pitch of the
   const std::vector<ParameterEstimate> parameters{estimate_of("period_mm", "mm", 10.003),
                                                   estimate_of("amplitude_um", "um", 6.83)};
   CHECK(finding_text(wave, parameters, data) ==
-        "a periodic error in X positions of +-6.8 um, period 10.00 mm (the pitch of the X screw), only when moving "
+        "a periodic error in X positions of +-6.8 um, period 10.00 mm, the pitch of the X screw, only when moving "
         "forward");
   std::vector<ParameterEstimate> known{estimate_of("period_mm", "mm", 9.95), estimate_of("amplitude_um", "um", 6.83)};
   known.front().sigma = 0.004;
@@ -40,7 +40,7 @@ TEST_CASE("a finding says cause, size and place; a period that is a pitch of the
       "a periodic error in X positions of +-6.8 um, period 9.950 mm (certainly not the pitch of the X screw, 10 mm by "
       "the machine file: check this)");
   known.front().sigma = 0.02;
-  CHECK(contains(finding_text(screw_wave(9.95), known, data), "9.950 mm (the pitch of the X screw)"));
+  CHECK(contains(finding_text(screw_wave(9.95), known, data), "9.950 mm, the pitch of the X screw"));
   const std::vector<ParameterEstimate> mostly_second{estimate_of("period_mm", "mm", 20.0),
                                                      estimate_of("amplitude_um", "um", 0.6),
                                                      estimate_of("amplitude2_um", "um", 4.1)};
@@ -208,9 +208,9 @@ TEST_CASE("equal steps of a rotary axis hide waves: an answer without a cause sa
 }
 
 TEST_CASE("one or two waves a turn come first, beside those that equal steps do not distinguish from them") {
-  for (const auto& [waves, words] : {std::pair(1.0, "(one turn), or 11 or 13 waves"),
-                                     {11.0, "(one turn), or 11 or 13 waves"},
-                                     {10.0, "(1/2 turn), or 10 or 14 waves"}}) {
+  for (const auto& [waves, words] : {std::pair(1.0, "one turn, or 11 or 13 waves"),
+                                     {11.0, "one turn, or 11 or 13 waves"},
+                                     {10.0, "1/2 turn, or 10 or 14 waves"}}) {
     const Diagnosis found = turn_of_c(waves);
     REQUIRE(found.verdict == Verdict::missing_effect);
     CHECK_MESSAGE(contains(found.headline, std::string(words) + " per turn, which fit equally well"), found.headline);
@@ -224,7 +224,7 @@ TEST_CASE("waves of one period in both directions are named as one cause, with b
                                     }));
   REQUIRE(found.verdict == Verdict::missing_effect);
   check_holds(found.headline,
-              {"period 10.00 mm (the pitch of the X screw), only when moving", ", and of +-2.0 um only when",
+              {"period 10.00 mm, the pitch of the X screw, only when moving", ", and of +-2.0 um only when",
                "one cause that differs between the directions", "cyclic:X:EX, forward"});
   CHECK_MESSAGE(!contains(found.headline, "cannot distinguish"), found.headline);
 }
@@ -287,5 +287,5 @@ TEST_CASE("of a pitch and five times the pitch, which even targets do not distin
     r.error += 4.0 * std::sin(2.0 * 3.14159265358979 * p(r) / 10.0 + 0.8);
   }
   const Diagnosis found = diagnosed(straight(), set);
-  CHECK_MESSAGE(contains(found.headline, "10.00 mm (the pitch of the X screw), or a different period"), found.headline);
+  CHECK_MESSAGE(contains(found.headline, "10.00 mm, the pitch of the X screw, or a different period"), found.headline);
 }
