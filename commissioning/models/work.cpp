@@ -330,8 +330,7 @@ Result<ModelWork> model_work(MessageSink& messages, const ModelArguments& argume
 }
 
 Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& arguments) {
-  std::error_code error;
-  if (std::filesystem::exists(arguments.model, error)) {
+  if (is_there(arguments.model)) {
     if (auto other = other_than_model(arguments.model)) return tl::unexpected(std::move(*other));
     return problem(ProblemKind::usage,
                    "{0} already exists. Give another name, or continue with `ecs model diagnose {0} DATA`",
@@ -345,7 +344,8 @@ Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& argum
     if (const auto written = model::write_model(arguments.model, work->model); !written)
       work = tl::unexpected(written.error());
   }
-  if (!work) std::filesystem::remove(arguments.model, error);
+  const FileWatch* watch = FileWatch::current();
+  if (!work && (watch == nullptr || !watch->replaces_disc())) disc::remove(arguments.model);
   return work;
 }
 

@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "base/clock.hpp"
 #include "base/file.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
+#include "commissioning/session/commands.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/csv.hpp"
 #include "laser/map/image.hpp"
@@ -163,7 +163,7 @@ Result<std::string> Derivation::made_again(const LogbookEntry& entry, const std:
     }
   }
   const auto answer = run_(words);
-  const std::string verb = fmt::format("{}", fmt::join(words, " "));
+  const std::string verb = shell_command(words);
   std::string wanted;
   for (const LogFile& one : files) {
     if (one.role != "output") continue;

@@ -3,6 +3,7 @@
 
 #include "base/answer_table.hpp"
 #include "base/json.hpp"
+#include "commissioning/session/commands.hpp"
 #include "modules/logbook/replay.hpp"
 
 namespace ecs::commissioning {
@@ -124,12 +125,14 @@ Cell whole_entry_cell(const LogbookEntry& entry) {
   text += field_line("time", entry.time) + field_line("machine", in_words({entry.machine, entry.serial_number})) +
           field_line("operator", entry.operator_name) +
           field_line("instrument", instrument_text(object_in(entry.instrument))) + field_line("what", entry.summary);
-  std::string line;
-  for (const std::string& word : words_of(entry)) line += (line.empty() ? "ecs " : " ") + word;
-  text += field_line("command", line) + field_line("folder", folder_of(entry));
-  for (const char* key : {"program", "commit_sequence", "block_check", "image_sha256", "problem"})
+  std::vector<std::string> words = words_of(entry);
+  if (!words.empty()) words.insert(words.begin(), "ecs");
+  text += field_line("command", shell_command(words)) + field_line("folder", folder_of(entry));
+  for (const auto& [key, name] : {std::pair("program", "program"), std::pair("commit_sequence", "commit no."),
+                                  std::pair("block_check", "checksum"), std::pair("image_sha256", "image_sha256"),
+                                  std::pair("problem", "problem")})
     if (content.is_object() && content.contains(key))
-      text += field_line(key, content[key].is_string() ? content[key].get<std::string>() : content[key].dump());
+      text += field_line(name, content[key].is_string() ? content[key].get<std::string>() : content[key].dump());
   text += files_text(files_of(entry));
   text += field_line("previous", entry.previous) + field_line("hash", entry.hash);
   cell.text = text;

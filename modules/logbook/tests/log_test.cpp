@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "modules/logbook/replay.hpp"
 #include "modules/logbook/tests/logbook_folder.hpp"
 #include "tests/screens/support/unit_screen.hpp"
 #include "tests/support/ordinary_user.hpp"
@@ -41,6 +42,23 @@ TEST_CASE("where the logbook cannot be written the verb does its work and says s
     CHECK(ran({"log", "verify"}).code == 0);
   }
   ::chmod((lathe.folder / "logbooks").c_str(), 0755);
+}
+
+TEST_CASE("a model is made again where its file still exists, which stays as it is") {
+  const LoggedLathe lathe;
+  const std::string model = lathe.folder / "model.toml";
+  const std::string data = lathe.folder.with("x axis.csv", lathe_readings("# machine: short lathe\n"));
+  REQUIRE(ran({"model", "new", model, data}).code == 0);
+  const std::string made = must(read_file(model));
+  (void)lathe.folder.with("model.toml", "changed since then");
+  const auto book = must(commissioning::Logbook::open_to_read(lathe.book()));
+  commissioning::Derivation derivation(book, [](const auto& words) -> Result<std::string> {
+    const Ran again = ran(words);
+    return again.code == 0 ? Result<std::string>(again.out) : problem(ProblemKind::refused, "{}", again.messages);
+  });
+  CHECK(must(derivation.file(sha256_hex(made), "model.toml", 1'000)) == made);
+  CHECK(contains(only(derivation.derived).verb, "'" + data + "'"));  // as a shell takes it
+  CHECK(must(read_file(model)) == "changed since then");
 }
 
 }  // namespace
