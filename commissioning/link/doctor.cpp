@@ -315,22 +315,16 @@ bool other_speed(LinkAddress address, Examination& work) {
   return false;
 }
 
-bool echoes(const LinkAddress& address, Examination& work) {
-  const auto raw = raw_answer(std::get<SerialPort>(address.endpoint), address.unit);
-  if (!raw) return false;
-  if (raw->is_echo()) {
+/// What came back to a question without an answer; an echo explains everything.
+bool is_echo(const PortAnswer& raw, Examination& work) {
+  if (raw.is_echo())
     add(work, "echo", FindingState::problem, "the link echoes the sent bytes",
         "switch the local echo of the RS-485 converter off; with RS-232, check that pins 2 and 3 are not bridged");
-    return true;
-  }
-  if (raw->received.empty())
-    add(work, "silence", FindingState::note, "no byte was received",
-        "check that the unit is on, that the cable is crossed (null modem) and that the port is right");
-  else
+  else if (!raw.received.empty())
     add(work, "noise", FindingState::note,
-        fmt::format("{} bytes were received that are not an answer", raw->received.size()),
+        fmt::format("{} bytes were received that are not an answer", raw.received.size()),
         "speed or parity is wrong, or another device is on this link");
-  return false;
+  return raw.is_echo();
 }
 
 void examine_serial(const LinkAddress& address, Examination& work) {
@@ -343,8 +337,13 @@ void examine_serial(const LinkAddress& address, Examination& work) {
   auto client = UnitClient::connect(address, {&work.cancelled, std::nullopt});
   if (client && greet(client, work)) return;
   if (!client) add(work, "link", FindingState::problem, client.error().message);
-  if (work.cancelled || heard_another_host(address, work) || echoes(address, work)) return;
+  if (work.cancelled || heard_another_host(address, work)) return;
+  const auto raw = raw_answer(line, address.unit);
+  if (raw && is_echo(*raw, work)) return;
   if (other_unit_number(address, work) || other_speed(address, work) || work.cancelled) return;
+  if (raw && raw->received.empty())  // at the given setting: advice only where no other setting is answered
+    add(work, "silence", FindingState::note, "no byte was received",
+        "check that the unit is on, that the cable is crossed (null modem) and that the port is right");
   add(work, "unit", FindingState::problem, "no unit answers at any of the usual speeds, parities and unit numbers",
       "check power and cable; make sure that no other program uses the link");
 }
