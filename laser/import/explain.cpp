@@ -73,8 +73,8 @@ std::string column_advice(std::string_view text, const TableShape& shape, bool k
   const std::string obstacle = known ? "" : obstacle_in(columns);
   if (!obstacle.empty()) return obstacle;
   return fmt::format(
-      "Expected targets with their errors, found the columns {}. If two of them are targets and errors, assign them: "
-      "x_mm=N[mm],reading=M[um] with their numbers after --columns{}, and --values actual if M contains positions",
+      "Expected targets with their errors, found the columns {}. If two of them, N and M, are targets and errors, add "
+      "`--columns \"x_mm=N[mm],reading=M[um]\"{}` with their numbers, and `--values actual` if M contains positions",
       columns_named(columns), row_options(rows_of(shape)));
 }
 
