@@ -26,7 +26,7 @@ struct KindWords {
   std::string_view command;  ///< what takes such a file, or what to do with it
 };
 
-constexpr std::array<KindWords, 25> kWords{{
+constexpr std::array<KindWords, 26> kWords{{
     {"measurements", "a measurement", "use `ecs laser show {}`"},
     {"model", "an error model", "use `ecs model diagnose {} DATA`"},
     {"error map", "an error map", "use `ecs map show {}`"},
@@ -53,6 +53,8 @@ constexpr std::array<KindWords, 25> kWords{{
     {"spindle test", "a test of a spindle", ""},
     {"ball bar result", "the result of a ball bar", ""},
     {"gauge blocks", "a file of lengths of gauge blocks", ""},
+    {"true errors (emulator)", "a file of the true errors of an emulated machine",
+     "use `ecs volume MAP --params PARAMS --errors {}`"},
 }};
 
 std::map<std::string, std::string, std::less<>>& advice_of_modules() {
@@ -125,6 +127,8 @@ bool is_ball_bar(std::string_view text) {
 }
 
 FileKind kind_of_toml(std::string_view text) {
+  for (const char* table : {"[[contribution]]", "[squareness]", "[scatter]", "[location]", "[air]", "[spindle]"})
+    if (has_line(text, table)) return FileKind::true_errors;  // which has [[effect]] too
   if (has_line(text, "[[effect]]")) return FileKind::model;
   if (has_line(text, "[configuration]")) return FileKind::parameters;
   if (has_line(text, "configuration =") && has_line(text, "[axis.")) return FileKind::machine;

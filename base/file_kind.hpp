@@ -46,6 +46,7 @@ enum class FileKind : std::uint8_t {
   spindle_test,  ///< a trace of a master ball over the turns of a spindle
   ball_bar,      ///< the result of a ball bar by its maker's program (.b5r)
   gauge_blocks,  ///< measured lengths of artefacts
+  true_errors,   ///< of an emulated machine
 };
 
 /// "measurements", "model", "error map", …

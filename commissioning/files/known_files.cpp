@@ -31,7 +31,7 @@ FileKind kind_of_beginning(const fs::path& path, std::string_view text) {
   const FileKind kind = kind_of_content(text);
   const bool is_whole = kind == FileKind::model || kind == FileKind::parameters || kind == FileKind::machine ||
                         kind == FileKind::status || kind == FileKind::datum_record || kind == FileKind::lengths ||
-                        kind == FileKind::plan || kind == FileKind::recipe ||
+                        kind == FileKind::plan || kind == FileKind::recipe || kind == FileKind::true_errors ||
                         (kind == FileKind::memory && text.find('\0') == std::string_view::npos);
   return is_whole ? kind : FileKind::other;
 }
@@ -89,8 +89,6 @@ FileLook looked_at(const fs::path& path) {
   if (const auto known = wrong_kind(FileKind::other, beginning, ""); known && look.kind == FileKind::other)
     look.what = without_advice(known->message).substr(std::string_view("this is ").size());
   if (beginning.starts_with("time_s,mode,fault,axis,position_mm,")) look.what = "a recording of the monitor";
-  if (beginning.find("\n[[contribution]]") != std::string::npos)
-    return {FileKind::other, "true errors (of an emulated machine)", false, {}};
   if (look.kind != FileKind::other || beginning.find('\0') == std::string::npos) return look;
   if (read_dump(path)) return {FileKind::memory, "memory image", false, {}};
   return look;

@@ -120,7 +120,9 @@ TEST_CASE("a refused file is not marked, and the next one is taken alone") {
 TEST_CASE("plans, recipes and the errors of an emulated machine are named for what they are") {
   CHECK(looked_at("samples/mill/plan.toml").what == "measurement plan");
   CHECK(looked_at("samples/mill/recipe.toml").what == "recipe");
-  CHECK(looked_at("samples/mill/errors.toml").what == "true errors (of an emulated machine)");
+  for (const char* errors :
+       {"samples/mill/errors.toml", "samples/warm_mill/errors.toml", "samples/five_axes/errors.toml"})
+    CHECK(looked_at(errors).what == "true errors (emulator)");
 }
 
 TEST_CASE("a path that does not exist is refused and stays for correction") {
