@@ -10,6 +10,7 @@
 #include "commissioning/parameters/set.hpp"
 #include "commissioning/session/commands.hpp"
 #include "commissioning/session/records.hpp"
+#include "core/memory_image.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -75,6 +76,10 @@ Result<void> ParametersController::take_from_unit(const UnitContent& unit) {
   if (!unit.parameters)
     return problem(ProblemKind::refused, "not received from {}: {}", title_of(unit), unit.none_because);
   ParameterSet received{*unit.parameters, {set().identity.machine, unit.identity.serial_number}};
+  constexpr std::size_t kLongestLetter = 4;  // bytes: a longer name is perhaps cut
+  if (const std::string& its = unit.identity.machine;
+      received.identity.machine.empty() && its.size() + kLongestLetter <= kMostMachineBytes)
+    received.identity.machine = its;
   held_ = {file_between("parameters", ".toml"), {}, {*unit.parameters, {{}, unit.identity.serial_number}}, true};
   if (loaded_) {
     if (unsaved()) set_draft_aside(kParametersDraft);

@@ -54,6 +54,17 @@ TEST_CASE("what is sent is asked first, read back without a difference, and rece
   CHECK(another.unsaved().empty());
 }
 
+TEST_CASE("received parameters have the machine that the unit names, unless its name may be cut") {
+  const StateFolder folder;
+  for (const std::string& name : {std::string("small mill"), std::string(kMostMachineBytes, 'm')}) {
+    UnitContent unit{.name = "a unit", .parameters = UnitParameters{}};
+    unit.identity.machine = name;
+    ParametersController controller;
+    CHECK(controller.take_from_unit(unit));
+    CHECK(controller.set().identity.machine == (name.size() < kMostMachineBytes ? name : ""));
+  }
+}
+
 TEST_CASE("a refusal because no code was typed is told without options of a verb") {
   const std::string reason(protocol::text_of(protocol::UnitError::not_armed));
   CHECK(is_not_armed({ProblemKind::refused, "the unit refuses \"begin transfer\": " + reason, "", 0, 0, {}}));
