@@ -46,7 +46,7 @@ constexpr Synonyms kSynonyms[] = {
     {"MODEL", "diagnose cause effect fit residual backlash thermal"},
     {"MODEL SCREEN", "diagnose cause effect fit residual backlash thermal"},
     {"LINK", "serial port baud cable connect connection usb com tcp modbus no answer doctor"},
-    {"LOG", "history errors warnings"},
+    {"MESSAGES", "log history errors warnings"},
     {"COMMANDS", "history script replay record macro panel verbs done"},
     {"doctor", "no answer cable connection trouble"},
     {"utility mode", "integration compensate compensation on off enable"},
@@ -131,7 +131,7 @@ Choices model_choices(const Connection& connection) {
            [connection] { return model_form(connection); }}};
 }
 
-/// In the order of figure 5.4; ON LINE MONITOR, LINK and LOG are screens without a menu.
+/// In the order of figure 5.4; ON LINE MONITOR, LINK and MESSAGES are screens without a menu.
 const std::vector<TopMenu>& top_menus() {
   static const std::vector<TopMenu> menus{
       {"E.C.S. PARAMETERS", "data of the machine that the unit needs", parameters_choices},
@@ -194,7 +194,7 @@ Choices all_choices(const Connection& connection) {
   choices.insert(choices.end() - 1, {"LINK", "port, speed, unit number; link test; statistics",
                                      [connection] { return link_screen(connection); }});
   choices.insert(choices.end() - 1,
-                 {"LOG", "messages of the screens, errors in full, to copy", [] { return log_screen(); }});
+                 {"MESSAGES", "messages of the screens, errors in full, to copy", [] { return log_screen(); }});
   choices.push_back({"COMMANDS", "the actions so far as commands of ecs, to copy or save as a script (F6)",
                      [] { return commands_screen(); }, true});
   add_sought(choices, connection);

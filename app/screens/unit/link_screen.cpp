@@ -36,7 +36,7 @@ std::vector<StatisticsRow> statistics_rows(const WatchedUnit& unit) {
           trouble("time-outs", s.timeouts, s.requests, "no answer: plugs, cable, unit off or busy"),
           trouble("CRC errors", s.crc_errors, s.requests, "garbled answers: shield, ground, length, parity"),
           trouble("stale replies", s.stale_replies, s.requests, "answers to an earlier request: slow converter"),
-          trouble("exceptions", s.exceptions, s.requests, "requests that the unit refused: see LOG"),
+          trouble("exceptions", s.exceptions, s.requests, "requests that the unit refused: see MESSAGES"),
           {"bytes sent", count(s.bytes_sent), "", Tone::plain},
           {"bytes received", count(s.bytes_received), "", Tone::plain},
           {"mean round trip", s.replies == 0 ? "-" : fmt::format("{:.1f} ms", s.mean_round_trip_ms()), "", Tone::plain},

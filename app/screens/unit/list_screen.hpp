@@ -1,5 +1,5 @@
-// A list that grows while the screens run, the newest row last and followed, the marked one whole below: LOG, COMMANDS,
-// LOGBOOK.
+// A list that grows while the screens run, the newest row last and followed, the marked one whole below: MESSAGES,
+// COMMANDS, LOGBOOK.
 #pragma once
 
 #include <algorithm>
