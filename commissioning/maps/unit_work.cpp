@@ -128,6 +128,10 @@ std::string sent_text(const SentMap& sent) {
   if (sent.report.already_held)
     return fmt::format("unit {} already contains this map, checksum {:08X}: not sent again",
                        sent.identity.serial_number, sent.check);
+  if (sent.report.was_in_other_bank())
+    return fmt::format(
+        "unit {} already contained this map in its inactive bank: nothing sent, made active, checksum {:08X}",
+        sent.identity.serial_number, sent.check);
   return fmt::format("sent to unit {} and verified: {} bytes in {:.1f} s, checksum {:08X}", sent.identity.serial_number,
                      sent.report.bytes, sent.seconds, sent.check);
 }

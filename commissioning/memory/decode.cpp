@@ -207,7 +207,7 @@ std::string name_of(const DecodedTable& table) {
 
 std::string text_of(const CommitSlot& slot) {
   if (!slot.commit) return slot.blank ? "blank" : "corrupt";
-  return fmt::format("sequence {}, bank {}, {} bytes, checksum {:08X}", slot.commit->sequence,
+  return fmt::format("commit no. {}, bank {}, {} bytes, checksum {:08X}", slot.commit->sequence,
                      slot.commit->bank == 0 ? "A" : "B", slot.commit->image_bytes, slot.commit->image_check);
 }
 
@@ -227,7 +227,7 @@ Cell regions_cell(const MemoryDump& dump) {
 Cell commit_cell(const CommitSlot& slot) {
   const auto& commit = slot.commit;
   const std::string_view state = commit ? "valid" : (slot.blank ? "blank" : "corrupt");
-  return record_cell(commit ? "commit record {address}: sequence {sequence}, bank {bank}, {image_bytes} bytes, "
+  return record_cell(commit ? "commit record {address}: commit no. {sequence}, bank {bank}, {image_bytes} bytes, "
                               "checksum (CRC-32) {image_check}{active}\n"
                             : "commit record {address}: {state}\n",
                      "address"_is(hex_address(slot.address)), "state"_is(state),
@@ -289,10 +289,13 @@ Cell identity_cell(const DecodedImage& image) {
   if (!image.identity)
     return null_cell(image.format == kFormatWithoutIdentity ? "for no particular unit (format 1)\n" : "");
   const auto stated = [](const std::string& text) { return text.empty() ? Cell{"", "not stated"} : text_cell(text); };
-  return record_cell("for unit {serial_number}, machine {machine}, configuration {configuration}\n",
-                     "serial_number"_is(stated(image.identity->serial_number)),
-                     "machine"_is(stated(image.identity->machine)),
-                     "configuration"_is(hex_cell(image.identity->configuration)));
+  const std::string code = fmt::format("{:08X}", image.identity->configuration);
+  const bool fits = image.parameters && configuration_hash(*image.parameters) == image.identity->configuration;
+  return record_cell(
+      "for unit {serial_number}, machine {machine}, configuration {configuration}\n",
+      "serial_number"_is(stated(image.identity->serial_number)), "machine"_is(stated(image.identity->machine)),
+      "configuration"_is(
+          code, fits ? fmt::format("{} (code {})", configuration_of(*image.parameters), code) : "code " + code));
 }
 
 Cell below_a_gap(Cell cell) {

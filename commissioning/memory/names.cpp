@@ -167,8 +167,7 @@ std::string text_of(const DecodedImage& image, const DecodedMemory& memory) {
   std::string text = fmt::format("{}: {} bytes, {}", image.active ? "ACTIVE" : "not active", image.bytes,
                                  image.tables.empty() ? "parameters only" : "map");
   for (const CommitSlot& slot : memory.commits)
-    if (slot.active && image.active && slot.commit)
-      text += fmt::format(", made active as no. {}", slot.commit->sequence);
+    if (slot.active && image.active && slot.commit) text += fmt::format(", commit no. {}", slot.commit->sequence);
   return text;
 }
 

@@ -52,7 +52,8 @@ Result<SentParameters> sent_to_unit(UnitLink& link, const UnitParameters& parame
 }
 
 bool refused_for_map(const Problem& why) {
-  return why.kind == ProblemKind::refused && why.message.starts_with("the map in the unit does not fit");
+  return why.kind == ProblemKind::refused &&
+         (why.message.starts_with(kUnfitMap) || why.message.starts_with(kNoValidMap));
 }
 
 std::string other_unit_sentence(const ParameterSet& set, const UnitContent& unit) {
@@ -97,7 +98,7 @@ std::string warned(const ParametersController& controller) {
 
 std::string taken_in_words(const SentParameters& sent, std::size_t differing) {
   std::string text =
-      fmt::format("sent to {} and read back: {}; made active as no. {}", title_of(sent.after),
+      fmt::format("sent to {} and read back: {}; commit no. {}", title_of(sent.after),
                   differing == 0 ? "no difference" : fmt::format("{} differ", differing), sent.report.commit_sequence);
   if (sent.report.map_kept) text += "; its map fits and is kept";
   if (sent.report.map_dropped) text += "; it now has no map";
@@ -240,12 +241,14 @@ void ParametersTransfer::take_sent(Result<SentParameters> sent) {
   }
   std::string objections;
   for (const Problem& objection : why.also) objections += "\n- " + objection.message;
-  message_->say("not sent: the map in the unit does not fit these parameters", Tone::warning);
+  const bool unfit = why.message.starts_with(kUnfitMap);
+  message_->say(fmt::format("not sent: {}", unfit ? kUnfitMap : kNoValidMap), Tone::warning);
   asking_.ask({"Send them without the map?",
-               "The map in the unit does not fit these parameters and will be deleted: the unit does not compensate "
-               "until a map is sent." +
+               (unfit ? "The map in the unit does not fit these parameters and will be deleted: the unit does not "
+                        "compensate until a map is sent."
+                      : "The unit contains no valid map, and does not compensate until one is sent.") +
                    objections,
-               "send, delete the map", "do not send"},
+               unfit ? "send, delete the map" : "send", "do not send"},
               [this] { start_sending(owner_, UnfitMap::drop); });
 }
 

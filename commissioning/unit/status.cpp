@@ -285,9 +285,9 @@ Cell map_cell(const UnitStatus& status) {
   const std::string_view bank = name_of_bank(status.active_bank);
   const bool has_tables = status.image_length_bytes > directory_offset();  // which begins behind the parameters
   return record_cell(status.active_bank == Bank::none ? "active map   {bank}\n"
-                     : has_tables ? "active map   bank {bank}, {bytes} bytes, made active as no. {commit_sequence}\n"
-                                  : "active map   none: only parameters (bank {bank}, {bytes} bytes, made active "
-                                    "as no. {commit_sequence})\n",
+                     : has_tables ? "active map   bank {bank}, {bytes} bytes, commit no. {commit_sequence}\n"
+                                  : "active map   none: only parameters (bank {bank}, {bytes} bytes, commit no. "
+                                    "{commit_sequence})\n",
                      "bank"_is(status.active_bank == Bank::none ? null_cell(bank) : cell_of(bank)),
                      "bytes"_is(status.image_length_bytes), "commit_sequence"_is(status.commit_sequence));
 }

@@ -134,6 +134,7 @@ struct KeptMap {
   std::optional<Image> image;  ///< sound, with tables
   std::vector<std::string> objections;
   bool had_one = false;
+  bool unreadable = false;
 };
 
 KeptMap map_to_keep(const std::optional<Image>& active, const UnitParameters& parameters,
@@ -142,8 +143,8 @@ KeptMap map_to_keep(const std::optional<Image>& active, const UnitParameters& pa
   if (!active) return kept;
   const auto content = laser::content_of(*active);
   if (!content) {
-    kept.had_one = true;
-    kept.objections.push_back("the map in the unit is not valid: " + to_text(content.error()));
+    kept.had_one = kept.unreadable = true;
+    kept.objections.push_back("the memory image in the unit is not valid: " + to_text(content.error()));
     return kept;
   }
   if (content->map.tables.empty() && content->map.header.declared_zero.empty()) return kept;
@@ -154,16 +155,19 @@ KeptMap map_to_keep(const std::optional<Image>& active, const UnitParameters& pa
   return kept;
 }
 
-tl::unexpected<Problem> refused_for_map(const std::vector<std::string>& objections) {
-  std::vector<Problem> problems{
-      {ProblemKind::refused,
-       "the map in the unit does not fit these parameters; not sent. Send a map for them (`ecs map send MAP --params "
-       "FILE` sends both), or give --force to send the parameters and delete the map",
-       {},
-       0,
-       0,
-       {}}};
-  for (const std::string& objection : objections) problems.push_back({ProblemKind::refused, objection, {}, 0, 0, {}});
+tl::unexpected<Problem> refused_for_map(const KeptMap& kept) {
+  std::vector<Problem> problems;
+  const auto refuse = [&](std::string why) {
+    problems.push_back({ProblemKind::refused, std::move(why), {}, 0, 0, {}});
+  };
+  refuse(kept.unreadable
+             ? fmt::format("{}; not sent. Send map and parameters with `ecs map send MAP --params FILE`, or "
+                           "the parameters alone with `ecs params send FILE --force`",
+                           kNoValidMap)
+             : fmt::format("{}; not sent. Send a map for them with `ecs map send MAP --params FILE`, or "
+                           "delete the map in the unit with `ecs params send FILE --force`",
+                           kUnfitMap));
+  for (const std::string& objection : kept.objections) refuse(objection);
   return tl::unexpected(folded(std::move(problems)));
 }
 
@@ -216,16 +220,18 @@ std::optional<Problem> objections_to(const params::ParametersFile& file, const s
 std::vector<std::string> other_identity(std::span<const std::uint8_t> image, const protocol::Identity& unit) {
   const laser::StatedIdentity stated = laser::stated_identity(image);
   std::vector<std::string> objections;
-  const auto object = [&](std::string_view what, std::string_view its, std::string_view of_unit) {
-    objections.push_back(
-        fmt::format("the image is for {} \"{}\", the unit's is \"{}\": {}", what, its, of_unit, kTakeTheRightOne));
+  const auto object = [&](std::string_view what, std::string_view its, std::string_view unit_has,
+                          std::string_view of_unit) {
+    objections.push_back(fmt::format("the map is for {} \"{}\", but the unit {} \"{}\": {}", what, its, unit_has,
+                                     of_unit, kTakeTheRightOne));
   };
   const auto differs = [](std::string_view its, std::string_view of_unit) {
     return !its.empty() && !of_unit.empty() && its != of_unit;
   };
   if (differs(stated.serial_number, unit.serial_number))
-    object("serial number", stated.serial_number, unit.serial_number);
-  if (differs(machine_in_identity(stated.machine), unit.machine)) object("machine", stated.machine, unit.machine);
+    object("serial number", stated.serial_number, "has", unit.serial_number);
+  if (differs(machine_in_identity(stated.machine), unit.machine))
+    object("machine", stated.machine, "belongs to", unit.machine);
   const auto parameters = ImageView(image).parameters();
   if (parameters && unit.configuration != 0 && configuration_hash(*parameters) != unit.configuration)
     objections.push_back(fmt::format(
@@ -275,7 +281,7 @@ Result<std::string> difference_in_unit(protocol::UnitClient& client, const Image
     return std::string("its SHA-256 differs: its values have changed since the unit accepted them");
   if (now->commit_sequence != commit)
     return problem(ProblemKind::refused,
-                   "the unit accepted the map (commit {}), but another map is now active (commit {}): "
+                   "the unit accepted the map (commit no. {}), but another map is now active (commit no. {}): "
                    "another host uses the unit; compare before compensating",
                    commit, now->commit_sequence);
   if (!active) return not_read(active.error());
@@ -310,7 +316,8 @@ Upload upload(protocol::UnitClient& client, const Image& image, const protocol::
       Problem why = difference.error();
       if (why.kind != ProblemKind::refused)
         why.message = fmt::format(
-            "the unit {}, and it is active (commit {}). Its values could not be compared: {}. Compare them with `ecs "
+            "the unit {}, and it is active (commit no. {}). Its values could not be compared: {}. Compare them with "
+            "`ecs "
             "map verify`",
             sent->already_held ? "contains this map according to its checks" : "has accepted the new map",
             sent->commit_sequence, why.message);
@@ -378,7 +385,7 @@ Result<SendReport> send_parameters(protocol::UnitClient& client, const UnitParam
                                    const protocol::ProgressCallback& progress) {
   ECS_TRY(active, read_active_image(client, progress));
   KeptMap kept = map_to_keep(active, parameters, owner);
-  if (!kept.objections.empty() && unfit == UnfitMap::refuse) return refused_for_map(kept.objections);
+  if (!kept.objections.empty() && unfit == UnfitMap::refuse) return refused_for_map(kept);
   ECS_TRY(image, kept.image ? laser::with_parameters(std::move(*kept.image), parameters) : laser::image_of(parameters));
   auto report = send_image(client, image, Addressee::this_unit, progress);
   if (!report) return report;

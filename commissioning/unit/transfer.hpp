@@ -67,6 +67,10 @@ enum class UnfitMap {
   drop,    ///< the parameters are sent without it: the unit does not compensate until a map is sent
 };
 
+/// How the refusal begins, by which a screen knows that dropping the map helps.
+inline constexpr std::string_view kUnfitMap = "the map in the unit does not fit these parameters",
+                                  kNoValidMap = "the unit contains no valid map";
+
 struct SendReport {
   std::size_t bytes = 0;                    ///< of the image that is now active
   std::uint32_t check = 0;                  ///< its checksum
@@ -76,6 +80,8 @@ struct SendReport {
   bool map_kept = false;                    ///< the unit's map stays, with the new parameters
   bool map_dropped = false;                 ///< the unit had a map that is gone
   std::vector<std::string> map_objections;  ///< why it was dropped
+  /// The image was made active without a byte sent.
+  [[nodiscard]] bool was_in_other_bank() const { return bytes_sent == 0 && !already_held; }
 };
 
 /// What is done with a parameter file that does not end with its closing line.

@@ -254,9 +254,8 @@ Result<void> write(const std::filesystem::path& path, std::vector<LogRecord> wan
   }
   if (book->is_new()) say_what_cannot_be_read();
   if (book->is_new())
-    say_once(false,
-             fmt::format("a logbook of {} was started: {} (modules/logbook/README.md; ECS_LOGBOOK=off disables it)",
-                         in_words({records.back().machine, records.back().serial_number}), path.string()));
+    say_once(false, fmt::format("logbook started for {}: {} (modules/logbook/README.md; ECS_LOGBOOK=off disables it)",
+                                in_words({records.back().machine, records.back().serial_number}), path.string()));
   return {};
 }
 
@@ -381,13 +380,15 @@ void record_transfer(const SentImage& one) {
   if (one.sent->already_held)
     return record(entry("transfer", fmt::format("not sent: the unit already contained image {}", check)));
   const bool rollback = is_rollback(owner, sha256);
-  LogRecord active = entry(rollback ? "rollback" : "activation",
-                           fmt::format("image {} is active, commit {}{}", check, one.sent->commit_sequence,
-                                       rollback ? ": it was active before" : ""));
+  LogRecord active = entry(
+      rollback ? "rollback" : "activation",
+      fmt::format("image {} is active{}, commit no. {}", check, rollback ? " again" : "", one.sent->commit_sequence));
   active.files.push_back({"image", "image " + check, std::make_shared<const std::string>(bytes)});
-  record_all(
-      {entry("transfer", fmt::format("{} of {} bytes sent, checksum {}", one.sent->bytes_sent, bytes.size(), check)),
-       std::move(active)});
+  record_all({entry("transfer",
+                    one.sent->bytes_sent == 0
+                        ? fmt::format("nothing sent: the inactive bank already contained image {}", check)
+                        : fmt::format("{} of {} bytes sent, checksum {}", one.sent->bytes_sent, bytes.size(), check)),
+              std::move(active)});
 }
 
 constexpr RecordKeeper kLogbookKeeper{

@@ -357,20 +357,22 @@ constexpr std::string_view kHowToFindOut =
 
 std::string another_is_active(const ActiveMap& now) {
   return fmt::format(
-      "the active map has changed ({} bytes, commit {}): another host uses the unit, or another unit is on this link "
+      "the active map has changed ({} bytes, commit no. {}): another host uses the unit, or another unit is on this "
+      "link "
       "now; compare before compensating",
       now.image_length_bytes, now.commit_sequence);
 }
 
 std::string not_taken(const ActiveMap& before) {
   if (before.active_bank == Bank::none) return "; the unit contains no map, as before";
-  return fmt::format("; the unit has stored none of it, and the old map is active (commit {})", before.commit_sequence);
+  return fmt::format("; the unit has stored none of it, and the old map is active (commit no. {})",
+                     before.commit_sequence);
 }
 
 std::string unknown_after(const ActiveMap& before) {
   return fmt::format(
       "; the commit was sent, but no reply was received: it is not known which map is active. The unit may have "
-      "accepted the new map (commit {} was active before); {}",
+      "accepted the new map (commit no. {} was active before); {}",
       before.commit_sequence, kHowToFindOut);
 }
 
@@ -415,9 +417,10 @@ Result<std::uint32_t> UnitClient::settled(const ActiveMap& before, const SentIma
     why.message += "; " + another_is_active(*now);
   else if (cancelled)
     why.message +=
-        fmt::format("; the unit had already accepted the new map: it is active (commit {})", now->commit_sequence);
+        fmt::format("; the unit had already accepted the new map: it is active (commit no. {})", now->commit_sequence);
   else if (why.kind == ProblemKind::refused)
-    why.message += fmt::format("; another host has sent the same map: it is active (commit {})", now->commit_sequence);
+    why.message +=
+        fmt::format("; another host has sent the same map: it is active (commit no. {})", now->commit_sequence);
   else
     return now->commit_sequence;
   return tl::unexpected(std::move(why));
@@ -427,9 +430,10 @@ Result<std::uint32_t> UnitClient::settled(const ActiveMap& before, const SentIma
 /// or another unit may have come between.
 Result<std::uint32_t> UnitClient::confirmed(std::uint32_t commit, const SentImage& sent) {
   const auto in_doubt = [&](const Problem& why) {
-    return problem(ProblemKind::link, fmt::format("the unit has accepted the new map, and it is active (commit {}); it "
-                                                  "could not be checked afterwards: {}; {}",
-                                                  commit, why.message, kHowToFindOut));
+    return problem(ProblemKind::link,
+                   fmt::format("the unit has accepted the new map, and it is active (commit no. {}); it "
+                               "could not be checked afterwards: {}; {}",
+                               commit, why.message, kHowToFindOut));
   };
   const auto now = active_map();
   if (!now) return in_doubt(now.error());

@@ -199,8 +199,8 @@ void Rules::ends(const Attempt& attempt, const Result<commissioning::SentMap>& s
   const std::string& words = sent.error().message;
   record_.trace(words.data(), words.size());
   const bool says_none = holds(words, "the unit contains no map, as before");
-  const auto old_commit = number_after(words, "the old map is active (commit ");
-  const auto new_commit = number_after(words, "it is active (commit ");
+  const auto old_commit = number_after(words, "the old map is active (commit no. ");
+  const auto new_commit = number_after(words, "it is active (commit no. ");
   const bool doubt = holds(words, "it is not known which map is active") ||
                      holds(words, "the active map has changed") || holds(words, "another map is now active") ||
                      holds(words, "the active map in the unit differs") ||

@@ -149,10 +149,10 @@ class SendPage final : public LaserPage {
     if (!sent && controller().saved() && !controller().sent_earlier().empty())
       return fmt::format("to unit {}, before this work was continued: step 9 compares it", controller().sent_earlier());
     if (!sent) return "no";
-    return fmt::format(
-        "{}unit {}, {} bytes in {:.1f} s, {}, made active as no. {}",
-        controller().sent_is_current() ? "" : "changed since it was sent: ", sent->identity.serial_number,
-        sent->report.bytes, sent->seconds, check_text(sent->check), sent->report.commit_sequence);
+    return fmt::format("{}unit {}, {} of {} bytes in {:.1f} s, {}, commit no. {}",
+                       controller().sent_is_current() ? "" : "changed since it was sent: ",
+                       sent->identity.serial_number, sent->report.bytes_sent, sent->report.bytes, sent->seconds,
+                       check_text(sent->check), sent->report.commit_sequence);
   }
 
   bool asked_ = false;  ///< about the map that is ready
@@ -197,8 +197,7 @@ class VerifyPage final : public LaserPage {
                              : fmt::format("{} differences in the map, {} in the parameters",
                                            verdict.differences.size(), verdict.parameters.size()),
               !stale.empty() ? Tone::faint : (verdict.same() ? Tone::good : Tone::bad));
-    lines.say("its map",
-              fmt::format("{}, made active as no. {}", check_text(d.compared().check), d.compared().activations));
+    lines.say("its map", fmt::format("{}, commit no. {}", check_text(d.compared().check), d.compared().activations));
     if (verdict.same() && stale.empty() && !d.verified())
       lines.say("", "The choices have changed since then: step 8 sends the present map.", Tone::warning);
     lines.skip();

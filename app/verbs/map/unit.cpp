@@ -217,10 +217,13 @@ Result<Outcome> send(VerbContext& context, const SendRequest& request) {
   if (sent->check_before != sent->check && !context.console.json) context.console.note(kBeforeFirstCompensation);
   return finished_outcome_of(record_cell(
       sent->report.already_held
-          ? "unit {serial_number} already contains {map}, checksum (CRC-32) {check}, made active as no. "
-            "{commit_sequence}: not sent again"
+          ? "unit {serial_number} already contains {map}, checksum (CRC-32) {check}, commit no. {commit_sequence}: not "
+            "sent again"
+      : sent->report.was_in_other_bank()
+          ? "unit {serial_number} already contained {map} in its inactive bank: nothing sent, made active, checksum "
+            "(CRC-32) {check}, commit no. {commit_sequence}"
           : "{map} sent to unit {serial_number} and verified: {bytes} bytes in {seconds} s, checksum (CRC-32) {check}, "
-            "made active as no. {commit_sequence}",
+            "commit no. {commit_sequence}",
       "map"_is(request.file), "bytes"_is(sent->report.bytes), "bytes_sent"_is(sent->report.bytes_sent),
       "already_held"_is(sent->report.already_held), "seconds"_is(sent->seconds, 1),
       "check"_is(fmt::format("{:08X}", sent->check)), "verified"_is(true),

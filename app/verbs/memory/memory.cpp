@@ -161,9 +161,11 @@ Result<Outcome> load(VerbContext& context, const LoadRequest& request) {
                              progress_bar(context, "image")));
   return finished_outcome_of(record_cell(
       report.already_held
-          ? "the unit already has the parameters and the map of {file}, made active as no. "
-            "{commit_sequence}: not sent again"
-          : "parameters and map of {file} sent and verified: {bytes} bytes, made active as no. {commit_sequence}",
+          ? "the unit already has the parameters and the map of {file}, commit no. {commit_sequence}: not sent again"
+      : report.was_in_other_bank()
+          ? "the unit already contained parameters and map of {file} in its inactive bank: nothing sent, made active, "
+            "commit no. {commit_sequence}"
+          : "parameters and map of {file} sent and verified: {bytes} bytes, commit no. {commit_sequence}",
       "file"_is(request.file), "bytes"_is(report.bytes), "commit_sequence"_is(report.commit_sequence),
       "verified"_is(true)));
 }

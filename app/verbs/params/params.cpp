@@ -42,7 +42,7 @@ struct ShowRequest {
   bool unit = false;
   static Fields<ShowRequest> fields() {
     using R = ShowRequest;
-    return {{"FILE", &R::file, "parameter file"}, {"--unit", &R::unit, "show the parameters in the unit"}};
+    return {{"FILE", &R::file, "parameter file, or `unit`"}, {"--unit", &R::unit, "the same as the word `unit`"}};
   }
 };
 
@@ -53,8 +53,8 @@ Result<Outcome> show_unit(VerbContext& context) {
 
 Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
   if (request.unit == !request.file.empty())
-    return problem(ProblemKind::usage, "params show: give either a FILE or --unit");
-  if (request.unit) return show_unit(context);
+    return problem(ProblemKind::usage, "params show: give either a parameter file or the word `unit`");
+  if (request.unit || request.file == kUnitWord) return show_unit(context);
   ECS_TRY(file, params::read_parameters(request.file));
   const auto& [machine, serial_number] = file.identity;
   const bool named = !machine.empty() || !serial_number.empty();
@@ -268,8 +268,8 @@ struct AdjustRequest {
          Range{1.0, 1e5}, Need::required},
         {"--nothing-um", &R::nothing_um, "largest reading that is regarded as zero [um]", Range{0.0, 1e3}},
         {"--trial", &R::trial,
-         "only try the value: the unit keeps compensating and stores nothing. A reading of 0 without --trial stores "
-         "the value that is tried"}};
+         "only try the value: the unit keeps compensating and stores nothing. To store it, repeat the command without "
+         "--trial when the indicator reads 0"}};
   }
 };
 
@@ -400,8 +400,11 @@ struct SendRequest {
 Outcome sent(const SendRequest& request, const SendReport& report, const params::ParametersFile& file) {
   return finished_outcome_of(record_cell(
       report.already_held
-          ? "the unit already has the parameters of {file}, made active as no. {commit_sequence}: not sent again"
-          : "parameters of {file} sent and verified: {bytes} bytes, made active as no. "
+          ? "the unit already has the parameters of {file}, commit no. {commit_sequence}: not sent again"
+      : report.was_in_other_bank()
+          ? "the unit already contained the parameters of {file} in its inactive bank: nothing sent, made active, "
+            "commit no. {commit_sequence}{map_kept}{map_dropped}"
+          : "parameters of {file} sent and verified: {bytes} bytes, commit no. "
             "{commit_sequence}{map_kept}{map_dropped}",
       "file"_is(request.file), "bytes"_is(report.bytes), "commit_sequence"_is(report.commit_sequence),
       "verified"_is(true), "defaulted"_is(lines_cell(file.defaulted, "")),
@@ -456,8 +459,8 @@ Result<Outcome> receive(VerbContext& context, const ReceiveRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kParameters{
-    action("params show", "show the parameters of a file or of the unit", "ecs params show mill-parameters.toml", show,
-           {.link = Link::reads}),
+    action("params show", "show the parameters of a file; `unit` means the connected unit",
+           "ecs params show mill-parameters.toml", show, {.link = Link::reads}),
     action("params check", "list every finding on a parameter file, with its remedy",
            "ecs params check mill.toml --machine machine.toml", check_file),
     action("params set", "change values in a parameter file",

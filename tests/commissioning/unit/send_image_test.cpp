@@ -56,6 +56,17 @@ TEST_CASE("an image is held already only if its values are the same") {
   CHECK(active_in(shop) == image);
 }
 
+TEST_CASE("an image that the other bank still contains is made active without a byte sent") {
+  auto shop = Workshop::on_tcp();
+  const Bytes first = sent_to(shop);
+  auto unit = shop.client();
+  UnitParameters other;
+  other.axes[0].position_loop_gain_per_s += 1.0;
+  CHECK_FALSE(must(send_image(unit, laser::image_of(other), Addressee::this_unit)).was_in_other_bank());
+  CHECK(must(send_image(unit, first)).was_in_other_bank());
+  CHECK_FALSE(must(send_image(unit, first)).was_in_other_bank());  // which is active now
+}
+
 TEST_CASE("an image whose values change although its checks agree is not called verified") {
   auto shop = Workshop::on_tcp();
   shop.in_server([at = place_in(sent_to(shop))](ModbusServer&, UnitModel& model) {
@@ -98,8 +109,21 @@ TEST_CASE("a map that another host sends before the values are compared is left 
         if (!reads_back || std::exchange(happened, true)) return;
         shop.in_server([](ModbusServer&, UnitModel& model) { model.switch_banks(model.image_length); });
       }));
-  CHECK(contains(sent.message, "another map is now active (commit 3)"));
+  CHECK(contains(sent.message, "another map is now active (commit no. 3)"));
   CHECK(shop.in_server([](ModbusServer&, UnitModel& model) { return model.commits; }) == 3);
+}
+
+TEST_CASE("parameters for a unit whose image is damaged are refused as such, with a remedy that every verb has") {
+  auto shop = Workshop::on_tcp();
+  (void)sent_to(shop);
+  shop.in_server([](ModbusServer&, UnitModel& model) {
+    (model.active == protocol::Bank::A ? model.bank_a : model.bank_b)[kPrefixBytes] ^= 1;
+  });
+  auto unit = shop.client();
+  const Problem why = must_fail(send_parameters(unit, UnitParameters{}, {}));
+  check_holds(why.message,
+              {"contains no valid map", "`ecs map send MAP --params FILE`", "`ecs params send FILE --force`"});
+  CHECK(send_parameters(unit, UnitParameters{}, {}, UnfitMap::drop)->map_dropped);
 }
 
 }  // namespace

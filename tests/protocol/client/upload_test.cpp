@@ -232,7 +232,7 @@ TEST_CASE("a cancel while the reply to the commit is awaited says that the new m
   REQUIRE_FALSE(sent.has_value());
   CHECK(shop.active_image() == image);
   CHECK(says(sent, "cancelled"));
-  CHECK(says(sent, "already accepted the new map: it is active (commit 1)"));
+  CHECK(says(sent, "already accepted the new map: it is active (commit no. 1)"));
 }
 
 TEST_CASE("of an image that differs from the active one in a byte only that piece is sent") {
@@ -480,7 +480,7 @@ TEST_CASE("a map that another host commits meanwhile stays active, and the messa
     model.active = Bank::B;
   });
   CHECK(says(sent, "another host"));
-  CHECK(says(sent, "commit 7"));
+  CHECK(says(sent, "commit no. 7"));
   CHECK(!says(sent, "old map is active"));
   CHECK(shop.in_model([](UnitModel& model) { return model.commits; }) == 7);
 }
@@ -499,7 +499,7 @@ TEST_CASE("a host that was paused while another one sent its map is refused, and
         REQUIRE(other.begin_staging(StagingFrom::cleared).has_value());
     });
     CHECK(says(sent, "this transfer has ended: another host has started one or sent a map"));
-    CHECK(says(sent, other_commits ? "the active map has changed (9000 bytes, commit 1)" : "old map is active"));
+    CHECK(says(sent, other_commits ? "the active map has changed (9000 bytes, commit no. 1)" : "old map is active"));
     CHECK(shop.active_image() == (other_commits ? others : kOldImage));
     CHECK(shop.staging() != other_commits);
   }
@@ -547,7 +547,7 @@ TEST_CASE("a line that dies after the commit was answered leaves no doubt that t
     shop.in_model([=](UnitModel& model) { model.on_commit = [=, &model] { model.replies_left = answered; }; });
     const auto sent = unit.upload_image(noise_image(4000));
     CHECK(sent.has_value() == (answered == 2));  // the second answer names the active image by its SHA-256
-    if (!sent) CHECK(says(sent, "it is active (commit 1)"));
+    if (!sent) CHECK(says(sent, "it is active (commit no. 1)"));
   }
 }
 
@@ -557,7 +557,7 @@ TEST_CASE("a cancel after the commit was answered does not hide that the map is 
   auto unit = shop.client(&cancelled);
   shop.in_model([&](UnitModel& model) { model.after_commit = [&cancelled] { cancelled = true; }; });
   const auto sent = unit.upload_image(noise_image(4000));
-  const bool told = sent.has_value() || says(sent, "it is active (commit 1)");
+  const bool told = sent.has_value() || says(sent, "it is active (commit no. 1)");
   CHECK(told);
 }
 

@@ -164,7 +164,7 @@ TEST_CASE("another host makes another map active: the verdict is said to be stal
   verify_at(driver);
   CHECK(driver.controller().verified());
   CHECK(!contains(driver.seen(), "commit"));
-  CHECK(contains(driver.seen(), "made active as no. 1"));
+  CHECK(contains(driver.seen(), "commit no. 1"));
 
   as_another_host(driver, [&](UnitLink& link) {
     return map_sent_over(link, (ready.folder.path / "other.csv").string(),
