@@ -8,7 +8,8 @@ namespace ecs::kinematics {
 
 std::optional<std::string> fault_of(std::string_view configuration) {
   for (const char letter : configuration)
-    if (letter != 'T' && !joint_of(letter)) return "one T and different letters of XYZABC, such as \"XYACTZ\"";
+    if (letter != 'T' && !joint_of(letter))
+      return "the letter T and letters of X, Y, Z, A, B, C, each once, such as \"XYACTZ\"";
   if (std::ranges::count(configuration, 'T') != 1)
     return "exactly one T: letters before it are on the workpiece side, letters after it on the tool side";
   std::size_t linear = 0, rotary = 0;

@@ -143,7 +143,7 @@ void add_configuration(std::vector<Field>& table) {
        "cross slide is called Y has the chain XTYZ and the axes YZ.",
        "axis configuration"},
       FieldType::text);
-  chain.accepts = "one T and different letters of XYZ, such as \"TXYZ\"";
+  chain.accepts = "the letter T and one to three of X, Y, Z, each once, such as \"TXYZ\"";
   chain.get_text = [](const UnitParameters& p) { return std::string(configuration_of(p)); };
   chain.put_text = put_chain;
   table.push_back(chain);
@@ -151,7 +151,7 @@ void add_configuration(std::vector<Field>& table) {
                     "The machine axes that are wired to the unit: one axis module for each letter.",
                     "number of machine axes; axes names (X,Y,Z)"},
                    FieldType::text);
-  axes.accepts = "one to three different letters of XYZ";
+  axes.accepts = "one to three of X, Y, Z, each once";
   axes.get_text = axes_text;
   axes.put_text = put_axes;
   table.push_back(axes);
@@ -281,7 +281,7 @@ void add_axis_configuration(std::vector<Field>& table, Axis axis) {
   push(table, axis,
        number(
            {"position_scale_um_per_count", Group::configuration,
-            "Travel per position count; negative if the transducer is wired with the opposite direction. Move a known "
+            "Travel per position count; negative if the transducer counts in the opposite direction. Move a known "
             "distance and compare the monitor with the control.",
             "position feedback scaling factor"},
            "um/count",

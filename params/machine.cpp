@@ -326,7 +326,7 @@ class MachineReader {
                               shortest(axis.travel_mm[0]), shortest(axis.travel_mm[1])));
   }
 
-  static constexpr const char* kAnyChain = "one T and different letters of XYZ, such as \"TXYZ\"";
+  static constexpr const char* kAnyChain = "the letter T and one to three of X, Y, Z, each once, such as \"TXYZ\"";
 
   /// Each letter has its table with a pivot and a travel, each table its letter.
   void judge_rotary_axes() {

@@ -84,7 +84,7 @@ void add_verbs(const Registry& registry, std::string& text, Json& verbs) {
 std::string state_of_link(const Result<LinkChoice>& choice) {
   if (!choice) return to_text(choice.error());
   const std::string name = to_text(*choice);
-  if (choice->origin == "default") return name + " (used because no link was given with --link or stored)";
+  if (choice->origin == "default") return name + " (used because no link is stored and none was given with --link)";
   return fmt::format("{} ({})", name,
                      choice->origin == "--link" ? "given" : "stored in " + configuration_file().string());
 }

@@ -123,18 +123,18 @@ void Overlay::show_help(const Screen& screen, const std::string& seen) {
     parts_.push_back({"Esc", "back; on the first screen: leave"});
   parts_.push_back({"F2", "shows texts that end in ... F2 in full"});
   parts_.push_back({"F3", "finds any screen or command by its name, also from here"});
-  parts_.push_back({"F4", "copies the selected row or the screen (by OSC 52)"});
+  parts_.push_back({"F4", "copies the selected row or the screen to the clipboard, if the terminal allows it"});
   parts_.push_back({"F6", "COMMANDS: the actions as commands; saves a script"});
   parts_.push_back({"Ctrl-L, Ctrl-C", "redraw everything; leave the program"});
   const std::vector<ExplainedWord> words = words_explained_in(seen + " " + screen.help());
   if (!words.empty()) parts_.push_back({"", ""});
-  for (const ExplainedWord& word : words) parts_.push_back({word.word, word.meaning});
+  for (const ExplainedWord& word : words) parts_.push_back({word.word + ":", word.meaning});
 }
 
 void Overlay::show_whole(const std::vector<std::string>& texts) {
   if (texts.empty()) return;
   *this = {};
-  title_ = "full text (also in LOG)";
+  title_ = "full text (also in MESSAGES)";
   const auto known = logged();
   for (const std::string& text : texts) {
     if (!parts_.empty()) parts_.push_back({});
@@ -278,7 +278,7 @@ void draw_leaving(Canvas& canvas, const std::string& unsaved) {
   draw_question(
       canvas, canvas.whole(),
       {"Leave the program?",
-       unsaved + (drafts_fail() && !unsaved.empty() ? " IT WILL BE LOST: no draft can be written, see LOG." : ""),
+       unsaved + (drafts_fail() && !unsaved.empty() ? " IT WILL BE LOST: no draft can be written, see MESSAGES." : ""),
        unsaved.empty() ? "or Enter: leave" : "leave", unsaved.empty() ? "stay" : "or Enter: stay"});
   draw_key_line(canvas, key_area(canvas), {kLeavingKeys, {}});
 }

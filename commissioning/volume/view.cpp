@@ -169,7 +169,7 @@ std::string bound_text(const VolumeWork& work) {
                 work.unmeasured.size() == 1 ? "it is zero" : "they are zero");
   return paragraph(fmt::format(
              "{}With 95 % confidence the remaining error is at most {:.1f} um anywhere and {:.1f} um rms, with 50 % "
-             "confidence {:.1f} and {:.1f} um. This contains the errors that the map is known to leave, the "
+             "confidence {:.1f} and {:.1f} um. These figures include the errors that the map is known to leave, the "
              "uncertainty of the map{}, and the uncertainty assumed for components that were not measured. Errors "
              "beyond these assumptions (short periods, heat, load) add to it. Largest contributions to this "
              "uncertainty: {}.",

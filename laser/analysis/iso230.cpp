@@ -49,12 +49,14 @@ void note_closing(const Iso230& axis, std::vector<std::string>& notes) {
                                 first.position_mm, last.position_mm, *mean(last) - *mean(first)));
 }
 
+constexpr const char* kPeriodHidden =
+    "targets are equally spaced: a periodic error whose period divides their spacing is not visible";
+
 void note_rotary_targets(const Iso230& axis, std::vector<std::string>& notes) {
   const std::size_t wanted = rotary_targets(span_mm(axis));
   if (axis.targets.size() < wanted)
     notes.push_back(fmt::format("fewer than {} targets ({} on {:g} deg)", wanted, axis.targets.size(), span_mm(axis)));
-  if (is_evenly_spaced(axis))
-    notes.push_back("targets are equally spaced: a periodic error of that pitch is not visible");
+  if (is_evenly_spaced(axis)) notes.emplace_back(kPeriodHidden);
   note_closing(axis, notes);
 }
 
@@ -69,8 +71,7 @@ void note_targets(const Iso230& axis, std::vector<std::string>& notes) {
     notes.push_back(
         "longer than 2000 mm: the standard requires targets about every 250 mm, and defines A and R for shorter axes "
         "only");
-  if (is_evenly_spaced(axis))
-    notes.push_back("targets are equally spaced: a periodic error of that pitch is not visible");
+  if (is_evenly_spaced(axis)) notes.emplace_back(kPeriodHidden);
 }
 
 void note_runs(const Iso230& axis, std::vector<std::string>& notes) {

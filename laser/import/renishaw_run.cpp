@@ -160,8 +160,8 @@ void check_whole(const RunFile& file, Findings& findings) {
   for (const RunPoint& point : file.points) present.insert(point.run);
   const std::size_t expected = present.size() * file.targets.size();
   if (file.points.size() != expected)
-    findings.add(0, 0, "DEVIATIONS: expected {} points ({} runs of {} targets), found {}{}", expected, present.size(),
-                 file.targets.size(), file.points.size(), kCutShort);
+    findings.add(0, 0, "DEVIATIONS: expected {} points ({} run{} of {} targets), found {}{}", expected, present.size(),
+                 present.size() == 1 ? "" : "s", file.targets.size(), file.points.size(), kCutShort);
 }
 
 }  // namespace

@@ -202,7 +202,7 @@ std::string CaptureRecord::doubled(double at_s) const {
   if (taken_.empty()) return {};
   const double since_s = at_s - taken_.back().time_s.value_or(at_s);
   if (since_s >= rules_.min_interval_s) return {};
-  return fmt::format("not accepted: a doubled trigger, {:.2f} s after the last one (readings are accepted after {} s)",
+  return fmt::format("not accepted: double trigger, {:.2f} s after the last one (readings are accepted after {} s)",
                      since_s, rules_.min_interval_s);
 }
 

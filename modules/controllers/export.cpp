@@ -171,10 +171,10 @@ Cell table_cell(const controllers::ExportedTable& t) {
 Cell tables_cell(const std::vector<controllers::ExportedTable>& tables) {
   Cell list = list_cell(
       tables, table_cell,
-      fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8} {:>8}\n", "", "table", "points", "in map", "largest", "differs"));
+      fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8} {:>8}\n", "", "table", "points", "of map", "largest", "differs"));
   list.text +=
-      "largest: largest value of the table; differs: largest difference from an ideal ECS unit,\nwhose output follows "
-      "the map without steps of the D/A converter and without delay\n";
+      "points, of map: points of the table and of the map; largest: largest value of the table; differs: largest "
+      "difference from the compensation by the ECS unit\n";
   return list;
 }
 
@@ -211,8 +211,8 @@ Cell residual_row_cell(const controllers::ResidualRow& row, const PerAxis<bool>&
     before[direction] = of_none.json;
     unit[direction] = of_map.json;
     control[direction] = of_export.json;
-    text += fmt::format("{:<10} {:<6}  {:>16}  {:>16}  {:>16}\n", where, direction, of_none.text, of_map.text,
-                        of_export.text);
+    text += fmt::format("{:<10} {:<6}  {:>16}  {:>16}  {:>16}\n", where, d == kAxes ? "vector" : direction,
+                        of_none.text, of_map.text, of_export.text);
     where.clear();
   }
   return {object_of("where"_is(row.where), "places"_is(row.places), "not_compensated"_is(before), "whole_map"_is(unit),

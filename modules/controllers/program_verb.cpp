@@ -243,7 +243,7 @@ class PredictedPart {
       const std::string direction = d == kAxes ? "length" : std::string(1, letter_of(kAllAxes[d]));
       const Cell before = size(before_, d), after = size(after_, d);
       rows.json[direction] = object_of("as_programmed"_is(before), "corrected"_is(after));
-      rows.text += fmt::format("{:<8} {:>18} {:>18}\n", direction, before.text, after.text);
+      rows.text += fmt::format("{:<8} {:>18} {:>18}\n", d == kAxes ? "vector" : direction, before.text, after.text);
     }
     return {object_of("places"_is(places_), "by_direction"_is(rows)), rows.text};
   }

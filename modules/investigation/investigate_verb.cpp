@@ -34,8 +34,7 @@ struct InvestigateRequest : commissioning::WorkshopChoice {
              Need::required, Range{0.0, kMostMinutes}},
             {"-o,--output", &R::output, "model file to write, with the causes found; may be MODEL itself", Is::output},
             {"--ball-model", &R::ball_output,
-             "model file to write of the readings of a ball, on a machine with rotary axes, with their causes",
-             Is::output}};
+             "file for the model of the ball readings, with their causes (machines with rotary axes)", Is::output}};
   }
 };
 

@@ -272,8 +272,8 @@ NextPart investigation_part(ModelController& model, Prompt& prompt) {
       },
       "Or press i to measure, diagnose and make the next run until one cause remains, in the workshop of an emulator "
       "or with files that you provide.",
-      "On the page Next, press i to investigate: a workshop makes one run after the other until one cause remains "
-      "(with the bundled emulator this is the emulated machine of the link). The list of runs shows minutes, error and "
+      "On the page Next, press i to investigate: the emulated machine (or you, from files) is measured run after run "
+      "until one cause remains. The list of runs shows minutes, error and "
       "the "
       "causes that remain. Press Esc to stop, i to continue, and f to save the model with the causes found."};
 }

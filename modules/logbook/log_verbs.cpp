@@ -90,8 +90,8 @@ Result<Logbook> chosen_logbook(VerbContext& context, const LogChoice& choice) {
   if (!chosen) return none_found(setting, choice.machine);
   if (!others.empty() && choice.machine.empty())
     context.console.note(
-        fmt::format("{} is the one of {} logbooks that was written last: --machine selects another one",
-                    chosen->path().string(), others.size() + 1));
+        fmt::format("using the most recently written of {} logbooks, {}: --machine selects another one",
+                    others.size() + 1, chosen->path().string()));
   return std::move(*chosen);
 }
 
@@ -123,7 +123,7 @@ struct ListLogRequest {
   }
 };
 
-/// "exx.csv, input of the next entry" → "exx.csv, input of entry 18 (map build: map.csv)"
+/// "exx.csv, input of the next entry" → "exx.csv, input of entry 18 (model new: model.toml)"
 void name_users_of_inputs(std::vector<LogbookEntry>& entries) {
   const LogbookEntry* user = nullptr;
   for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
@@ -131,7 +131,8 @@ void name_users_of_inputs(std::vector<LogbookEntry>& entries) {
       user = &*entry;
     } else if (user != nullptr) {
       entry->summary.resize(entry->summary.size() - kInputOfNext.size());
-      entry->summary += fmt::format(", input of entry {} ({})", user->number, user->summary);
+      entry->summary +=
+          fmt::format(", input of entry {} ({})", user->number, user->summary.substr(0, user->summary.find("; ")));
     }
   }
 }

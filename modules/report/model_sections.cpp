@@ -20,7 +20,7 @@ std::string percent(double share) { return fmt::format("{}\u202f%", number_text(
 // --- predicted against achieved
 
 constexpr const char* kByTheMap =
-    "By the map: the compensation that the unit outputs at each position and approach, computed by the same core as in "
+    "By the map: the compensation that the unit outputs at each position and approach, by the same calculation as in "
     "the unit, is added to the readings taken before; the sum is the predicted error. Scatter is part of both. ";
 
 constexpr const char* kAboutMean =

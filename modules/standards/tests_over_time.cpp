@@ -147,9 +147,9 @@ PlotFigure oblique_view(const laser::Flatness& flatness) {
 
 Cell closure_cell(const laser::Flatness& flatness, double largest_um) {
   const bool holds = std::abs(flatness.closure_um[0]) <= largest_um && std::abs(flatness.closure_um[1]) <= largest_um;
-  return record_cell("closure error at the centre: E-W {E_W} um, N-S {N_S} um; at most {largest}: {holds}\n",
+  return record_cell("closure error at the centre: E-W {E_W} um, N-S {N_S} um; limit {largest} um: {holds}\n",
                      "E_W"_is(flatness.closure_um[0], 3), "N_S"_is(flatness.closure_um[1], 3), "largest"_is(largest_um),
-                     "holds"_is(holds, "holds", "exceeded, measure the lines again"));
+                     "holds"_is(holds, "met", "exceeded, measure the lines again"));
 }
 
 Result<Cell> prediction_cell(const FlatnessRequest& request, const laser::PlateReadings& readings,

@@ -40,7 +40,7 @@ TEST_CASE("the unit sees the chain without its rotary axes") {
 }
 
 TEST_CASE("what is no chain is refused with what was expected") {
-  CHECK(fault_of("XYUTZ") == "one T and different letters of XYZABC, such as \"XYACTZ\"");
+  CHECK(fault_of("XYUTZ") == "the letter T and letters of X, Y, Z, A, B, C, each once, such as \"XYACTZ\"");
   CHECK(fault_of("XYZAC") ==
         "exactly one T: letters before it are on the workpiece side, letters after it on the tool side");
   CHECK(fault_of("XTYTZ") == fault_of("XYZ"));

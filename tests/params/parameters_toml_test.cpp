@@ -134,7 +134,8 @@ TEST_CASE("every wrong value of a file is reported in one pass, in file order, w
   const auto found = places(file);
   const std::vector<std::string> expected{
       "2:11: identity.machine: expected a text in quotes, found 12",
-      "5:9: configuration.chain: expected one T and different letters of XYZ, such as \"TXYZ\", found \"TXYX\"",
+      "5:9: configuration.chain: expected the letter T and one to three of X, Y, Z, each once, such as \"TXYZ\", found "
+      "\"TXYX\"",
       "6:22: configuration.measurement_system: expected metric or imperial, found \"metrical\" (did you mean "
       "\"metric\"?)",
       "9:18: compensation.memory_modules: expected 1 to 5, found 6",

@@ -36,7 +36,7 @@ const LaserStepRow kLaserStepRows[kLaserSteps] = {
      "Step 4: processing of each curve before it becomes part of the map. The slope of a straightness curve comes from "
      "the alignment of the optics, so least squares removes it; positioning and angles keep their slope. Smoothing "
      "fits a local parabola over the window; the scatter of the repeats shows whether noise or shape was removed. The "
-     "band is the range of all readings (of the curve, if it is smoothed or comes from two lines).",
+     "band is the range of all readings; for a curve that is smoothed or comes from two lines, the range of the curve.",
      laser_curves_page},
     {"ISO 230", "accuracy and repeatability by ISO 230-2",
      "Step 5: accuracy and repeatability of every line by ISO 230-2:2014, with the symbols of the standard. All "
@@ -54,7 +54,8 @@ const LaserStepRow kLaserStepRows[kLaserSteps] = {
      laser_header_page},
     {"Send", "save to disc, check, send to the unit",
      "Step 8: the map is saved to disc, checked by the rules of the unit, and sent. It becomes active only as a whole: "
-     "after a broken link, a cancel or a power cut the old map stays active. The unit checks every byte in its memory.",
+     "after a broken link, a power cut or cancelling, the old map stays active. The unit checks every byte in its "
+     "memory.",
      laser_send_page},
     {"Verify", "read back and compare",
      "Step 9: the map is read back from the unit and compared with the file, table by table and value by value, to the "
@@ -333,7 +334,7 @@ std::vector<KeyHelp> LaserScreen::keys() const {
 
 std::string LaserScreen::help() const {
   return std::string(kLaserStepRows[static_cast<std::size_t>(step_)].help) +
-         " Steps are marked + done, ! needs attention, . open. Press a digit to go to that step at any time. A change "
+         " Marks: + done; ! needs attention; . not done yet. Press a digit to go to that step at any time. A change "
          "in one step updates all later steps.";
 }
 

@@ -354,7 +354,7 @@ std::vector<KeyRow> ModelScreen::key_table() {
           {"Esc", "back to the list", {}, [this] { return page_ == Page::causes && opened_ != Opened::list; }},
           {"u", "undo", [this] { controller_->undo(); }},
           {"y", "redo", [this] { controller_->redo(); }},
-          {"n", "name an effect", [this] { ask_effect(); }},
+          {"n", "add an effect by name", [this] { ask_effect(); }},
           {"e", "picture", [this] { controller_->export_picture(write_plot); }}};
 }
 

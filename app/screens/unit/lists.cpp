@@ -1,4 +1,4 @@
-// LOG and COMMANDS: what the screens said, and what was done on them.
+// MESSAGES and COMMANDS: what the screens said, and what was done on them.
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
@@ -27,7 +27,7 @@ std::string name_now(const char* stem, const char* extension) {
   return fmt::format("{}-{:%Y%m%d-%H%M%S}.{}", stem, fmt::localtime(std::time(nullptr)), extension);
 }
 
-// --- LOG
+// --- MESSAGES
 const char* kind_of(Tone tone) {
   if (tone == Tone::bad) return "ERROR  ";
   return tone == Tone::warning ? "warning" : "       ";
@@ -57,7 +57,7 @@ class LogScreen final : public ListScreen {
     follow();
   }
 
-  [[nodiscard]] std::string title() const override { return "LOG"; }
+  [[nodiscard]] std::string title() const override { return "MESSAGES"; }
   [[nodiscard]] std::string help() const override {
     return "The messages of the screens since the program started, newest last. The full text of the marked message is "
            "below the list. The file named above contains all messages with date and time. Press s to save a copy. To "
@@ -177,9 +177,10 @@ class CommandsScreen final : public ListScreen {
     return "Every action of the screens that changed a file or the unit, as the equivalent command of ecs. The marked "
            "command is shown in full below the list; press F4 to copy it. Press w to write all commands as a shell "
            "script that stops at the first failing command: for training, for the next machine, and as a record. Run "
-           "in a folder with the same files, the script repeats the actions. Before the script name, LINK=... selects "
-           "another unit, WORKSHOP=... another emulated machine, and ECS_ARM_CODE=... gives the code that the unit "
-           "shows. Arming codes are never written. A line that begins with # is an action without an equivalent "
+           "in a folder with the same files, the script repeats the actions. To use another unit, start it as "
+           "`LINK=... ./script`; WORKSHOP=... in the same way selects another emulated machine, and ECS_ARM_CODE=... "
+           "gives the code that the unit shows. Arming codes are never written. A line that begins with # is an action "
+           "without an equivalent "
            "command. Press x to begin a new script.";
   }
   [[nodiscard]] bool advance() override {

@@ -188,7 +188,7 @@ class MonitorScreen final : public KeyedScreen {
         {"f", "go on", freeze, [this] { return frozen_; }},
         {"r", "record to CSV", record, [this] { return !recording_; }},
         {"r", "end recording", record, [this] { return recording_.has_value(); }},
-        {"x y z", "axis of the strip"},
+        {"x y z", "axis of the chart"},
         {"v", "position, speed, compensation", [this] { show_next(); }},
         {"t", "thermometer", thermometer, [this] { return !environment_; }},
         {"t", "no thermometer", thermometer, [this] { return environment_ != nullptr; }},
@@ -235,12 +235,12 @@ class MonitorScreen final : public KeyedScreen {
            "compensation and relay. At the right are the sample rate and the age of the data. A lost link reopens "
            "automatically. Below the axes are the rotary axes of the map with the compensation that they add. Then "
            "come the "
-           "compensation of heat and load and the inputs that the unit follows. "
+           "compensation for temperature and load and the inputs that the unit follows. "
            "Press r to record every sample to a CSV file, and again to stop; until then the file is "
            "named .part. Press f to freeze the picture; the recording continues. Press t to show air and material "
            "temperature of a USB thermometer (TEMPer); a recording has them in its last columns, empty without a "
-           "thermometer. With the bundled emulator, press j to drive its machine to coordinates, by a block or by a "
-           "part program.";
+           "thermometer. With the bundled emulator, press j to drive its machine to coordinates, with a typed block "
+           "or with a part program.";
   }
 
  private:

@@ -197,8 +197,9 @@ class OutputScreen final : public AxesScreen {
   [[nodiscard]] std::string help() const override {
     return std::string(
                "Outputs a value in um at the D/A converter of one axis. With the relay closed, the axis moves by this "
-               "value. Only one axis at a time. Closing the relay and every typed value while it is closed need a "
-               "confirmation. Press o, Space or Esc to switch everything off; a second Esc closes the screen. If the "
+               "value. Only one axis at a time. Closing the relay needs confirmation, and so does every value typed "
+               "while "
+               "it is closed. Press o, Space or Esc to switch everything off; a second Esc closes the screen. If the "
                "link is lost, the unit opens its relays after 60 s without a request. ") +
            kScaleExplained;
   }

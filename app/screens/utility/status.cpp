@@ -67,9 +67,10 @@ class StatusScreen final : public KeyedScreen {
   [[nodiscard]] std::string title() const override { return "DISPLAY ECS STATUS"; }
   [[nodiscard]] std::string help() const override {
     return "The state of the unit: mode, fault with its remedy, memory tests with their addresses, the loop, the "
-           "address pointers (the value of every curve that was selected last, and its address) and the axes. It is "
+           "address pointers (for each curve, the value last selected and its address) and the axes. It is "
            "read every second. Press t to test every location of the axis memory; its contents are preserved. Press m "
-           "to change between integration and compensation mode; the motion that follows is shown first. Press s to "
+           "to change between integration and compensation mode; the question states which motion will follow. Press s "
+           "to "
            "save everything with the raw registers. Press o to open such a file or a memory dump, also without a unit. "
            "With the bundled emulator, press g to reference its machine.";
   }

@@ -63,10 +63,14 @@ class ToolsScreen final : public KeyedScreen {
     return "The table of tools in the unit: up to 64 numbers with their offsets, from the point where the curves of "
            "the "
            "map were measured to the tool point. The unit compensates for the selected tool; with no tool it uses the "
-           "tool offset of its parameters. The control selects a tool by its wires, or Enter selects the marked one. "
-           "All of this works in every mode. While the unit compensates, its output follows another offset no faster "
+           "tool offset of its parameters. The control selects a tool over its wires to the unit; Enter selects the "
+           "tool "
+           "under the cursor. "
+           "All of this works in every mode. While the unit compensates, after a tool change its output changes no "
+           "faster "
            "than compensation.tool_rate_um_per_s. No offset may exceed compensation.tool_range_mm. Press f to replace "
-           "the whole table by a file with the columns number, x_mm, y_mm, z_mm: the old table remains in force until "
+           "the whole table with a file with the columns number, x_mm, y_mm, z_mm: the old table remains in force "
+           "until "
            "the new one is complete.";
   }
 
@@ -205,7 +209,7 @@ class ToolsScreen final : public KeyedScreen {
   }
 
   void choose_file() {
-    prompt_.choose("Replace the table by a file: number, x_mm, y_mm, z_mm", {{FileKind::other}},
+    prompt_.choose("Replace the table with a file: number, x_mm, y_mm, z_mm", {{FileKind::other}},
                    [this](const std::string& path) -> std::string {
                      const auto tools = read_tools(path);
                      if (!tools) return to_text(tools.error());
@@ -216,7 +220,7 @@ class ToolsScreen final : public KeyedScreen {
 
   void ask_to_send(const std::string& path, const std::vector<Tool>& tools) {
     const std::size_t before = held_ ? held_->tools.size() : 0;
-    asking_.ask({fmt::format("Replace the table by {} tools?", tools.size()),
+    asking_.ask({fmt::format("Replace the table with {} tool{}?", tools.size(), tools.size() == 1 ? "" : "s"),
                  fmt::format("The {} tools in the unit will be replaced in one piece. The old table remains in force "
                              "until the new one is complete.",
                              before),

@@ -74,7 +74,7 @@ TEST_CASE("a trigger too soon after the last one is a doubled one") {
   CHECK(r.offer(1.0, 10.0, {}).taken);
   const Verdict twice = r.offer(1.0, 10.3, {});
   CHECK(!twice.taken);
-  CHECK(contains(twice.warning, "a doubled trigger, 0.30 s after the last one"));
+  CHECK(contains(twice.warning, "double trigger, 0.30 s after the last one"));
   CHECK(r.offer(1.0, 10.6, {}).taken);
 }
 

@@ -149,7 +149,7 @@ TEST_CASE("a trigger takes the value of the display, one sooner than half a seco
   static_cast<void>(run.take_news());
   trigger(run, 2.2);
   CHECK(run.record().taken().size() == 1);
-  CHECK(warned(run, "doubled trigger"));
+  CHECK(warned(run, "double trigger"));
   trigger(run, 4.0);
   REQUIRE(run.record().taken().size() == 2);
   CHECK(run.record().taken().back().error == 2.0);

@@ -67,7 +67,7 @@ TEST_CASE(
   REQUIRE(shows(screen, "The table is empty."));
   (void)letter(screen, 'f');
   type(screen, whole + "\n");
-  REQUIRE(shows(screen, "Replace the table by 64 tools?"));
+  REQUIRE(shows(screen, "Replace the table with 64 tools?"));
   REQUIRE(shows_after(screen, "y", "64 of 64 tools."));
   CHECK_FALSE(contains(picture(screen), "   164 "));
   (void)press(screen, Key::Name::end);
@@ -75,7 +75,7 @@ TEST_CASE(
   REQUIRE(shows_after(screen, "n5,0,0,-10\n", "the table is full: 64 tools"));
   (void)letter(screen, 'f');
   type(screen, far_off + "\n");
-  REQUIRE(shows(screen, "Replace the table by 1 tools?"));
+  REQUIRE(shows(screen, "Replace the table with 1 tool?"));
   REQUIRE(shows_after(screen, "y", "is beyond the tool range of the unit"));
   CHECK(bench.held().tools.size() == 64);
 }
