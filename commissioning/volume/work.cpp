@@ -219,7 +219,7 @@ volume::ErrorSource source_of_model(const model::Model& model, const params::Mac
 std::string machine_file_for(const VolumeArguments& arguments) {
   if (!arguments.machine.empty()) return arguments.machine;
   const auto beside = std::filesystem::path(arguments.params).parent_path() / "machine.toml";
-  return disc::exists(beside) ? beside.string() : std::string();
+  return is_there(beside) ? beside.string() : std::string();
 }
 
 /// One that lies there by chance is not taken.

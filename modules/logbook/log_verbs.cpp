@@ -106,7 +106,8 @@ RunVerb run_again() {
     const Json answer = Json::parse(out.str(), nullptr, false);
     const auto error = answer.is_object() ? answer.find("error") : answer.end();
     const bool has = answer.is_object() && error != answer.end() && error->is_object() && error->contains("message");
-    return problem(ProblemKind::refused, has ? (*error)["message"].get<std::string>() : messages.str());
+    if (!has) return problem(ProblemKind::refused, messages.str());
+    return problem_at(text_at(*error, "file"), 0, 0, text_at(*error, "message"));
   };
 }
 

@@ -210,7 +210,10 @@ LogRecord record_of(const Action& action, const std::vector<std::string>& words,
   std::string written;
   for (const SeenFile& file : seen.outputs())
     written += (written.empty() ? "" : " ") + std::filesystem::path(file.name).filename().string();
-  const std::string summary = summary_of(answer, outcome.text);
+  std::string summary = summary_of(answer, outcome.text);
+  if (const std::size_t colon = summary.find(": ");
+      colon != std::string::npos && std::filesystem::path(summary.substr(0, colon)).filename() == written)
+    summary.erase(0, colon + 2);  // named once
   return {.kind = action.is.kind,
           .summary = fmt::format("{}: {}{}{}", name, written, written.empty() || summary.empty() ? "" : "; ", summary),
           .content = one_line(content)};

@@ -113,7 +113,7 @@ const std::string* KeptFiles::find(const std::string& name) const {
 
 Result<std::string> KeptFiles::content(const std::filesystem::path& path) {
   if (const std::string* found = find(path.string())) return *found;
-  return problem_at(path.string(), 0, 0, "no such file in the logbook's entry");
+  return problem_at(path.string(), 0, 0, "the logbook's entry contains no such file");
 }
 
 void KeptFiles::was_written(const std::filesystem::path& path, std::string_view content) {
@@ -397,7 +397,7 @@ std::optional<ComparedVolume> volume_of(const LoggedMap& one, const RunVerb& run
   const auto said = run({"volume", "map.csv", "--params", "parameters.toml", "--points", "2000", "--draws", "20"});
   const Json answer = said ? json_in(*said) : Json();
   if (!answer.is_object()) {
-    notes.push_back(fmt::format("{}: no volume: {}", date, said ? "no answer" : said.error().message));
+    notes.push_back(fmt::format("{}: no volume: {}", date, said ? "no answer" : to_text(said.error())));
     return std::nullopt;
   }
   const Json before = answer.value("before", Json()), after = answer.value("after", Json());

@@ -44,6 +44,18 @@ TEST_CASE("where the logbook cannot be written the verb does its work and says s
   ::chmod((lathe.folder / "logbooks").c_str(), 0755);
 }
 
+TEST_CASE("the volume of a logged map is computed without a machine file that lies in the working folder") {
+  const LoggedLathe lathe;
+  REQUIRE(lathe.build().code == 0);
+  (void)lathe.folder.with("machine.toml", "name = \"another machine\"\n");
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(lathe.folder.path);
+  const Ran compared = ran({"log", "compare", "2020-01-01", "2999-01-01"});
+  std::filesystem::current_path(before);
+  CHECK(compared.code == 0);
+  CHECK_FALSE(contains(compared.all(), "2999-01-01: no volume"));
+}
+
 TEST_CASE("a model is made again where its file still exists, which stays as it is") {
   const LoggedLathe lathe;
   const std::string model = lathe.folder / "model.toml";
