@@ -133,8 +133,7 @@ Result<void> has_image(const protocol::ActiveMap& active) {
 struct KeptMap {
   std::optional<Image> image;  ///< sound, with tables
   std::vector<std::string> objections;
-  bool had_one = false;
-  bool unreadable = false;
+  bool had_one = false, unreadable = false;
 };
 
 KeptMap map_to_keep(const std::optional<Image>& active, const UnitParameters& parameters,
@@ -156,19 +155,17 @@ KeptMap map_to_keep(const std::optional<Image>& active, const UnitParameters& pa
 }
 
 tl::unexpected<Problem> refused_for_map(const KeptMap& kept) {
-  std::vector<Problem> problems;
-  const auto refuse = [&](std::string why) {
-    problems.push_back({ProblemKind::refused, std::move(why), {}, 0, 0, {}});
-  };
-  refuse(kept.unreadable
-             ? fmt::format("{}; not sent. Send map and parameters with `ecs map send MAP --params FILE`, or "
-                           "the parameters alone with `ecs params send FILE --force`",
-                           kNoValidMap)
-             : fmt::format("{}; not sent. Send a map for them with `ecs map send MAP --params FILE`, or "
-                           "delete the map in the unit with `ecs params send FILE --force`",
-                           kUnfitMap));
-  for (const std::string& objection : kept.objections) refuse(objection);
-  return tl::unexpected(folded(std::move(problems)));
+  std::vector<std::string> why{
+      kept.unreadable
+          ? fmt::format(
+                "{}; not sent. Send map and parameters with `ecs map send MAP --params FILE`, or the parameters "
+                "alone with `ecs params send FILE --force`",
+                kNoValidMap)
+          : fmt::format("{}; not sent. Send a map for them with `ecs map send MAP --params FILE`, or delete the map in "
+                        "the unit with `ecs params send FILE --force`",
+                        kUnfitMap)};
+  why.insert(why.end(), kept.objections.begin(), kept.objections.end());
+  return tl::unexpected(*refused_map(why, {}));
 }
 
 }  // namespace
@@ -317,8 +314,7 @@ Upload upload(protocol::UnitClient& client, const Image& image, const protocol::
       if (why.kind != ProblemKind::refused)
         why.message = fmt::format(
             "the unit {}, and it is active (commit no. {}). Its values could not be compared: {}. Compare them with "
-            "`ecs "
-            "map verify`",
+            "`ecs map verify`",
             sent->already_held ? "contains this map according to its checks" : "has accepted the new map",
             sent->commit_sequence, why.message);
       return {std::move(sent), std::move(why)};
