@@ -43,6 +43,16 @@ TEST_CASE("a unit that answers is named, and every finding is reported as soon a
   CHECK(diagnosis.statistics.timeouts == 0);
 }
 
+TEST_CASE("where another unit number answers, nobody is sent to the cable because the given one is silent") {
+  auto shop = protocol::Workshop::on_pty();
+  protocol::LinkAddress address = shop.address();
+  address.unit = 2;
+  const Diagnosis diagnosis = examined(choice_of(address));
+  REQUIRE(finding(diagnosis, "unit number"));
+  CHECK(finding(diagnosis, "unit number")->message == "unit 1 answers, unit 2 does not");
+  CHECK(finding(diagnosis, "silence") == nullptr);
+}
+
 TEST_CASE("the doctor only reads: the unit is given no command") {
   auto shop = protocol::Workshop::on_tcp();
   CHECK(examined(choice_of(shop.address())).works);
