@@ -34,7 +34,9 @@ constexpr GlossaryRow kGlossary[] = {
      "measured "
      "data"},
     {"candidate|candidates", "an effect that was tried on the residual"},
-    {"commit", "the step that makes a completely sent map active; until then the old map stays active"},
+    {"commit",
+     "the step that makes a completely sent map active; until then the old map stays active; the unit numbers its "
+     "commits"},
     {"compensation mode|compensating|compensation",
      "the unit adds the compensation to the velocity command in every period; it refuses parameters and maps"},
     {"credible set", "the smallest set of effects that contains the cause with a probability of 99 %"},
