@@ -117,7 +117,8 @@ TEST_CASE("a key without its table is answered with every full key that ends so"
 TEST_CASE("a chain must have one T and different letters of XYZ") {
   for (const char* chain : {"", "XYZ", "TT", "TXX", "TXYZT", "TXW", "txyz", "T"})
     CHECK(contains(refusal("configuration.chain", chain), "the letter T and one to three of X, Y, Z"));
-  for (const char* axes : {"", "XX", "XW", "T"}) CHECK(contains(refusal("configuration.axes", axes), "one to three of X, Y, Z"));
+  for (const char* axes : {"", "XX", "XW", "T"})
+    CHECK(contains(refusal("configuration.axes", axes), "one to three of X, Y, Z"));
 }
 
 TEST_CASE("text written from any field sets the same bits again") {
