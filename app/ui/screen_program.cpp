@@ -125,7 +125,7 @@ void Overlay::show_help(const Screen& screen, const std::string& seen) {
     parts_.push_back({"Esc", "back; on the first screen: leave"});
   parts_.push_back({"F2", "shows texts that end in ... F2 in full"});
   parts_.push_back({"F3", "finds any screen or command by its name, also from here"});
-  parts_.push_back({"F4", "copies the selected row or the screen to the clipboard, if the terminal allows it"});
+  parts_.push_back({"F4", "copies the row or screen to the clipboard, if possible"});
   parts_.push_back({"F6", "COMMANDS: the actions as commands; saves a script"});
   parts_.push_back({"Ctrl-L, Ctrl-C", "redraw everything; leave the program"});
   const std::vector<ExplainedWord> words = words_explained_in(seen + " " + screen.help());
