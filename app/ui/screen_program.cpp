@@ -38,7 +38,7 @@ constexpr GlossaryRow kGlossary[] = {
      "the step that makes a completely sent map active; until then the old map stays active; the unit numbers its "
      "commits"},
     {"compensation mode|compensating|compensation",
-     "the unit adds the compensation to the velocity command in every period; it refuses parameters and maps"},
+     "the unit adds the compensation to the velocity command; it refuses parameters and maps"},
     {"credible set", "the smallest set of effects that contains the cause with a probability of 99 %"},
     {"datum|datuming", "reference point of an axis: found by switch and marker while the control references it"},
     {"deadband", "travel in the new direction after which the approach is regarded as changed"},
