@@ -167,7 +167,7 @@ void add_squareness(std::vector<Field>& table) {
   const auto words = [](std::string_view code, std::string_view pair) {
     return Words{
         fmt::format("compensation.squareness.{}_um_per_m", code), Group::compensation,
-        fmt::format("Squareness error of {} in the signs of ISO 230-1 (the error, not the compensation), from a "
+        fmt::format("Squareness error of {} with the signs of ISO 230-1 (the error, not the compensation), from a "
                     "square, diagonals or a ball bar.",
                     pair),
         "squareness offsets"};
@@ -191,7 +191,7 @@ void add_tools(std::vector<Field>& table) {
   table.push_back(number(
       {"compensation.load_range_kg", group,
        "Largest load on the machine, from which the unit computes how wrong its output may be while the load is "
-       "unknown. With 0 an unknown load is not supervised.",
+       "unknown. With 0, an unknown load is not monitored.",
        ""},
       "kg", {0.0, 1e6}, [](auto& p) -> auto& { return p.load_range_kg; }));
   table.push_back(number(
@@ -341,7 +341,7 @@ void add_axis_compensation(std::vector<Field>& table, Axis axis) {
     push(table, axis,
          number(
              {fmt::format("measurement_line_mm.{}", small_letter_of(lever)), group,
-              fmt::format("Position of {} while the curves of {} were measured; lever arms count from there.",
+              fmt::format("Position of {} while the curves of {} were measured; lever arms are measured from there.",
                           letter_of(lever), letter_of(axis)),
               ""},
              "mm", {-100'000.0, 100'000.0}, [ i, l ](auto& p) -> auto& { return p.measurement_lines_mm[i][l]; }));

@@ -123,7 +123,7 @@ void Overlay::show_help(const Screen& screen, const std::string& seen) {
   for (const KeyHelp& key : keys) parts_.push_back({key.keys, key.does});
   if (std::none_of(keys.begin(), keys.end(), [](const KeyHelp& key) { return key.keys == "Esc"; }))
     parts_.push_back({"Esc", "back; on the first screen: leave"});
-  parts_.push_back({"F2", "shows texts that end in ... F2 in full"});
+  parts_.push_back({"F2", "shows in full a text that was cut off (... F2)"});
   parts_.push_back({"F3", "finds any screen or command by its name, also from here"});
   parts_.push_back({"F4", "copies the row or screen to the clipboard, if possible"});
   parts_.push_back({"F6", "COMMANDS: the actions as commands; saves a script"});

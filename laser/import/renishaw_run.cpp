@@ -196,7 +196,7 @@ Result<RunFile> run_file_in(std::string_view text, const std::string& file_name,
     if (cut && sound && !findings.empty()) findings.add(number, 0, "the last line is incomplete{}", kCutShort);
   }
   if (file.targets.empty()) findings.add(0, 0, "TARGET DATA: expected target positions, found none");
-  if (file.points.empty()) findings.add(0, 0, "DEVIATIONS: expected points, found none");
+  if (file.points.empty()) findings.add(0, 0, "DEVIATIONS: expected readings, found none. Is the file truncated?");
   if (findings.empty()) check_points(file, findings);
   if (findings.empty() && !accept_truncated) check_whole(file, findings);
   if (!findings.empty()) return tl::unexpected(findings.as_problem());

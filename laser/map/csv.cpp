@@ -444,7 +444,10 @@ Result<ErrorMap> parse_map_csv(std::string_view bytes, const std::string& file_n
     }
     header += '\n';  // header lines keep the numbers of their lines in the file
   }
-  if (!place) findings.add(0, 0, "no map: expected a header row axis,sense,approach,p_mm,value_um");
+  if (!place)
+    findings.add(0, 0,
+                 "not a complete map: expected a header row axis,sense,approach,p_mm,value_um, found none. Is the file "
+                 "truncated?");
   refuse_mixed_approaches(points, findings);
   if (stated_rows && findings.empty()) refuse_cut_file(*stated_rows, rows_found, text.ends_with('\n'), findings);
 

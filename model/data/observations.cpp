@@ -211,7 +211,7 @@ void take_origin(Observations& data, const Origin& of_model) {
 
 void take_machine(Observations& data, const std::optional<params::Machine>& machine) {
   if (!machine) {
-    data.notes.emplace_back("no machine: positions count from 0, no lever arms are known");
+    data.notes.emplace_back("no machine file: positions are measured from 0, and no lever arms are known");
     return;
   }
   data.machine = *machine;

@@ -457,7 +457,8 @@ std::optional<std::string> slope_note(const Candidate& one, const Regressors& re
       std::ranges::any_of(one.rivals, [&](const EffectInstance& rival) { return is_curve(rival, false); }))
     return std::nullopt;
   return fmt::format(
-      "{} has the same shape in these readings as a slope and a curve of the position together. One cause "
+      "{} has the same shape in these readings as a scale error and a smooth error along the travel together. One "
+      "cause "
       "is "
       "more probable than two; measure a second line at another distance to exclude them",
       place_text(one.effect));

@@ -242,7 +242,7 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
   std::vector<std::size_t> proved, likely;
   for (std::size_t g = 0; g < found.groups.size(); ++g) {
     const Group& group = found.groups[g];
-    if (group.denied) continue;
+    if (group.denied || (found.stands_out && group.e_value.value_or(kSpeaksFor) < kSpeaksFor)) continue;
     if (!group.wander && !found.proves_nothing && (group.e_value ? *group.e_value >= kProved : replicates_prove))
       proved.push_back(g);
     else if (!(found.step && is_like_wander(found.families[group.member.family].effect)) &&

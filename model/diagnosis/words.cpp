@@ -271,7 +271,7 @@ std::string findings_text(const Diagnosis& diagnosis, const Observations& data, 
     if (other != nullptr) text += part_text(wave_of(*other), data);
     told.insert(other);
     text += other_periods_text(candidate);
-    if (may_be_wave(candidate.effect, data)) text += ", which a periodic error can look like on so few targets";
+    if (may_be_wave(candidate.effect, data)) text += " (on so few targets, a periodic error can look the same)";
     findings.push_back(with_alternatives(text, candidate, other, diagnosis));
   }
   return fmt::format("{}", fmt::join(findings, "; and "));

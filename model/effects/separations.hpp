@@ -8,8 +8,9 @@ namespace ecs::model::separations {
 
 inline constexpr SeparatingMeasurement kCompensationOff{
     10, "Repeat the same line with compensation switched off (compensated = 0): a fault of the map disappears."};
-inline constexpr SeparatingMeasurement kOtherPressure{
-    20, "Repeat the {axis} line on a day with another air pressure (10 hPa or more apart), air temperature noted."};
+inline constexpr SeparatingMeasurement kOtherPressure{20,
+                                                      "Repeat the {axis} line on a day when the air pressure differs "
+                                                      "by at least 10 hPa, and record the air temperature."};
 inline constexpr SeparatingMeasurement kOtherTemperature{
     30, "Repeat the {axis} line with the machine at least 3 degC warmer or colder, sensors recorded."};
 inline constexpr SeparatingMeasurement kFromCold{

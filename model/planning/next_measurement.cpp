@@ -480,9 +480,9 @@ Result<void> ask_structure(NextMeasurement& next, const Setting& in, const Diagn
     explanations.push_back(depends_on(dependence, all.data));
     names.push_back(dependence.variable);
   }
-  next.notes.push_back(
-      fmt::format("no effect of the library explains the residual. The run shows whether it depends on {} again",
-                  fmt::join(next.rivals, " or ")));
+  next.notes.push_back(fmt::format(
+      "no effect of the library explains the residual. This measurement shows whether the residual depends on {} again",
+      fmt::join(next.rivals, " or ")));
   // a bad run or an hour of drift foretells nothing: only a repetition shows whether it comes back
   const bool foretold = !diagnosis.where.empty() && says_what_comes(diagnosis.where.front().variable);
   if (foretold) {

@@ -211,7 +211,7 @@ class Conditions {
                                      : fmt::format("{:.0f} hours later", minutes / kMinutesAnHour),
             [&](MeasurementProposal& p) { p.wait_minutes = minutes; });
     if (now_.pressure_hPa)
-      add("on a day with another air pressure", [&](MeasurementProposal& p) {
+      add("on a day with a different air pressure", [&](MeasurementProposal& p) {
         *p.pressure_hPa += *p.pressure_hPa < kMeanPressure_hPa ? kOtherPressure_hPa : -kOtherPressure_hPa;
         p.wait_minutes = times_.weather_minutes;
       });

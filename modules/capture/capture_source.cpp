@@ -165,7 +165,8 @@ cli::Fields<CaptureTargets> CaptureTargets::fields() {
           {"--plan", &A::plan, "plan file with [[measure]] tables, as for `laser table`"},
           {"--row", &A::row, "name of the measurement in --plan"},
           {"--machine", &A::machine, "machine file; its name is recorded with the data"},
-          {"--compensated", &A::compensated, "state of the error map, recorded with the data", Words{"yes", "no"}},
+          {"--compensated", &A::compensated,
+           "whether the unit compensates during the measurement; recorded with the data", Words{"yes", "no"}},
           {"--note", &A::notes, "KEY=VALUE to record with the data, as in operator=AB; may be repeated"}};
 }
 

@@ -14,6 +14,7 @@
 
 #include "model/diagnosis/ladder.hpp"
 #include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/planning/run.hpp"
 
 namespace ecs::commissioning {
@@ -64,10 +65,14 @@ model::EffectInstance at_its_value(model::EffectInstance effect) {
 }
 
 /// The opposite for the model that is written: the user's own fits may move the period or place with the other sizes.
+/// What follows its sensor at once goes on doing so.
 void free_again(Model& model, const model::EffectInstance& found) {
   const std::string searched(found.definition().searched_parameter());
   for (model::EffectInstance& effect : model.effects)
-    if (model::same_candidate(effect, found) && effect.fitted.contains(searched)) effect.parameters.erase(searched);
+    if (const auto value = effect.fitted.find(searched); value != effect.fitted.end() &&
+                                                         model::same_candidate(effect, found) &&
+                                                         !model::is_left_out(effect, searched, value->second))
+      effect.parameters.erase(searched);
 }
 
 /// The period is a pitch of the axis, or that of two starts or half a turn.

@@ -51,7 +51,7 @@ std::optional<std::string> plan_in(const FormValues& values) {
 
 FormEntry lengths_entry() {
   return {
-      "all 21 components from lengths; which are undetermined",
+      "all 21 components from lengths, and which of them are undetermined",
       {.verb = "lengths fit",
        .title = "LENGTHS",
        .asks = "Which lengths, of which machine?",

@@ -304,7 +304,8 @@ std::string volume_sentence(const ReportedVolume& volume) {
   for (const Component component : volume.declared_zero) unmeasured.push_back(name_of(component));
   return fmt::format(
       "{0}. After compensation {2} of the errors of {1} remain{3}. With a probability of 95 %, at most {4} remains "
-      "anywhere; this contains the known remaining errors and the uncertainty of the map. Errors that are not in {1} "
+      "anywhere; this figure includes the known remaining errors and the uncertainty of the map. Errors that are not "
+      "in {1} "
       "add to it.{5}",
       before, volume.prepared.errors_from, after, volume.from_map() ? " (the error of interpolating the tables)" : "",
       size(volume.uncertainty.largest_95_um),

@@ -162,7 +162,7 @@ class FormScreen final : public Screen {
     return (row_.about.empty() ? verb().help + "." : row_.about) + " The fields are the options of the verb `ecs " +
            verb().name() +
            "`; those with * are needed. Tab in an empty field chooses a file. Several files are separated by spaces. "
-           "Measurements, machine file and parameters in the folder of the model are filled in. Typing replaces "
+           "Files of the required kinds in the folder of the first file are filled in. Typing replaces "
            "them. " +
            verb().example +
            "\nPress PgDn to read the answer. Up and down scroll it, left and right move a wide table sideways with its "

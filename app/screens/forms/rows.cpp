@@ -135,7 +135,7 @@ FormEntry run_entry() {
   return {"machine code in the unit's memory",
           {.verb = "utility run",
            .title = "RUN USER SOFTWARE",
-           .asks = "Which program of the unit's system RAM?",
+           .asks = "Which program in the unit's system RAM?",
            .about = "Runs 68000 machine code in the unit's system RAM. D0 contains the argument. RTS ends the program, "
                     "D0 is its result, and its final registers are shown. An access to missing memory, an illegal "
                     "instruction or the time limit ends the program, and the unit stores the fault user_software.",

@@ -185,7 +185,7 @@ class FilesPage final : public LaserPage {
     const LaserChoices& choices = controller().choices();
     const std::string unit =
         choices.params_file.empty()
-            ? "Parameters: none yet. Press p: a file, or Enter for those of the unit"
+            ? "Parameters: none yet. Press p to choose a file or receive those of the unit"
             : "Parameters: " + choices.params_file + (choices.scope.empty() ? "" : ", scope " + choices.scope);
     const std::string& wrong = controller().work().map.parameters_problem;
     canvas.text(area, area.rows - 1, 0, wrong.empty() ? unit : wrong, wrong.empty() ? Tone::plain : Tone::bad);

@@ -25,7 +25,8 @@ namespace {
 
 constexpr std::array<const char*, 3> kNames{"model", "data", "machine"};
 constexpr std::array<const char*, 3> kHelp{
-    "Model file (.toml): the effects assumed so far. For a new file name, or none, a new model is created from the "
+    "Model file (.toml): the effects assumed so far. If the file does not exist or the field is empty, a new model is "
+    "created from the "
     "measurements.",
     "Measured files, separated by spaces: any format that PROCESS LASER DATA reads.",
     "Machine file (.toml): datum, travels, lever arms, pitches. May be empty."};

@@ -111,7 +111,7 @@ class ToolsScreen final : public KeyedScreen {
     canvas.text(inside, kListRow - 2, 0,
                 fmt::format("{} of {} tools. {}", held_->tools.size(), kMostTools,
                             held_->lines.tool_wired ? "The control selects the tool by its wires."
-                                                    : "A host selects the tool."),
+                                                    : "The tool is selected by a host (no wires from the control)."),
                 Tone::faint);
     if (read_s() > 2.0)
       canvas.text_right(inside, kListRow - 2, fmt::format("read {:.0f} s ago", read_s()), Tone::warning);

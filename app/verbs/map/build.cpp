@@ -79,7 +79,8 @@ struct BuildRequest : FromModelArguments {
   ImportArguments import;
   static Fields<BuildRequest> fields() {
     using R = BuildRequest;
-    return {{"FILE", &R::files, "recipe (.toml, docs/laser.md) or measurement files; with --image also a map CSV"},
+    return {{"FILE", &R::files,
+             "recipe (.toml, docs/laser.md) or measurement files; with --image or --rotary also a map CSV"},
             {"--params", &R::params, "parameters of the unit; default with --from-model: those of `ecs params new`"},
             {"--from-model", &R::model, "fitted model (.toml) to use instead of measured files"},
             {"--machine", &R::machine,

@@ -39,9 +39,10 @@ Cell parameter_cell(const ParameterDefinition& parameter) {
 std::string label_before(std::string_view label) { return fmt::format("{:<14}", fmt::format("{}: ", label)); }
 
 constexpr std::string_view kSymbols =
-    "In the formulas p is the position, d the approach (+1 forward, -1 reverse), t the time, v the speed, b an angle, m "
-    "the load and T a temperature. u is the travel since the last reversal, dn the change of the refractive index of "
-    "air, L a lever arm and s(p) a curve. Other letters are fitted.";
+    "In the formulas p is the position, d the approach (+1 forward, -1 reverse), t the time and v the speed. m is the "
+    "load, dn the change of the refractive index of air, u the travel since the last reversal, L a lever arm and s(p) "
+    "a "
+    "curve. b is an angle in effects of rotary axes, T a temperature in effects of heat. Other letters are fitted.";
 
 AnswerFields fields_of(const EffectDefinition& effect) {
   Cell parameters = list_cell(effect.parameters, parameter_cell);

@@ -34,7 +34,8 @@ Result<Outcome> arm(VerbContext& context, const ArmRequest& request) {
 Result<Outcome> disarm(VerbContext& context, const cli::Nothing&) {
   ECS_TRY(unit, open_unit(context));
   ECS_DO(unit.client().disarm());
-  return Outcome{"the unit is read-only for this host", one_line(object_of("armed"_is(false))), kDone};
+  return Outcome{"write access withdrawn: this host can only read, and switch the unit to integration mode",
+                 one_line(object_of("armed"_is(false))), kDone};
 }
 
 Result<Outcome> events(VerbContext& context, const cli::Nothing&) {

@@ -71,7 +71,7 @@ struct ToolRequest {
                      [](R& r) -> cli::Argument::Target {
                        return cli::OnNumbers([&r](const std::vector<double>& mm) { r.offset_mm = mm; });
                      }};
-    return {{"NUMBER", &R::number, "number of the tool; 0: none of the table", Need::required,
+    return {{"NUMBER", &R::number, "number of the tool; 0: no tool of the table", Need::required,
              cli::Range{0, kGreatestToolNumber}},
             offset,
             {"--remove", &R::remove, "remove the tool from the table instead"}};
@@ -85,7 +85,9 @@ Result<Outcome> change_tool(VerbContext& context, const ToolRequest& request) {
     return problem(ProblemKind::usage, "--offset: expected X,Y,Z in mm, got {} numbers", request.offset_mm.size());
   ECS_TRY(unit, open_unit(context));
   const auto answer = [&](std::string_view what) {
-    return outcome_of(record_cell("tool {tool} {done}", "tool"_is(number), "done"_is(what)));
+    return outcome_of(record_cell(
+        number == 0 ? "no tool of the table {done}: the tool offset of the parameters acts" : "tool {tool} {done}",
+        "tool"_is(number), "done"_is(what)));
   };
   if (request.remove) return unit.client().remove_tool(number).map([&] { return answer("removed"); });
   if (request.offset_mm.empty()) return unit.client().select_tool(number).map([&] { return answer("selected"); });

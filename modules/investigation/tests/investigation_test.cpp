@@ -354,6 +354,11 @@ TEST_CASE("where the unit follows temperatures, lines are measured cold and warm
   CHECK(*found.rms_compensated_um < 0.1 * *found.rms_before_um);
   REQUIRE(workshop.active.origin.has_value());  // from which the drift counts
   CHECK(workshop.active.origin->sensors_degC.contains("t_spindle_degC"));
+  for (const model::EffectInstance& effect : workshop.active.effects) {  // what follows at once goes on doing so
+    CHECK(given_or_fitted(effect, "lag_s").value_or(0.0) == 0.0);
+    if (to_text(effect).starts_with("thermal_drift"))
+      CHECK(effect.fitted.at("um_per_degC") == Approx(-2.0).epsilon(0.02));
+  }
 }
 
 TEST_CASE("where two bodies warm alike, one sensor is taken, and the answer says that the other would do as well") {
