@@ -365,7 +365,7 @@ std::string another_is_active(const ActiveMap& now) {
 
 std::string not_taken(const ActiveMap& before) {
   if (before.active_bank == Bank::none) return "; the unit contains no map, as before";
-  return fmt::format("; the unit has stored nothing of the new map, and the old map stays active (commit no. {})",
+  return fmt::format("; the unit has stored nothing of the new map, and the old map is active (commit no. {})",
                      before.commit_sequence);
 }
 
