@@ -210,10 +210,9 @@ constexpr double kTimesAssumed = 3.0, kLeastTime_s = 1.0;
 /// Temperatures that change less do not show a lag beside the noise of sensors, some 0.02 degC.
 constexpr double kLeastChange_degC = 0.2;
 
-/// One that is shorter than those tried may stay: the user or a finer look knows it.
-ValueRange time_constant_limits(const Observations& data, const EffectInstance&, const Acting& acting, double value) {
+ValueRange time_constant_limits(const Observations& data, const EffectInstance&, const Acting& acting, double) {
   const double last_s = extent_of(data.time_s, acting).second;
-  return {std::min(last_s / kShortestTimes, std::abs(value)), last_s};
+  return {last_s / kShortestTimes, last_s};
 }
 
 TriedValues tried_time_constants(const Observations& data, const EffectInstance&, const Acting& acting,

@@ -14,7 +14,6 @@
 
 #include "model/diagnosis/ladder.hpp"
 #include "model/effects/definition.hpp"
-#include "model/effects/quantities.hpp"
 #include "model/planning/run.hpp"
 
 namespace ecs::commissioning {
@@ -65,14 +64,12 @@ model::EffectInstance at_its_value(model::EffectInstance effect) {
 }
 
 /// The opposite for the model that is written: the user's own fits may move the period or place with the other sizes.
-/// What follows its sensor at once goes on doing so.
+/// The lag behind a sensor stays: a fit keeps it above a fiftieth of the whole time, which is longer now.
 void free_again(Model& model, const model::EffectInstance& found) {
+  if (found.traits().has_lag) return;
   const std::string searched(found.definition().searched_parameter());
   for (model::EffectInstance& effect : model.effects)
-    if (const auto value = effect.fitted.find(searched); value != effect.fitted.end() &&
-                                                         model::same_candidate(effect, found) &&
-                                                         !model::is_left_out(effect, searched, value->second))
-      effect.parameters.erase(searched);
+    if (model::same_candidate(effect, found) && effect.fitted.contains(searched)) effect.parameters.erase(searched);
 }
 
 /// The period is a pitch of the axis, or that of two starts or half a turn.

@@ -208,7 +208,7 @@ TEST_CASE("an angle that acts through one lever is one cause, and a note says th
   REQUIRE(named_causes(found) == 1);
   CHECK(found.candidates.front().effect.traits().keeps_slope);
   CHECK(std::ranges::count_if(found.notes,
-                              [](const std::string& note) { return contains(note, "a slope and a curve"); }) == 1);
+                              [](const std::string& note) { return contains(note, "a scale error and a smooth error"); }) == 1);
 }
 
 TEST_CASE("a curve that explains as much alone as beside a wave is one cause") {
