@@ -131,7 +131,7 @@ LogOwner owner_by(const std::vector<SeenFile>& files) {
 /// The first instrument that a measured file names, else the one in use.
 Instrument instrument_by(const std::vector<SeenFile>& files) {
   for (const SeenFile& file : files)
-    if (const Instrument found = instrument_in_header(*file.content); is_known(found)) return found;
+    if (Instrument found = instrument_in_header(*file.content); is_known(found)) return found;
   const Unwatched not_an_input;
   const auto in_use = instrument_in_use();
   return in_use ? in_use->value_or(Instrument{}) : Instrument{};

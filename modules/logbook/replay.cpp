@@ -376,10 +376,10 @@ std::vector<ComparedCause> causes_of(const std::array<LoggedState, 2>& states) {
   std::vector<ComparedCause> causes;
   for (std::size_t day = 0; day < states.size(); ++day) {
     if (!states[day].diagnosis) continue;
-    for (auto& [name, parameters] : causes_in(*states[day].diagnosis)) {
-      auto found = std::find_if(causes.begin(), causes.end(), [&](const ComparedCause& c) { return c.name == name; });
-      if (found == causes.end()) found = causes.insert(causes.end(), ComparedCause{name, {}});
-      found->parameters[day] = parameters;
+    for (const auto& one : causes_in(*states[day].diagnosis)) {
+      auto found = std::ranges::find(causes, one.first, &ComparedCause::name);
+      if (found == causes.end()) found = causes.insert(causes.end(), ComparedCause{one.first, {}});
+      found->parameters[day] = one.second;
     }
   }
   return causes;
