@@ -207,8 +207,9 @@ TEST_CASE("an angle that acts through one lever is one cause, and a note says th
   CHECK(found.verdict == Verdict::missing_effect);
   REQUIRE(named_causes(found) == 1);
   CHECK(found.candidates.front().effect.traits().keeps_slope);
-  CHECK(std::ranges::count_if(found.notes,
-                              [](const std::string& note) { return contains(note, "a scale error and a smooth error"); }) == 1);
+  CHECK(std::ranges::count_if(found.notes, [](const std::string& note) {
+          return contains(note, "a scale error and a smooth error");
+        }) == 1);
 }
 
 TEST_CASE("a curve that explains as much alone as beside a wave is one cause") {
