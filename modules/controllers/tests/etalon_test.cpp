@@ -198,9 +198,10 @@ TEST_CASE("what is wrong is named with its line, all at once") {
       parse_etalon("[EXX]\nGridpoints = {\n 0 0,5\n 10\n 20 0.1\n 20 0.1\n}\n[QQQ]\nVALUE = 1\nhello\n[C0Y]\nVALUE = "
                    "big\n[EYY]\nGridpoints = {\n 0 99\n",
                    "e")));
-  check_holds(said, {"e:3:", "e:4:4: expected a value behind the position", "e:6: EXX: the positions do not rise",
-                     "e:8:1: expected a name such as EXX", "e:10:1: expected [NAME]",
-                     "e:12:9: expected a number, found \"big\"", "do not end with }", "99 at 0 is not a plausible error"});
+  check_holds(said,
+              {"e:3:", "e:4:4: expected a value behind the position", "e:6: EXX: the positions do not rise",
+               "e:8:1: expected a name such as EXX", "e:10:1: expected [NAME]",
+               "e:12:9: expected a number, found \"big\"", "do not end with }", "99 at 0 is not a plausible error"});
 }
 
 TEST_CASE("an empty file has no errors") { CHECK_FALSE(parse_etalon("", "e")); }
