@@ -46,7 +46,8 @@ Result<void> draw(const ModelWork& work, const model::Diagnosis& diagnosis, cons
   return write_plot(request.plot, figure);
 }
 
-/// The command that adds the first effect of the answer; "" where the answer names none.
+/// The command that adds the first effect of the answer, with the rivals that the readings do not exclude; "" where the
+/// answer names none.
 std::string add_text(const model::Diagnosis& diagnosis, const ModelArguments& files) {
   const auto first = std::ranges::find_if(diagnosis.candidates, &model::Candidate::in_answer);
   if (first == diagnosis.candidates.end()) return {};
@@ -59,6 +60,8 @@ std::string add_text(const model::Diagnosis& diagnosis, const ModelArguments& fi
   if (effect.approach != model::ApproachMode::both) option("--approach", std::string(name_of(effect.approach)));
   option("--sensor", effect.sensor);
   option("--sensor2", effect.sensor2);
+  for (const model::EffectInstance& rival : first->open_rivals())
+    if (rival.sensor.empty()) option("--or", to_text(rival));
   option("--machine", files.machine);
   for (const std::string& word : import_words(files.import))
     words.push_back(word == "--sense" ? "--reading-sense" : word);
