@@ -35,8 +35,9 @@ constexpr double kMostLn = 690.0;
 /// Readings weighed at the utmost.
 constexpr std::size_t kMostWeighed = 1200;
 
-/// Of the wanders, this many of the likeliest are held against an effect: a choice; those that are far from all
-/// readings are far from a half of them too.
+/// Of the wanders, this many of the likeliest without an effect and with it are open to both hypotheses: a choice;
+/// those that are far from all readings are far from a half of them too. What wanders beside an effect, because its
+/// sensor is late or its law is not quite that, is far less than what wanders without it.
 constexpr std::size_t kWanders = 8;
 
 /// Deviances closer than this are equal: where the fitted half is one run, a level of its own for every run changes
@@ -232,8 +233,18 @@ std::optional<double> e_value_of(const Evidence& on, const MatrixXd& columns, co
   std::vector<Wander> laws;
   if (null == NullHypothesis::noise_or_wander || data.size() <= kFewReadings) laws.push_back({on.noise, 0.0});
   if (null == NullHypothesis::noise_or_wander) {
-    for (LikelyWander& likely : likely_wanders(data, on.noise, on.left_out, columns, target))
-      if (laws.size() <= kWanders) laws.push_back(std::move(likely.law));
+    const auto add_likely = [&](const MatrixXd& with, const VectorXd& rest) {
+      std::vector<LikelyWander> likely = likely_wanders(data, on.noise, on.left_out, with, rest);
+      likely.resize(std::min(kWanders, likely.size()));
+      for (LikelyWander& one : likely) laws.push_back(std::move(one.law));
+    };
+    add_likely(columns, target);
+    const Whitener whitener(data, on.noise, on.left_out);
+    const Search search(on.regressors, whitener, columns, target, {effect});
+    for (const Choice& best : search.expand(search.base(), 1)) {
+      const Columns own = search.columns_of(best);
+      add_likely(beside(columns, own.of), own.fixed.size() > 0 ? VectorXd(target - own.fixed) : target);
+    }
   }
   std::vector<double> ln;
   for (const Half& half : {by_run(data), by_target(data)}) {

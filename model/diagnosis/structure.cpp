@@ -195,31 +195,43 @@ double deviance_of(const Observations& data, const Wander& law, const std::vecto
   return freedom * (std::log(std::numbers::pi) + ln_square(own(all))) - 2.0 * ln_gamma(0.5 * freedom) + ln_determinants;
 }
 
-double deviance_of_noise(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
-                         const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect, const Eigen::VectorXd& target) {
-  const auto under = [&](const NoiseModel& law) { return deviance_of(data, {law}, left_out, columns, effect, target); };
-  double least = std::min(under(noise), under(wandering(noise, 0.0, kForever)));
-  if (!noise.has_time) return least;
-  for (const double share : kShares)
-    for (const double memory_s : kTurbulences_s) least = std::min(least, under(wandering(noise, share, memory_s)));
+namespace {
+
+std::vector<Wander> wanders_tried(const Observations& data, const NoiseModel& noise) {
+  const double session = session_of(data, noise);
+  std::vector<Wander> laws;
+  for (const double share : kShares) {
+    for (const double memory : kMemories) laws.push_back({wandering(noise, share, memory * session)});
+    laws.push_back({by_pass(noise, share)});
+  }
+  for (const double level : kLevels) laws.push_back({noise, level * noise.pure.noise_um});
+  return laws;
+}
+
+}  // namespace
+
+double least_deviance(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                      const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect, const Eigen::VectorXd& target) {
+  std::vector<Wander> laws = wanders_tried(data, noise);
+  laws.push_back({noise});
+  laws.push_back({wandering(noise, 0.0, kForever)});
+  if (noise.has_time)
+    for (const double share : kShares)
+      for (const double memory_s : kTurbulences_s) laws.push_back({wandering(noise, share, memory_s)});
+  double least = kBeyondAll;
+  for (const Wander& law : laws) least = std::min(least, deviance_of(data, law, left_out, columns, effect, target));
   return least;
 }
 
 std::vector<LikelyWander> likely_wanders(const Observations& data, const NoiseModel& noise,
                                          const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
                                          const Eigen::VectorXd& target) {
-  const double session = session_of(data, noise);
   const Eigen::MatrixXd independent = independent_columns(columns, left_out), none(columns.rows(), 0);
   std::vector<LikelyWander> tried;
-  const auto look_at = [&](Wander law) {
+  for (Wander& law : wanders_tried(data, noise)) {
     const double deviance = deviance_of(data, law, left_out, independent, none, target);
     tried.push_back({std::move(law), deviance});
-  };
-  for (const double share : kShares) {
-    for (const double memory : kMemories) look_at({wandering(noise, share, memory * session)});
-    look_at({by_pass(noise, share)});
   }
-  for (const double level : kLevels) look_at({noise, level * noise.pure.noise_um});
   sort_greatest_first(tried, [](const LikelyWander& likely) { return -likely.deviance; });
   return tried;
 }

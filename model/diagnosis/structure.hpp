@@ -86,10 +86,10 @@ struct Wander {
 /// Those of the columns that do not follow from the others on the readings that are not left out.
 [[nodiscard]] Eigen::MatrixXd independent_columns(const Eigen::MatrixXd& columns, const std::vector<bool>& left_out);
 
-/// Under the likeliest law of noise: as it was estimated, white, or turbulence of up to a minute.
-[[nodiscard]] double deviance_of_noise(const Observations& data, const NoiseModel& noise,
-                                       const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
-                                       const Eigen::MatrixXd& effect, const Eigen::VectorXd& target);
+/// Under the likeliest law: the noise as it was estimated, white, turbulence of up to a minute, or a wander.
+[[nodiscard]] double least_deviance(const Observations& data, const NoiseModel& noise,
+                                    const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
+                                    const Eigen::MatrixXd& effect, const Eigen::VectorXd& target);
 /// A wander tried, and how well the readings agree with it.
 struct LikelyWander {
   Wander law;

@@ -204,8 +204,8 @@ void state_p_values(const Regressors& regressors, const Base& base, const Search
 namespace {
 
 /// Deviance of the readings without these of the effects found, under the likeliest wander, less that with them under
-/// the likeliest noise: either has the law that suits it, for repeats between which an effect changes look correlated.
-/// What is set aside is in neither.
+/// the likeliest noise or wander: either has the law that suits it. Repeats between which an effect changes look
+/// correlated, and an effect whose sensor is late leaves a part that wanders. What is set aside is in neither.
 double better_than_wander(const Observations& data, const Base& base, const Search& search, const Found& found,
                           const std::vector<std::size_t>& set, const std::vector<std::size_t>& aside) {
   const std::vector<Choice>& chosen = found.solution.chosen;
@@ -220,8 +220,8 @@ double better_than_wander(const Observations& data, const Base& base, const Sear
     if (columns.fixed.size() > 0) null.target -= columns.fixed;
     effects = beside(std::move(effects), columns.of);
   }
-  return wander - deviance_of_noise(data, found.noise, found.left_out,
-                                    independent_columns(null.columns, found.left_out), effects, null.target);
+  return wander - least_deviance(data, found.noise, found.left_out, independent_columns(null.columns, found.left_out),
+                                 effects, null.target);
 }
 
 /// Whether an effect predicts the course of runs that it was not fitted to, so often that a wander, which is another in

@@ -205,6 +205,25 @@ TEST_CASE("a straight drift keeps its evidence against a wander") {
                         NullHypothesis::noise_or_wander)) >= 100.0);
 }
 
+TEST_CASE("a drift beside which the zero walks a little keeps its evidence: what walks is far less than the drift") {
+  constexpr double kUmPerSecond = 0.03, kStep_um = 0.3 * kSigma_um;
+  const Weighed of(measured(of_targets(41, 3), kSigma_um, nothing));
+  NoiseModel noise = of.noise;
+  noise.has_time = true;
+  for (const unsigned seed : {1U, 2U}) {
+    CAPTURE(seed);
+    const VectorXd steps = ecs::test::normal_matrix(of.target.size(), 1, seed).col(0);
+    VectorXd y = kSigma_um * ecs::test::normal_matrix(of.target.size(), 1, 100 + seed).col(0);
+    double zero = 0.0;
+    for (Index k = 0; k < y.size(); ++k) {
+      zero += kStep_um * steps(k);
+      y(k) += zero + kUmPerSecond * of.data.time_s[static_cast<std::size_t>(k)];
+    }
+    CHECK(must(e_value_of({of.regressors, noise, of.left_out}, of.columns, y, candidate("time_drift:X:EX"),
+                          NullHypothesis::noise_or_wander)) >= 1e60);
+  }
+}
+
 namespace {
 
 /// Readings against offset and scale; a backlash is tested beside them.
