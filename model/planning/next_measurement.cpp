@@ -142,7 +142,7 @@ std::vector<Weighed> weighed(const std::vector<MeasurementProposal>& options, co
       Weighed one{options[i], 0.0};
       one.proposal.runs = runs;
       one.proposal.minutes = minutes_of(one.proposal, times);
-      const MatrixXd sigma = separations.of(i, runs);
+      const MatrixXd sigma = separations.of(i, runs, question == Question::separate);
       const Worth worth = worth_of(sigma, question);
       one.proposal.separation_sigma = worth.sure_sigma;
       one.mean_sigma = worth.mean_sigma;

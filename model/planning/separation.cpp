@@ -456,34 +456,34 @@ Separations::Separations(const WithProposals& all, const std::vector<Measurement
   white_ = white.bottomRows(white.rows() - present);
   for (std::size_t i = 0; i < proposals.size(); ++i)
     sigma_.push_back(noise.groups[belief.noise.groups.size() + i].sigma());
-  present_squares_ = squares(present_, false);
+  present_squares_ = squares(present_, false, true);
 }
 
-MatrixXd Separations::squares(const MatrixXd& rows, bool own_zero) const {
+MatrixXd Separations::squares(const MatrixXd& rows, bool own_zero, bool between) const {
   const auto count = static_cast<Index>(first_.size());
   Space base;
   base.y = VectorXd::Zero(rows.rows());
   base.q.resize(rows.rows(), 0);
   absorb(base, rows.leftCols(base_));
   if (own_zero) absorb(base, rows.rightCols(1));
-  MatrixXd result = MatrixXd::Zero(count, count + 1);
-  for (Index j = 0; j <= count; ++j) {
+  MatrixXd result = MatrixXd::Zero(count, count + 1), left(rows.rows(), count);
+  for (Index j = between ? 0 : count; j <= count; ++j) {
     Space space = base;
     const bool alone = j == count;
     if (!alone)
       absorb(space, rows.middleCols(first_[static_cast<std::size_t>(j)], count_[static_cast<std::size_t>(j)]));
     for (Index i = 0; i < count; ++i) {
-      if (i == j) continue;
       const auto ii = static_cast<std::size_t>(i);
-      VectorXd left = rows.col(first_[ii] + count_[ii] + 1);
-      if (!alone) left -= rows.col(first_[static_cast<std::size_t>(j)] + count_[static_cast<std::size_t>(j)]);
-      result(i, j) = without(space.q, std::move(left)).squaredNorm();
+      left.col(i) = rows.col(first_[ii] + count_[ii] + 1);
+      if (!alone) left.col(i) -= rows.col(first_[static_cast<std::size_t>(j)] + count_[static_cast<std::size_t>(j)]);
     }
+    result.col(j) = without(space.q, left).colwise().squaredNorm().transpose();
+    if (!alone) result(j, j) = 0.0;
   }
   return result;
 }
 
-MatrixXd Separations::of(std::size_t proposal, int runs) const {
+MatrixXd Separations::of(std::size_t proposal, int runs, bool between) const {
   const auto first = static_cast<Index>(all_.first[proposal] - all_.present);
   const auto count = static_cast<Index>(all_.count[proposal]);
   const bool own_zero = proposals_[proposal].own_zero;
@@ -499,7 +499,7 @@ MatrixXd Separations::of(std::size_t proposal, int runs) const {
   if (zero) rows.block(present_.rows(), white_.cols(), count, 1).setConstant(weight / sigma_[proposal]);
   constexpr double kReadings = 10.0;  // a choice: that many readings are averaged in effect where a zero is set
   if (prior > 0) rows(rows.rows() - 1, white_.cols()) = std::sqrt(kReadings) / sigma_[proposal];
-  return (squares(rows, zero) - present_squares_).cwiseMax(0.0).cwiseSqrt();
+  return (squares(rows, zero, between) - present_squares_).cwiseMax(0.0).cwiseSqrt();
 }
 
 }  // namespace ecs::model

@@ -67,10 +67,11 @@ class Separations {
 
   /// [i][j]: explanation i true, j refitted; the last column: the model alone. What `runs` runs of the proposal add to
   /// what the present readings say.
-  [[nodiscard]] Eigen::MatrixXd of(std::size_t proposal, int runs) const;
+  /// @param between  from each other; else the last column alone, 0 in the others
+  [[nodiscard]] Eigen::MatrixXd of(std::size_t proposal, int runs, bool between = true) const;
 
  private:
-  [[nodiscard]] Eigen::MatrixXd squares(const Eigen::MatrixXd& rows, bool own_zero) const;
+  [[nodiscard]] Eigen::MatrixXd squares(const Eigen::MatrixXd& rows, bool own_zero, bool between) const;
 
   const WithProposals& all_;
   const std::vector<MeasurementProposal>& proposals_;
