@@ -341,10 +341,11 @@ Solution parted(const Search& search, Solution best, const StepwiseOptions& opti
       const Choice curve = search.refined_choice(rest.space, f, 0.0);
       if (curve.gain <= 0.0) continue;
       const Solution with_curve = search.solution(with(rest.chosen, curve), rest.own);
+      if (with_curve.chosen.size() >= options.most_effects) continue;
       for (const Choice& other : search.expand(with_curve.space, kExchangeExact)) {
         Solution tried = search.refined(with(with_curve.chosen, other), rest.own);
-        if (tried.chosen.size() > options.most_effects || !plausible(search, tried.chosen)) continue;
-        if (tried.score() > best.score() + kIndistinguishable) return parted(search, std::move(tried), options);
+        if (tried.score() > best.score() + kIndistinguishable && plausible(search, tried.chosen))
+          return parted(search, std::move(tried), options);
       }
     }
   }
