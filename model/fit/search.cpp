@@ -39,10 +39,22 @@ constexpr std::size_t kMostKept = 256;  ///< values of families beside the base
 constexpr std::size_t kMostBankColumns = 10'000;
 constexpr std::size_t kMostValues = 1500;  ///< of one searched parameter
 
-/// What is left of columns beside a basis; twice is enough for all digits (Parlett 1980, 6.9).
+/// Takes off columns what a basis spans; twice where less than half of a square is left, which is enough for all digits
+/// (Daniel, Gragg, Kaufman and Stewart 1976; Parlett 1980, 6.9).
+template <class Basis, class Columns>
+void take_off(const Basis& q, Columns& columns) {
+  constexpr double kHalf = 0.5;
+  if (q.cols() == 0) return;
+  const Eigen::RowVectorXd before = columns.colwise().squaredNorm();
+  columns.noalias() -= q * (q.transpose() * columns).eval();
+  if ((columns.colwise().squaredNorm().array() < kHalf * before.array()).any())
+    columns.noalias() -= q * (q.transpose() * columns).eval();
+}
+
+/// What is left of columns beside a basis.
 template <class Basis>
 MatrixXd left_beside_basis(const Basis& q, MatrixXd columns) {
-  for (int twice = 0; twice < 2 && q.cols() > 0; ++twice) columns.noalias() -= q * (q.transpose() * columns).eval();
+  take_off(q, columns);
   return columns;
 }
 
@@ -52,8 +64,7 @@ void absorb_left(Space& space, const MatrixXd& left, const VectorXd& before) {
   Index count = 0;
   for (Index j = 0; j < left.cols(); ++j) {
     VectorXd v = left.col(j);
-    const auto taken = fresh.leftCols(count);
-    for (int twice = 0; twice < 2 && count > 0; ++twice) v.noalias() -= taken * (taken.transpose() * v).eval();
+    take_off(fresh.leftCols(count), v);
     const double square = v.squaredNorm();
     if (square <= kAbsorbed * before(j) || square <= 0.0) continue;
     v /= std::sqrt(square);
