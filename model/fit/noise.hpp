@@ -147,6 +147,8 @@ class Whitener {
   [[nodiscard]] Eigen::VectorXd operator()(const Eigen::VectorXd& column) const;
   /// The transposed map: products with whitened columns become products with the columns as they are.
   [[nodiscard]] Eigen::MatrixXd transposed(const Eigen::MatrixXd& white) const;
+  /// Whether no reading tells of another one: each is scaled alone.
+  [[nodiscard]] bool is_white() const;
   /// ln of the determinant of the covariance, rows left out apart.
   [[nodiscard]] double ln_determinant() const;
 

@@ -150,6 +150,10 @@ void Whitener::apply_transposed(const double* from, double* to, Eigen::Index row
   }
 }
 
+bool Whitener::is_white() const {
+  return std::ranges::all_of(steps_, [](const Step& step) { return step.memory == 0.0; });
+}
+
 double Whitener::ln_determinant() const {
   double sum = 0.0;
   for (const Step& step : steps_)

@@ -177,7 +177,7 @@ class Search {
     Eigen::Index nodes = 0;
     std::shared_ptr<const Shapes> shapes;
     std::size_t like = 0;    ///< first family of the same nodes: it has the weight, and sums over nodes are the same
-    Eigen::MatrixXd weight;  ///< whitened node indicators, multiplied out; few places only
+    Eigen::MatrixXd weight;  ///< whitened node indicators, multiplied out, of white noise the diagonal; few places only
     Eigen::MatrixXd base_q;  ///< the base seen from the nodes (nodes × rank)
     std::vector<std::vector<Eigen::Index>> variants;  ///< sets of columns that may be used
     std::size_t first = 0, last = 0;                  ///< its items
@@ -198,6 +198,8 @@ class Search {
                    const Eigen::MatrixXf& absorbed);
   /// Values for products with whitened readings as values for products with motions (Regressors::motions()).
   [[nodiscard]] Eigen::MatrixXd at_motions(const Eigen::MatrixXd& white) const;
+  /// Shapes at the nodes of a family as whitened readings.
+  [[nodiscard]] Eigen::MatrixXd white_of(std::size_t family, const Eigen::MatrixXd& shapes) const;
   /// Sums of values of motions over the nodes of a family.
   [[nodiscard]] Eigen::MatrixXd gathered(std::size_t family, const Eigen::MatrixXd& rows) const;
   [[nodiscard]] bool has_places(std::size_t family) const {

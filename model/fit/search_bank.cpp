@@ -16,8 +16,12 @@ using Eigen::MatrixXd;
 using Eigen::MatrixXf;
 using Eigen::VectorXd;
 
-/// With more places than that, products over the readings are cheaper than products over the places.
+/// With more places than that, products over the readings are cheaper than products over the places, unless the noise
+/// is white: then each place has its weight alone.
 constexpr Index kMostNodes = 300;
+/// A few columns are weighed over the readings where the places have more pairs than this many times the readings: to
+/// spread, whiten and gather a value takes about so many steps.
+constexpr Index kDearPlaces = 16;
 /// Columns handled at once, so that a piece stays in the cache.
 constexpr Index kPiece = 256;
 
@@ -31,6 +35,13 @@ MatrixXd place_columns(const EffectDefinition& definition, const std::vector<dou
     columns.row(static_cast<Index>(i)) = row;
   }
   return columns;
+}
+
+/// @param weight  of places (places × places), or of each alone (places × 1)
+template <class Matrix>
+Matrix weighted(const Matrix& weight, const Matrix& columns) {
+  if (weight.cols() == 1) return weight.col(0).asDiagonal() * columns;
+  return weight * columns;
 }
 
 }  // namespace
@@ -60,6 +71,15 @@ MatrixXd Search::gathered(std::size_t f, const MatrixXd& rows) const {
     for (std::size_t i = 0; i < acting.size(); ++i) to[bank.node_of[i]] += from[acting[i]];
   }
   return sums;
+}
+
+MatrixXd Search::white_of(std::size_t f, const MatrixXd& shapes) const {
+  const std::vector<std::size_t>& acting = families_[f].acting.rows;
+  MatrixXd rows = MatrixXd::Zero(static_cast<Index>(regressors_.motions().size()), shapes.cols());
+  for (Index j = 0; j < shapes.cols(); ++j)
+    for (std::size_t i = 0; i < acting.size(); ++i)
+      rows(static_cast<Index>(acting[i]), j) = shapes(banks_[f].node_of[i], j);
+  return whitener_(regressors_.readings_from(std::move(rows)));
 }
 
 /// Items of a family, their shapes at the nodes.
@@ -155,19 +175,20 @@ void Search::store_grams(const FamilyBank& bank, Index from, const MatrixXf& lef
 /// Products of the shapes of each item, whitened, base removed.
 void Search::build_grams(std::size_t f) {
   FamilyBank& bank = banks_[f];
-  const std::vector<std::size_t>& rows = families_[f].acting.rows;
-  const auto n = static_cast<Index>(regressors_.motions().size());
   const Shapes& shapes = *bank.shapes;
   MatrixXf weight, base_q;
   FamilyBank& like = banks_[bank.like];
-  if (!shapes.place_mm.empty() && bank.nodes <= kMostNodes && like.weight.size() == 0) {
-    MatrixXd indicators = MatrixXd::Zero(n, bank.nodes);
-    for (std::size_t i = 0; i < rows.size(); ++i) indicators(static_cast<Index>(rows[i]), bank.node_of[i]) = 1.0;
-    const MatrixXd white = whitener_(regressors_.readings_from(std::move(indicators)));
-    like.weight = MatrixXd::Zero(bank.nodes, bank.nodes);
-    like.weight.selfadjointView<Eigen::Lower>().rankUpdate(white.transpose());
-    like.weight.triangularView<Eigen::StrictlyUpper>() = like.weight.transpose();
-    like.base_q = white.transpose() * base_.q;
+  const bool is_white = whitener_.is_white() && !regressors_.data().moved;
+  if (!shapes.place_mm.empty() && (is_white || bank.nodes <= kMostNodes) && like.weight.size() == 0) {
+    if (is_white) {
+      like.weight = gathered(f, whitener_(MatrixXd(MatrixXd::Ones(base_.y.size(), 1))).cwiseAbs2());
+    } else {
+      const MatrixXd white = white_of(f, MatrixXd::Identity(bank.nodes, bank.nodes));
+      like.weight = MatrixXd::Zero(bank.nodes, bank.nodes);
+      like.weight.selfadjointView<Eigen::Lower>().rankUpdate(white.transpose());
+      like.weight.triangularView<Eigen::StrictlyUpper>() = like.weight.transpose();
+    }
+    like.base_q = gathered(f, at_motions(base_.q));
   }
   if (has_places(f)) {
     weight = like.weight.cast<float>();
@@ -179,13 +200,9 @@ void Search::build_grams(std::size_t f) {
       if (items_[i].start == end && (end == from || end + items_[i].count - from <= kPiece)) end += items_[i].count;
     const MatrixXf piece = shapes.columns.middleCols(from, end - from);
     if (weight.size() > 0) {
-      store_grams(bank, from, piece, weight * piece, base_q.transpose() * piece);
+      store_grams(bank, from, piece, weighted(weight, piece), base_q.transpose() * piece);
     } else {
-      MatrixXd spread = MatrixXd::Zero(n, piece.cols());
-      for (Index j = 0; j < piece.cols(); ++j)
-        for (std::size_t i = 0; i < rows.size(); ++i)
-          spread(static_cast<Index>(rows[i]), j) = static_cast<double>(piece(bank.node_of[i], j));
-      const MatrixXf white = whitener_(regressors_.readings_from(std::move(spread))).cast<float>();
+      const MatrixXf white = white_of(f, piece.cast<double>()).cast<float>();
       store_grams(bank, from, white, white, base_.q.cast<float>().transpose() * white);
     }
     from = end;
@@ -229,8 +246,10 @@ Choice Search::choice_in(const View& view, std::size_t f, double nonlinear) cons
   const EffectDefinition& definition = family.effect.definition();
   const MatrixXd columns =
       place_columns(definition, bank.shapes->place_mm, nonlinear, static_cast<Index>(definition.column_count()));
-  const MatrixXd weighted = banks_[bank.like].weight * columns;
-  MatrixXd gram = columns.transpose() * weighted;
+  const MatrixXd& weight = banks_[bank.like].weight;
+  const bool by_places = weight.size() < kDearPlaces * base_.y.size();
+  const MatrixXd by_weight = by_places ? weighted(weight, columns) : gathered(f, at_motions(white_of(f, columns)));
+  MatrixXd gram = columns.transpose() * by_weight;
   const VectorXd original = gram.diagonal();
   const MatrixXd absorbed = view.q.transpose() * columns;
   gram.noalias() -= absorbed.transpose() * absorbed;
