@@ -330,9 +330,11 @@ std::string closest_text(const Diagnosis& d) {
     if (closest.size() < kMostShown)
       closest.push_back({to_text(candidate.effect), candidate.probability, place_text(candidate.effect)});
   if (closest.empty()) return {};
-  return "\n" + paragraph("Nearest candidates, with the probability that each is real (too low to name a cause): " +
-                              set_text(closest, 2),
-                          0, 2);
+  return "\n" +
+         paragraph(
+             "Effects that could be hidden below the noise, with the probability of each (too low to name a cause): " +
+                 set_text(closest, 2),
+             0, 2);
 }
 
 /// What adding the likely effects would do, and how.

@@ -100,6 +100,11 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, const std::ve
                         group.wander,           group.p_value,
                         group.p_value_alone};
     for (const Choice& rival : group.rivals) one.rivals.push_back(instance(rival));
+    for (const Choice& weaker : group.weaker)  // which sensor it follows is open, too
+      if (const EffectInstance other = instance(weaker);
+          follows_other_sensor(other, one.effect) &&
+          std::ranges::find(one.set, place_text(other), &SetMember::place) != one.set.end())
+        one.rivals.push_back(other);
     for (const Group::InPart& part : group.in_part)
       one.in_part.push_back({instance(part.kept), instance(part.part), instance(part.other)});
     list.push_back(std::move(one));
@@ -509,7 +514,7 @@ std::string_view name_of(Verdict verdict) {
 std::string_view title_of(Verdict verdict) {
   switch (verdict) {
     case Verdict::adequate:
-      return "the model is adequate";
+      return "the model explains the readings";
     case Verdict::missing_effect:
       return "an effect is missing";
     case Verdict::partly_explained:

@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include <fmt/args.h>
@@ -30,6 +31,8 @@ constexpr double kTargetsAPeriod = 10.0, kUsualPeriod_mm = 10.0, kUsualPeriod_de
 constexpr double kLeastShareSaid = 0.01;
 /// Variables that a headline names: the strongest, and others of at least this share of the residual variance.
 constexpr std::size_t kMostVariables = 3;
+/// Of steps and positions of targets.
+constexpr int kTargetDigits = 5;
 constexpr double kWorthNaming = 0.1;
 
 /// In front of a pitch that the readings exclude.
@@ -180,6 +183,24 @@ std::string with_small_letter(std::string_view title) {
   return text;
 }
 
+/// Whether its rivals are the same effect, each by another sensor.
+bool differs_in_sensor_only(const Candidate& candidate) {
+  const std::vector<EffectInstance> open = candidate.open_rivals();
+  return !open.empty() && std::ranges::all_of(open, [&](const EffectInstance& rival) {
+    return follows_other_sensor(rival, candidate.effect);
+  });
+}
+
+/// Of proved effects of which the sensor is open; "" where there are none.
+std::string open_sensors_text(const Diagnosis& diagnosis) {
+  std::string text;
+  for (const Candidate& one : diagnosis.candidates)
+    if (one.named && differs_in_sensor_only(one))
+      text += fmt::format("{}The {} is proved, but not which sensor it follows.", text.empty() ? "" : " ",
+                          with_small_letter(one.effect.definition().title));
+  return text;
+}
+
 /// " of -12 um/m": of a rival that is the same effect at another place, such as the second scale of a circle; else "".
 /// Both have one size and explain the same, so their sizes have one ratio, alone and beside other effects.
 std::string like_size_text(const EffectInstance& rival, const Candidate& candidate, const Diagnosis& diagnosis) {
@@ -213,6 +234,13 @@ std::string with_alternatives(const std::string& finding, const Candidate& candi
     return place == own || is_third_approach || named_at(place, diagnosis) > 0;
   });
   if (others.empty()) return fmt::format("{} ({})", finding, id);
+  if (part == nullptr && differs_in_sensor_only(candidate)) {
+    std::string sensors;
+    for (const EffectInstance& rival : candidate.open_rivals())
+      sensors +=
+          fmt::format(", or with {}, {}", sensors_text(rival), probability_text(probabilities[place_text(rival)]));
+    return fmt::format("{} ({}, {}{})", finding, id, probability_text(own_probability), sensors);
+  }
   std::vector<std::pair<double, std::string>> causes{
       {own_probability, fmt::format("{} ({}, {})", finding, id, probability_text(own_probability))}};
   for (const auto& [place, title] : others) {
@@ -443,6 +471,22 @@ bool is_at_one_target(const Observations& data) {
   return std::ranges::any_of(targets_of(data), [](const auto& of) { return of.second.size() == 1; });
 }
 
+/// "the ball on the table" → "ball 2 on the table (nominally at X 100, Y 0, Z 50 mm)", where there are several; so for
+/// those in the spindle, by their tool offsets.
+void number_ball(std::string& text, const EffectInstance& effect, const Observations& data) {
+  const auto number = static_cast<std::size_t>(effect.ball);
+  for (const auto& [place, all_mm, where] : {std::tuple("on the table", &data.balls_mm, "nominally at"),
+                                             {"in the spindle", &data.tools_mm, "tool offset"}}) {
+    const std::string one = fmt::format("the ball {}", place);
+    const std::size_t at = text.find(one);
+    if (at == std::string::npos || number > all_mm->size() || all_mm->size() < 2) continue;
+    const Vector3& mm = (*all_mm)[number - 1];
+    text.replace(at, one.size(),
+                 fmt::format("ball {} {} ({} X {}, Y {}, Z {} mm)", number, place, where, in_digits(mm[0], 4),
+                             in_digits(mm[1], 4), in_digits(mm[2], 4)));
+  }
+}
+
 /// ", and of +-1.2 um with a period of 5.000 mm": the smaller of a wave and its second harmonic, where its size is
 /// known to a third.
 std::string smaller_wave_text(const NamedWave& wave, const Observations& data) {
@@ -456,6 +500,10 @@ std::string smaller_wave_text(const NamedWave& wave, const Observations& data) {
 }
 
 }  // namespace
+
+bool follows_other_sensor(const EffectInstance& a, const EffectInstance& b) {
+  return same_place(a, b) && a.approach == b.approach && !same_sensors(a, b);
+}
 
 std::string in_digits(double value, int digits) {
   return shortest(number_in(fmt::format("{:.{}g}", value, digits)).value_or(value));
@@ -487,6 +535,7 @@ std::string finding_text(const EffectInstance& found_effect, const std::vector<P
   word("name", effect.name);
   word("sizes", sizes_word(effect, parameters, data));
   std::string text = fmt::vformat(definition.headline, words);
+  if (definition.place == Place::artefact) number_ball(text, effect, data);
   if (const auto lag = std::ranges::find(parameters, kLag, &ParameterEstimate::name); lag != parameters.end())
     text += fmt::format(", following it with a time constant of {}", duration_text(lag->value));
   constexpr std::string_view kEverywhere = "equal at every position";
@@ -537,10 +586,11 @@ std::string reservation_for(const Diagnosis& diagnosis, const Observations& data
   for (const EvenTargets& one : even)
     if (const auto behind = undetected(data, one))
       text += fmt::format(
-          "{}Periods shorter than {:g} {} along {} {}: the targets are equally spaced at {:g} {}{}.",
-          text.empty() ? "" : " ", 2.0 * one.step_mm, data.position_unit(), data.letter(one.axis),
+          "{}Periods shorter than {} {} along {} {}: the targets are equally spaced at {} {}{}.",
+          text.empty() ? "" : " ", in_digits(2.0 * one.step_mm, kTargetDigits), data.position_unit(),
+          data.letter(one.axis),
           names_a_wave(diagnosis) && !data.rotary ? "look like longer ones or do not show" : "cannot be detected",
-          one.step_mm, data.position_unit(), *behind);
+          in_digits(one.step_mm, kTargetDigits), data.position_unit(), *behind);
   return text;
 }
 
@@ -552,7 +602,7 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
   switch (d.verdict) {
     case Verdict::adequate:
       add(fmt::format("{}: {}{} is noise.",
-                      d.reservation.empty() ? "The model is adequate" : "No detectable effect is missing",
+                      d.reservation.empty() ? "The model explains the readings" : "No further effect is detected",
                       d.outliers.empty() ? "" : "apart from outliers ",
                       d.reservation.empty() ? "its residual" : "the residual of the model"));
       add(d.reservation);
@@ -560,6 +610,7 @@ std::string headline_for(const Diagnosis& d, const Observations& data, const std
     case Verdict::missing_effect:
     case Verdict::partly_explained:
       add(fmt::format("Found: {}.", findings_text(d, data, false)));
+      add(open_sensors_text(d));
       if (d.verdict == Verdict::partly_explained) add("That is proved, but the residual contains more.");
       add(likely_text(d, data));
       if (names_a_wave(d) || is_at_one_target(data)) add(d.reservation);
@@ -653,10 +704,11 @@ std::optional<std::string> even_targets_note(const Observations& data) {
     std::vector<std::string_view> senses;
     for (const Sense sense : one.senses) senses.push_back(name_of(sense));
     note += fmt::format(
-        "{}targets are equally spaced at {:g} {} along {} ({}): periods shorter than {:g} {} cannot be distinguished "
+        "{}targets are equally spaced at {} {} along {} ({}): periods shorter than {} {} cannot be distinguished "
         "from longer ones{}",
-        note.empty() ? "" : "; ", one.step_mm, data.position_unit(), data.letter(one.axis), fmt::join(senses, ", "),
-        2.0 * one.step_mm, data.position_unit(), hidden_pitches(data, one).value_or(""));
+        note.empty() ? "" : "; ", in_digits(one.step_mm, kTargetDigits), data.position_unit(), data.letter(one.axis),
+        fmt::join(senses, ", "), in_digits(2.0 * one.step_mm, kTargetDigits), data.position_unit(),
+        hidden_pitches(data, one).value_or(""));
   }
   if (note.empty()) return std::nullopt;
   return note +

@@ -18,6 +18,9 @@ inline constexpr double kPercent = 100.0;
 /// Rounded to significant digits, without an exponent from 1e-4 to 1e16: "3280", "0.0123".
 [[nodiscard]] std::string in_digits(double value, int digits = 3);
 
+/// The same effect at the same place in the same approach, by another sensor.
+[[nodiscard]] bool follows_other_sensor(const EffectInstance& a, const EffectInstance& b);
+
 /// "a periodic error in X positions of +-6.8 um, period 10.00 mm, the pitch of the X screw, only when moving forward":
 /// an effect with values from a fit, as an engineer names it inside a sentence.
 [[nodiscard]] std::string finding_text(const EffectInstance& effect, const std::vector<ParameterEstimate>& parameters,

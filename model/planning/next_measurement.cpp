@@ -501,7 +501,7 @@ void ask_again(NextMeasurement& next, const Setting& in, const Diagnosis& diagno
   take_repetition(next, in);
 }
 
-/// @param few  too few readings to say whether the model is adequate
+/// @param few  too few readings to say whether an effect is missing
 Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
   ECS_TRY(is_asked, few ? Result<bool>(false) : ask_undecided(next, in));
   if (is_asked) return {};
@@ -525,7 +525,7 @@ Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
   next.notes.push_back(fmt::format(
       "{}. If as large as the noise of one reading ({:.2g} {}), these causes could be present and undetected: "
       "{}",
-      few ? "too few readings to decide whether an effect is missing" : "the model is adequate", noise_um,
+      few ? "too few readings to decide whether an effect is missing" : "the model explains the readings", noise_um,
       part.reading_unit(), fmt::join(names, ", ")));
   const bool zero_matters = true;
   const Separations separations(all, options, belief, unseen, zero_matters);
@@ -587,13 +587,6 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
   return "No further measurement is needed: the cause is proved" + odds_of_others(diagnosis) + ".";
 }
 
-/// Of a cause that follows a sensor, where others are possible: the cause is proved, its sensor only likelier.
-std::string odds_of_sensor(const Candidate& candidate) {
-  if (candidate.effect.sensor.empty() || candidate.set.size() < 2) return {};
-  return fmt::format(" The sensor that it follows is not proved: {} has a probability of {:.3g} %.",
-                     candidate.effect.sensor, kPercent * candidate.set.front().probability);
-}
-
 NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis,
                              const MeasuringTimes& times) {
   const bool may_be_waves = std::ranges::any_of(
@@ -604,8 +597,7 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
     bool is_said = diagnosis.headline.find(diagnosis.reservation) != std::string::npos;
     for (Candidate& candidate : diagnosis.candidates) {
       if (!candidate.in_answer()) continue;
-      candidate.next_measurement = *settled + odds_of_sensor(candidate) +
-                                   step_after_proof(candidate.effect, data.machine) +
+      candidate.next_measurement = *settled + step_after_proof(candidate.effect, data.machine) +
                                    (is_said || diagnosis.reservation.empty() ? "" : " " + diagnosis.reservation);
       is_said = true;
       if (next.notes.empty()) next.notes.push_back(candidate.next_measurement);

@@ -330,9 +330,9 @@ std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
   std::size_t number = 0;
   const auto& diagnosis = controller_->diagnosis();
   if (diagnosis && diagnosis->verdict == model::Verdict::adequate && !controller_->next()->proposals.empty())
-    add(is_adequate(*diagnosis)
-            ? "The model is adequate: no further measurement is needed. These measurements would show smaller causes:"
-            : "The model is adequate with the reservation on page 3. These measurements would show other causes:");
+    add(is_adequate(*diagnosis) ? "The model explains the readings. These measurements would show smaller causes:"
+                                : "The model explains the readings, with the reservation on page 3. These measurements "
+                                  "would show other causes:");
   else if (!controller_->next()->rivals.empty())
     add(fmt::format("To distinguish: {}", fmt::join(controller_->next()->rivals, ", ")));
   for (const model::MeasurementProposal& proposal : controller_->next()->proposals) {

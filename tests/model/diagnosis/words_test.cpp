@@ -68,6 +68,21 @@ TEST_CASE("every effect of the library has a finding without holes") {
   }
 }
 
+TEST_CASE("of several balls the finding says which one, and where") {
+  EffectInstance ball;
+  ball.id = effect_named("ball_on_table");
+  ball.rotary = true;
+  ball.ball = 2;
+  Observations data;
+  data.balls_mm = {{0.0, 0.0, 0.0}, {100.0, 50.5, -20.0}};
+  check_holds(finding_text(ball, {estimate_of("x_um", "um", 12.0)}, data),
+              {"an offset of ball 2 on the table (nominally at X 100, Y 50.5, Z -20 mm) by 12 um"});
+  data.balls_mm.pop_back();
+  ball.ball = 1;
+  check_holds(finding_text(ball, {estimate_of("x_um", "um", 12.0)}, data),
+              {"an offset of the ball on the table by 12"});
+}
+
 TEST_CASE("a size that the data do not determine is not told as a number") {
   const Observations data = observations_of(measured({}, kNoise_um, nothing), Model{}, mill());
   ParameterEstimate lost = estimate_of("um_per_m", "um/m", 39.0);
@@ -201,7 +216,7 @@ TEST_CASE("equal steps of a rotary axis hide waves: an answer without a cause sa
     const Diagnosis found = turn_of_c(waves);
     CHECK(found.verdict == Verdict::adequate);
     CHECK(found.headline ==
-          "No detectable effect is missing: the residual of the model is noise. Periods shorter than 60 deg along C "
+          "No further effect is detected: the residual of the model is noise. Periods shorter than 60 deg along C "
           "cannot be detected: the targets are equally spaced at 30 deg, where a wave with N periods per turn looks "
           "like one with 12 - N periods, and a wave with 12 periods does not show.");
   }
@@ -236,6 +251,34 @@ TEST_CASE("a drift that begins in the last run is named in place of the run") {
   const Diagnosis found = diagnosed(straight(), set);
   CHECK_MESSAGE(!contains(found.headline, "differs from the other runs"), found.headline);
   CHECK_MESSAGE(found.headline.starts_with("Readings drift by +"), found.headline);
+}
+
+TEST_CASE("of a proved drift whose sensor is open every sensor is a rival, and the answer says so") {
+  const auto drift = [](const laser::Reading& r) { return 4.0 * std::sin(r.time_s.value_or(0.0) / 700.0); };
+  std::size_t open = 0;
+  for (const double off : {0.0, 0.02, 0.05, 0.1}) {
+    laser::MeasurementSet set = measured({.runs = 5}, kNoise_um, drift);
+    std::size_t number = 0;
+    for (laser::Reading& r : set.readings) {
+      const double degC = 20.0 + std::sin(r.time_s.value_or(0.0) / 700.0);
+      const double wrong = off * std::sin(1.7 * static_cast<double>(number++));
+      r.sensors_degC = {{"t_bed_degC", degC}, {"t_spindle_degC", degC + wrong}};
+    }
+    const Diagnosis found = diagnosed(straight(), set);
+    REQUIRE_FALSE(found.candidates.empty());
+    const Candidate& first = found.candidates.front();
+    REQUIRE(first.named);
+    REQUIRE(first.effect.id == effects::thermal_drift);
+    for (const SetMember& member : first.set)
+      CHECK((member.place == place_text(first.effect) || member.name != to_text(first.effect) ||
+             std::ranges::any_of(first.rivals,
+                                 [&](const EffectInstance& one) { return place_text(one) == member.place; })));
+    if (first.open_rivals().empty()) continue;
+    ++open;
+    check_holds(found.headline, {"The thermal drift is proved, but not which sensor it follows.", ", or with t_"});
+    CHECK_MESSAGE(!contains(found.headline, "cannot distinguish"), found.headline);
+  }
+  CHECK(open > 0);
 }
 
 TEST_CASE("effects on which no reading depends are named with what is missing") {
