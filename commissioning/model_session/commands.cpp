@@ -38,8 +38,8 @@ Words ModelCommands::add(const std::string& name, const model::AddRequest& reque
   if (request.sense) add_option(words, "--sense", std::string(name_of(*request.sense)));
   if (request.code) add_option(words, "--code", std::string(name_of(*request.code)));
   add_option(words, "--machine", path_word(files_.machine));
-  for (const std::string_view one : split(alternatives, ','))
-    if (one.find('@') == std::string_view::npos) add_option(words, "--or", std::string(trimmed(one)));
+  for (const std::string& one : model::alternatives_in(alternatives))
+    if (one.find('@') == std::string::npos) add_option(words, "--or", one);
   for (std::string& word : import_words(files_.import))
     words.push_back(word == "--sense" ? "--reading-sense" : std::move(word));
   add_option(words, "-o", path_word(files_.model));

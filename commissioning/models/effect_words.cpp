@@ -49,10 +49,13 @@ std::vector<std::pair<std::string, model::EffectInstance>> alternatives_of_measu
 
 std::string title_of(const model::EffectInstance& effect) {
   const model::EffectDefinition& definition = effect.definition();
+  std::string title(definition.title);
+  if (const std::size_t at = title.find("the ball"); at != std::string::npos && effect.ball > 1)
+    return title.replace(at, std::string_view("the ball").size(), fmt::format("ball {}", effect.ball));
   const bool along = !effect.sense || !effect.axis ||
                      (direction_of(*effect.sense) == *effect.axis && is_rotation(*effect.sense) == effect.rotary);
   if (along || definition.parameters.size() != 1 || !effect.traits().is_usual || effect.traits().of_approach)
-    return std::string(definition.title);
+    return title;
   std::string meaning(definition.parameters.front().meaning);
   meaning.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(meaning.front())));
   if (is_rotation(*effect.sense)) return meaning.substr(0, meaning.find(" ("));
@@ -202,8 +205,8 @@ Result<std::size_t> effect_in(const model::Model& model, const std::string& name
   if (std::ranges::count_if(model.effects, has_name) == 1)  // without its sensor or approach
     return static_cast<std::size_t>(std::ranges::find_if(model.effects, has_name) - model.effects.begin());
   for (std::size_t i = 0; i < names.size(); ++i)
-    for (const std::string_view alternative : split(model.effects[i].tied_with, ','))
-      if (trimmed(alternative) == name)
+    for (const std::string& alternative : model::alternatives_in(model.effects[i].tied_with))
+      if (alternative == name)
         return problem(ProblemKind::usage,
                        "{0} is an alternative to {1}: to keep it in place of {1}, use `ecs model remove`, then "
                        "`ecs model add`",

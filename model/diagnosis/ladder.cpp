@@ -152,7 +152,31 @@ AddRequest request_of(const EffectInstance& effect) {
   return request;
 }
 
-Result<AddRequest> parse_add_request(std::string_view text) {
+std::vector<std::string> alternatives_in(const std::string& tied_with) {
+  std::vector<std::string> names;
+  for (const std::string_view part : split(tied_with, ',')) {
+    const std::string name(trimmed(part));
+    if (approach_mode_named(name.substr(0, name.find(' '))) && !names.empty())
+      names.back() += ", " + name;
+    else
+      names.push_back(name);
+  }
+  return names;
+}
+
+namespace {
+
+/// Takes what follows `mark` off the end of a name.
+std::string cut_off(std::string& name, std::string_view mark) {
+  const std::size_t at = name.find(mark);
+  if (at == std::string::npos) return {};
+  std::string rest = name.substr(at + mark.size());
+  name.erase(at);
+  return rest;
+}
+
+/// Of a name without approach and sensors.
+Result<AddRequest> request_at(std::string_view text) {
   constexpr std::string_view kFromRun = "run";
   const auto parts = split(text, ':');
   AddRequest request;
@@ -205,6 +229,22 @@ Result<AddRequest> parse_add_request(std::string_view text) {
   if (id->place == Place::set_up || id->place == Place::artefact) request.axis = std::nullopt;  // it has none
   if (id->place == Place::artefact) request.rotary = true;
   return request;
+}
+
+}  // namespace
+
+Result<AddRequest> parse_add_request(std::string_view text) {
+  if (text.starts_with("user:")) return request_at(text);
+  std::string name(text);
+  std::string sensor = cut_off(name, " with ");
+  const std::string approach = cut_off(name, ", ");
+  ECS_TRY(request, request_at(name));
+  request.sensor2 = cut_off(sensor, " and ");
+  request.sensor = sensor;
+  request.approach = approach_mode_named(approach);
+  if (approach.empty() || request.approach) return request;
+  return problem(ProblemKind::usage,
+                 fmt::format("{}: expected both, forward or reverse behind the comma, got \"{}\"", text, approach));
 }
 
 Result<Added> add_effect(const Model& model, const Observations& data, const AddRequest& request,
@@ -318,28 +358,6 @@ namespace {
 /// Difference of χ² that decides: five standard deviations, as for what a fit takes for determined.
 constexpr double kDecides = 25.0;
 
-/// The names of `tied_with`, each with its approach: "cyclic:X:EX, reverse, scale:X:EX" are two.
-std::vector<std::string> names_in(const std::string& tied_with) {
-  std::vector<std::string> names;
-  for (const std::string_view part : split(tied_with, ',')) {
-    const std::string name(trimmed(part));
-    if (approach_mode_named(name) && !names.empty())
-      names.back() += ", " + name;
-    else
-      names.push_back(name);
-  }
-  return names;
-}
-
-/// Takes what follows `mark` off the end of a name.
-std::string cut_off(std::string& name, std::string_view mark) {
-  const std::size_t at = name.find(mark);
-  if (at == std::string::npos) return {};
-  std::string rest = name.substr(at + mark.size());
-  name.erase(at);
-  return rest;
-}
-
 /// Of a name as place_text() writes it; nothing for one that is no effect of the library.
 /// @param effect  that it is an alternative of: with "@17.14" behind its name, with that period
 std::optional<AddRequest> request_for(std::string name, const EffectInstance& effect) {
@@ -353,13 +371,9 @@ std::optional<AddRequest> request_for(std::string name, const EffectInstance& ef
     other.fitted.clear();
     return request_of(other);
   }
-  std::string sensor = cut_off(name, " with ");
-  const std::string approach = cut_off(name, ", ");
   auto request = parse_add_request(name);
   if (!request) return std::nullopt;
-  request->approach = approach_mode_named(approach).value_or(ApproachMode::both);
-  request->sensor2 = cut_off(sensor, " and ");
-  request->sensor = sensor;
+  if (!request->approach) request->approach = ApproachMode::both;
   return *request;
 }
 
@@ -395,7 +409,7 @@ Tie judged(const Model& model, std::size_t effect, const Observations& data, dou
   };
   const auto own = with_named(without, held, place_text(held), data);
   if (own) keep(*own);
-  for (const std::string& name : names_in(held.tied_with)) {
+  for (const std::string& name : alternatives_in(held.tied_with)) {
     const auto other = own ? with_named(without, held, name, data) : std::nullopt;
     const double worse = other ? chi2(*other) - chi2(*own) : 0.0;
     (worse > kDecides ? tie.out : worse < -kDecides ? tie.better : tie.open).push_back(name);

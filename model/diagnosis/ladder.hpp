@@ -32,8 +32,11 @@ struct AddRequest {
 [[nodiscard]] bool is_requested(const EffectInstance& effect, const AddRequest& request);
 /// This effect at its place, as it is.
 [[nodiscard]] AddRequest request_of(const EffectInstance& effect);
-/// "cyclic:X:EX", "angular:X:ECX", "backlash:X", "scale", "user:encoder tilt".
+/// "cyclic:X:EX", "angular:X:ECX", "backlash:X", "scale", "user:encoder tilt"; as place_text() writes them, too:
+/// "cyclic:X:EX, reverse", "thermal_drift:X:EX with t_spindle_degC".
 [[nodiscard]] Result<AddRequest> parse_add_request(std::string_view text);
+/// The names of `EffectInstance::tied_with`, each with its approach: "cyclic:X:EX, reverse, scale:X:EX" are two.
+[[nodiscard]] std::vector<std::string> alternatives_in(const std::string& tied_with);
 
 struct Added {
   Model model;  ///< with the effect, its nonlinear parameters held, its history one step longer

@@ -60,8 +60,7 @@ std::string add_text(const model::Diagnosis& diagnosis, const ModelArguments& fi
   if (effect.approach != model::ApproachMode::both) option("--approach", std::string(name_of(effect.approach)));
   option("--sensor", effect.sensor);
   option("--sensor2", effect.sensor2);
-  for (const model::EffectInstance& rival : first->open_rivals())
-    if (rival.sensor.empty()) option("--or", to_text(rival));
+  for (const model::EffectInstance& rival : first->open_rivals()) option("--or", place_text(rival));
   option("--machine", files.machine);
   for (const std::string& word : import_words(files.import))
     words.push_back(word == "--sense" ? "--reading-sense" : word);

@@ -112,6 +112,20 @@ TEST_CASE("an alternative that fits better is told, and the model stays as it is
   CHECK(decided.model.effects == model.effects);
 }
 
+TEST_CASE("an effect is requested by the name with which answers state it, with its approach and sensors") {
+  const AddRequest drift = must(parse_add_request("thermal_drift:X:EX with t_bed_degC"));
+  CHECK(drift.sensor == "t_bed_degC");
+  CHECK_FALSE(drift.approach);
+  const AddRequest bend = must(parse_add_request("thermal_bend:X:EY, reverse with t_a_degC and t_b_degC"));
+  CHECK(bend.approach == ApproachMode::reverse);
+  CHECK(bend.sensor == "t_a_degC");
+  CHECK(bend.sensor2 == "t_b_degC");
+  CHECK(contains(must_fail(parse_add_request("cyclic:X:EX, backwards")).message, "forward or reverse"));
+  CHECK(must(parse_add_request("user:play, with slack")).name == "play, with slack");
+  CHECK(alternatives_in("cyclic:X:EX, reverse, thermal_drift:X:EX with t_bed_degC, scale:X:EX") ==
+        std::vector<std::string>{"cyclic:X:EX, reverse", "thermal_drift:X:EX with t_bed_degC", "scale:X:EX"});
+}
+
 TEST_CASE("of several alternatives those that are ruled out go, with approach and sensor in their names") {
   Model model = backlash_or_lag();
   model.effects.back().tied_with =
