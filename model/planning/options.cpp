@@ -329,8 +329,22 @@ bool is_even_between_ends(const std::vector<double>& targets_mm) {
   return even_step_mm({targets_mm.begin() + 1, targets_mm.end() - 1}).has_value();
 }
 
-std::vector<double> off_equal_steps(const std::vector<double>& present_mm, std::vector<double> chosen_mm) {
-  if (!is_even_between_ends(present_mm)) return chosen_mm;
+namespace {
+
+/// An error of one turn of the screw has the same value at all of them.
+bool are_whole_pitches_apart(const std::vector<double>& targets_mm, std::optional<double> pitch_mm) {
+  constexpr double kInStep = 0.02;
+  return pitch_mm && std::ranges::all_of(targets_mm, [&](double target_mm) {
+           const double turns = (target_mm - targets_mm.front()) / *pitch_mm;
+           return std::abs(turns - std::round(turns)) <= kInStep;
+         });
+}
+
+}  // namespace
+
+std::vector<double> off_equal_steps(const std::vector<double>& present_mm, std::vector<double> chosen_mm,
+                                    std::optional<double> pitch_mm) {
+  if (!is_even_between_ends(present_mm) && !are_whole_pitches_apart(chosen_mm, pitch_mm)) return chosen_mm;
   std::vector<double> moved = moved_targets(std::move(chosen_mm));
   for (std::size_t i = 1; i + 1 < moved.size(); ++i) moved[i] = readable_mm(moved[i], moved[i + 1] - moved[i - 1]);
   return moved;
@@ -360,11 +374,13 @@ std::optional<MeasurementProposal> over_the_travel(const Observations& data, con
 std::vector<MeasurementProposal> measuring_options(const Observations& data, const PresentLine& line,
                                                    const MeasuringTimes& times, bool of_approach, bool on_the_fly) {
   std::vector<MeasurementProposal> options;
+  const auto& facts = data.machine.axes[index_of(line.axis)];
+  const std::optional<double> pitch_mm = facts ? facts->screw_pitch_mm : std::nullopt;
   for (const MeasurementProposal& condition : Conditions(data, line.now, times).all())
     for (const std::size_t most : {kManyTargets, kFewTargets})
       for (const bool both : {true, false}) {
         MeasurementProposal one = condition;
-        one.targets_mm = off_equal_steps(condition.targets_mm, thinned(condition.targets_mm, most));
+        one.targets_mm = off_equal_steps(condition.targets_mm, thinned(condition.targets_mm, most), pitch_mm);
         if (most == kManyTargets && condition.targets_mm.size() <= kFewTargets) continue;
         if (of_approach && !both) continue;
         one.bidirectional = both;

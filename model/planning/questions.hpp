@@ -94,7 +94,8 @@ struct PresentLine {
 /// Whether targets lie at equal steps, apart from the outermost, which the overrun may have moved.
 [[nodiscard]] bool is_even_between_ends(const std::vector<double>& targets_mm);
 /// The targets chosen for a run, moved where the present ones lie at equal steps: there a period has aliases.
-[[nodiscard]] std::vector<double> off_equal_steps(const std::vector<double>& present_mm, std::vector<double> chosen_mm);
+[[nodiscard]] std::vector<double> off_equal_steps(const std::vector<double>& present_mm, std::vector<double> chosen_mm,
+                                                  std::optional<double> pitch_mm = {});
 
 /// Runs worth weighing, one run of each: every condition with many and with few targets, both ways and one way.
 /// @param of_approach  causes that depend on the approach are in question: both ways only

@@ -282,6 +282,20 @@ TEST_CASE("proposed targets lie off equal steps where the present ones do not") 
   }
 }
 
+TEST_CASE("proposed targets are not whole screw pitches apart where the present ones are, in uneven steps too") {
+  auto set = session(
+      {}, [](const Reading& r) { return 1.0 * d(r); }, [](Reading& r) { r.feed_mm_min = 2000.0; });
+  for (Reading& r : set.readings) r.position_mm[0] = 10.0 * std::round(r.position_mm[0] / 10.0);
+  const Observations data = observations_of(set, straight(), mill());
+  REQUIRE(mill().axes[0]->screw_pitch_mm == 10.0);
+  const NextMeasurement next = next_measurement(straight(), data, must(diagnose(straight(), data)));
+  REQUIRE_FALSE(next.proposals.empty());
+  for (const MeasurementProposal& one : next.proposals)
+    CHECK(std::ranges::any_of(one.targets_mm, [&](double target_mm) {
+      return std::abs(std::remainder(target_mm - one.targets_mm.front(), 10.0)) > 0.5;
+    }));
+}
+
 TEST_CASE("structure that no effect explains: the run that shows on which variable it depends") {
   const auto set = measured({.runs = 5}, kNoise_um, [](const Reading& r) { return r.run == 3 ? 2.0 : 0.0; });
   const Model model = straight();
