@@ -133,7 +133,7 @@ Cell line_cell(const LineSummary& line) {
          "forward"_is(line.forward), "reverse"_is(line.reverse), "approaches"_shown(approaches_text(line)));
   const std::string unit(laser::target_unit(line.group.rotary));
   return record_cell("{axis:<4} {sense:<5} {parked_mm:<16} {from_" + unit + ":>8} {to_" + unit + ":>8} {step_" + unit +
-                         ":>7} {targets:>7} {runs:>4} {approaches:<7} {compensated}\n",
+                         ":>7} {targets:>7} {runs:>4} {approaches:<8} {compensated}\n",
                      fields);
 }
 
@@ -143,8 +143,8 @@ Cell table_cell(const std::vector<LineSummary>& lines, std::size_t most) {
       std::any_of(lines.begin(), lines.end(), [&](const LineSummary& line) { return line.group.rotary != rotary; });
   const std::string unit = mixed ? "mm,deg" : std::string(laser::target_unit(rotary));
   Cell table{Json::array(),
-             fmt::format("{:<4} {:<5} {:<16} {:>8} {:>8} {:>7} {:>7} {:>4} {:<7} {}\n", "axis", "sense", "parked [mm]",
-                         "from", fmt::format("to [{}]", unit), "step", "targets", "runs", "appr.", "comp")};
+             fmt::format("{:<4} {:<5} {:<16} {:>8} {:>8} {:>7} {:>7} {:>4} {:<8} {}\n", "axis", "sense", "parked [mm]",
+                         "from", fmt::format("to [{}]", unit), "step", "targets", "runs", "approach", "compensated")};
   for (const LineSummary& line : lines) {
     Cell row = line_cell(line);
     if (table.json.size() >= most) row.text.clear();

@@ -165,7 +165,10 @@ std::string_view unit_of_model(const model::Model& model) {
     for (const model::UserFormula& formula : effect.formulas) count(formula.sense, model::Place::formulas);
     if (!effect.is_user()) count(effect.sense, effect.definition().place);
   }
-  if (rotations == 0) return "um";
+  const bool is_of_ball = std::ranges::any_of(model.effects, [](const model::EffectInstance& effect) {
+    return effect.definition().place == model::Place::artefact;
+  });
+  if (rotations == 0 || is_of_ball) return "um";
   return others == 0 ? "um/m" : model::kBothUnits;
 }
 

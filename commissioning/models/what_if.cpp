@@ -211,9 +211,11 @@ Cell effects_cell(const WhatIfAnswer& answer) {
 }
 
 Cell directions_cell(const WhatIfAnswer& answer) {
-  Cell directions{Json::array(), fmt::format("sense axis direction   readings {:>10}  predicted",
-                                             fmt::format("now [{}]", answer.unit))};
-  directions.text += answer.achieved ? "   achieved   of predicted\n" : "\n";
+  const std::string unit = fmt::format("[{}]", answer.unit);
+  Cell directions{Json::array(), fmt::format("{:>31} {:>10} {:>10}", "", "rms now", "predicted")};
+  directions.text += answer.achieved ? fmt::format(" {:>10} {:>14}\n", "achieved", "achieved /") : "\n";
+  directions.text += fmt::format("sense axis direction   readings {0:>10} {0:>10}", unit);
+  directions.text += answer.achieved ? fmt::format(" {:>10} {:>14}\n", unit, "predicted") : "\n";
   for (const AfterDirection& one : answer.directions) {
     const bool compared = one.achieved_um && one.predicted_um > 0.0;
     const double ratio = compared ? *one.achieved_um / one.predicted_um : 0.0;
@@ -227,7 +229,7 @@ Cell directions_cell(const WhatIfAnswer& answer) {
         "achieved_rms_um"_is(one.achieved_um
                                  ? Cell{number_or_null(one.achieved_um), fmt::format(" {:>10.3f}", *one.achieved_um)}
                                  : null_cell()),
-        "ratio"_shown(compared ? fmt::format(" {:>12.2f} x", ratio) : ""), "readings"_is(one.readings),
+        "ratio"_shown(compared ? fmt::format(" {:>14.2f}", ratio) : ""), "readings"_is(one.readings),
         "readings_after"_is(one.readings_after)));
   }
   return directions;

@@ -159,9 +159,9 @@ Cell target_cell(const laser::TargetReadings& t, bool rotary) {
 Cell targets_cell(const std::vector<laser::TargetReadings>& targets, bool rotary) {
   return list_cell(
       targets, [&](const laser::TargetReadings& t) { return target_cell(t, rotary); },
-      fmt::format("{:>12} {:>9} {:>8} {:>9} {:>8} {:>9} {:>8} {:>9}\n",
-                  fmt::format("target [{}]", laser::target_unit(rotary)), "forward", "readings", "reverse", "readings",
-                  "unknown", "readings", "reversal"));
+      fmt::format("{:>12} {:>18} {:>18} {:>18}\n{:>12} {:>9} {:>8} {:>9} {:>8} {:>9} {:>8} {:>9}\n", "", "forward",
+                  "reverse", "approach unknown", fmt::format("target [{}]", laser::target_unit(rotary)), "mean",
+                  "readings", "mean", "readings", "mean", "readings", "reversal"));
 }
 
 /// "circle XY ...: deviation of the radius"; "" off a path (docs/laser.md).
