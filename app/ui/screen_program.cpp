@@ -1,6 +1,7 @@
 #include "app/ui/screen_program.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <vector>
 
@@ -115,12 +116,54 @@ std::vector<ExplainedWord> words_explained_in(const std::string& text) {
   return found;
 }
 
+namespace {
+
+/// What keys are for, as help groups them, by the key itself or by the first word of what it does.
+struct KeyPurpose {
+  std::string_view name, words;
+};
+constexpr std::array<KeyPurpose, 4> kPurposes{
+    {{"actions", ""},
+     {"editing", "add declare default delete edit new redo remove set undo use"},
+     {"files, unit", "another arm compensate load map measured open picture read receive save send store write"},
+     {"moving", "choose cursor field find go line page scroll step"}}};
+constexpr std::size_t kActions = 0, kMoving = 3;
+/// Fewer are found at a glance.
+constexpr std::size_t kGroupedFrom = 8;
+
+std::size_t purpose_of(const KeyHelp& key) {
+  constexpr std::array<std::string_view, 6> kMovingKeys{"up/down", "left/right", "Tab", "Shift-Tab", "/", "1-9"};
+  const std::string_view name = std::string_view(key.keys).substr(0, key.keys.find(' '));
+  if (std::find(kMovingKeys.begin(), kMovingKeys.end(), name) != kMovingKeys.end()) return kMoving;
+  const std::string_view first = std::string_view(key.does).substr(0, key.does.find_first_of(" ,"));
+  for (std::size_t i = kActions + 1; i < kPurposes.size(); ++i)
+    for (const std::string_view word : split(kPurposes[i].words, ' '))
+      if (word == first) return i;
+  return kActions;
+}
+
+}  // namespace
+
+void Overlay::add_keys(const std::vector<KeyHelp>& keys) {
+  if (keys.size() < kGroupedFrom) {
+    for (const KeyHelp& key : keys) parts_.push_back({key.keys, key.does});
+    return;
+  }
+  for (std::size_t i = 0; i < kPurposes.size(); ++i) {
+    std::string text;
+    for (const KeyHelp& key : keys)
+      if (purpose_of(key) == i) text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", key.keys, key.does);
+    if (!text.empty()) parts_.push_back({std::string(kPurposes[i].name), text});
+  }
+  parts_.push_back({"", ""});
+}
+
 void Overlay::show_help(const Screen& screen, const std::string& seen) {
   *this = {};
   title_ = screen.title() + ": help";
   parts_ = {{"", screen.help()}, {"", ""}};
   const std::vector<KeyHelp> keys = screen.keys();
-  for (const KeyHelp& key : keys) parts_.push_back({key.keys, key.does});
+  add_keys(keys);
   if (std::none_of(keys.begin(), keys.end(), [](const KeyHelp& key) { return key.keys == "Esc"; }))
     parts_.push_back({"Esc", "back; on the first screen: leave"});
   parts_.push_back({"F2", "shows in full a text that was cut off (... F2)"});

@@ -44,6 +44,8 @@ class Overlay {
     std::string text;
   };
   [[nodiscard]] std::vector<std::string> lines(int columns) const;
+  /// Each in a row, or, where they are many, those of one purpose together.
+  void add_keys(const std::vector<KeyHelp>& keys);
 
   std::string title_;  ///< empty: nothing is laid over
   std::vector<Part> parts_;

@@ -22,7 +22,7 @@ std::string drawn_message(const Message& message, int rows, int columns, Glyphs 
 }
 
 /// Says one thing on one row.
-class Teller final : public Screen {
+class Teller : public Screen {
  public:
   explicit Teller(const std::string& text) { message_.say(text, Tone::bad); }
   [[nodiscard]] std::string title() const override { return "teller"; }
@@ -120,6 +120,23 @@ TEST_CASE("help that is longer than the screen is scrolled, its keys are never c
   help.draw(small);
   CHECK(contains(small.plain_text(), "leave"));
   CHECK(help.shown());
+}
+
+TEST_CASE("help groups many keys by their purpose") {
+  class Busy : public Teller {
+   public:
+    Busy() : Teller("done") {}
+    [[nodiscard]] std::vector<KeyHelp> keys() const override {
+      return {{"a", "add"},        {"d", "diagnose"}, {"s", "save"}, {"Tab", "page"},
+              {"up/down", "line"}, {"+ - 0", "zoom"}, {"u", "undo"}, {"t", "send"}};
+    }
+  };
+  Overlay help;
+  help.show_help(Busy());
+  Canvas canvas(24, 80);
+  help.draw(canvas);
+  check_holds(canvas.plain_text(), {"actions        d: diagnose; + - 0: zoom", "editing        a: add; u: undo",
+                                    "files, unit    s: save; t: send", "moving         Tab: page; up/down: line"});
 }
 
 TEST_CASE("a fault is shown completely in the header, however long the name of the link") {
