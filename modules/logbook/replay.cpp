@@ -424,6 +424,8 @@ Result<LoggedState> state_on(const Logbook& book, const std::string& date) {
 Result<LogComparison> compared(const Logbook& book, const std::string& from, const std::string& to,
                                const RunVerb& run) {
   LogComparison comparison;
+  if (is_iso_date(from) && is_iso_date(to) && to < from)
+    return problem(ProblemKind::usage, "expected the earlier day first, found {0} before {1}: exchange them", from, to);
   std::array<std::optional<LoggedMap>, 2> maps;
   for (std::size_t day = 0; day < 2; ++day) {
     ECS_TRY(state, state_on(book, day == 0 ? from : to));
