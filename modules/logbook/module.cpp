@@ -186,16 +186,40 @@ std::vector<std::string> kept_words(const Action& action, const std::vector<std:
   return kept;
 }
 
-/// The sentence in which an answer says it all; else its first line, unless that is the head of a table.
+/// The first line of an answer with those into which it was wrapped.
+std::string first_words(std::string_view text) {
+  std::string words;
+  std::size_t last_line = 0;
+  for (const std::string_view line : lines_of(text)) {
+    const std::string_view said = trimmed(line);
+    const std::size_t next_word = ecs::columns_of(said.substr(0, said.find(' ')));
+    const bool is_table = said.find("  ") != std::string_view::npos;
+    const bool was_wrapped = last_line + 1 + next_word > kTerminalColumns;
+    if (!words.empty() && (said.empty() || is_table || !was_wrapped)) break;
+    if (said.empty()) continue;
+    words += (words.empty() ? "" : " ") + std::string(said);
+    last_line = ecs::columns_of(line);
+  }
+  return words;
+}
+
+/// At most `bytes`, up to the end of a word.
+std::string shortened(std::string text, std::size_t bytes) {
+  constexpr std::string_view kMore = " ...";
+  if (text.size() <= bytes) return text;
+  const std::size_t end = text.rfind(' ', bytes - kMore.size());
+  text.resize(end == std::string::npos ? bytes - kMore.size() : end);
+  return text + std::string(kMore);
+}
+
+/// The sentence in which an answer says it all; else its first words, unless they are the head of a table.
 std::string summary_of(const Json& answer, const std::string& text) {
   for (const char* key : {"headline", "verdict"})
     if (const auto found = answer.is_object() ? answer.find(key) : answer.end();
         answer.is_object() && found != answer.end() && found->is_string())
       return found->get<std::string>();
-  for (const std::string_view line : lines_of(text))
-    if (const std::string_view words = trimmed(line); !words.empty())
-      return words.find("  ") == std::string_view::npos ? std::string(words.substr(0, kMostSummary)) : std::string();
-  return {};
+  const std::string words = first_words(text);
+  return words.find("  ") == std::string::npos ? shortened(words, kMostSummary) : std::string();
 }
 
 LogRecord record_of(const Action& action, const std::vector<std::string>& words, const Outcome& outcome,
