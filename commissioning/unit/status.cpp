@@ -475,7 +475,10 @@ std::string memory_text(const UnitStatus& status) {
 
 Cell events_cell(const std::vector<protocol::HostEvent>& events) {
   if (events.empty()) return {Json::array(), "events       none\n"};
-  return list_cell(events, event_cell, "events by hosts\n");
+  const bool with_hash = std::ranges::any_of(
+      events, [](const protocol::HostEvent& event) { return event.text.find("SHA ") != std::string::npos; });
+  return list_cell(events, event_cell,
+                   with_hash ? "events by hosts (SHA: first six digits of the SHA-256)\n" : "events by hosts\n");
 }
 
 std::string mode_in_words(UnitMode mode) {

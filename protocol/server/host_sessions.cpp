@@ -63,6 +63,7 @@ namespace {
 
 constexpr std::uint64_t kMsPer_s = 1000;
 constexpr std::uint32_t kSecondsPerMinute = 60;
+constexpr int kBelowShown = 40;  ///< bits of a digest below the three bytes that an event shows: more have no room
 
 std::uint64_t seconds_until(std::uint64_t until_ms, std::uint64_t now_ms) {
   return until_ms <= now_ms ? 0 : (until_ms - now_ms + kMsPer_s - 1) / kMsPer_s;
@@ -261,10 +262,10 @@ std::string arguments_in_words(const Command& command) {
       return fmt::format("{} {:.4g} um, {}", letter_of(command.axis), command.output_um,
                          command.relay_on ? "relay closed" : "relay open");
     case CommandCode::begin_staging:
-      if (command.staging_from == StagingFrom::kept) return "on the inactive bank";
-      return command.staging_from == StagingFrom::active ? "from the active map" : "";
+      if (command.staging_from == StagingFrom::kept) return "of changes to older map";
+      return command.staging_from == StagingFrom::active ? "of changes to active map" : "";
     case CommandCode::commit_staged:
-      return fmt::format("{} bytes, SHA {:08X}", command.length, command.digest >> 32);
+      return fmt::format("{} bytes, SHA {:06x}", command.length, command.digest >> kBelowShown);
     case CommandCode::test_datum:
     case CommandCode::record_datum:
       return std::string(1, letter_of(command.axis));
@@ -277,7 +278,7 @@ std::string arguments_in_words(const Command& command) {
       return fmt::format("C0Y {:.6g}, B0Z {:.6g}, A0Z {:.6g}", command.squareness_um_per_m[0],
                          command.squareness_um_per_m[1], command.squareness_um_per_m[2]);
     case CommandCode::commit_tools:
-      return fmt::format("{} tools, SHA {:08X}", command.length, command.digest >> 32);
+      return fmt::format("{} tools, SHA {:06x}", command.length, command.digest >> kBelowShown);
     case CommandCode::set_tool:
     case CommandCode::stage_tool:
       return fmt::format("{}: {:.6g} {:.6g} {:.6g}", command.tool, command.tool_offset_mm[0], command.tool_offset_mm[1],

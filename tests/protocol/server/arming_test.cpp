@@ -374,7 +374,7 @@ TEST_CASE("a table of tools is one event: what replaces it, not what gathers it;
         CommandState::done);
   REQUIRE(events_of(server).size() == before + 1);
   CHECK(events_of(server).back().code == CommandCode::commit_tools);
-  CHECK(events_of(server).back().text == "2 tools, SHA 12345678");
+  CHECK(events_of(server).back().text == "2 tools, SHA 123456");
   CHECK(host.give({.code = CommandCode::set_tool, .tool = 3}).state == CommandState::done);
   CHECK(events_of(server).size() == before + 2);
 }

@@ -67,7 +67,7 @@ TEST_CASE("received parameters have the machine that the unit names, unless its 
 
 TEST_CASE("a refusal because no code was typed is told without options of a verb") {
   const std::string reason(protocol::text_of(protocol::UnitError::not_armed));
-  CHECK(is_not_armed({ProblemKind::refused, "the unit refuses \"begin transfer\": " + reason, "", 0, 0, {}}));
+  CHECK(is_not_armed({ProblemKind::refused, "the unit refuses \"start a transfer\": " + reason, "", 0, 0, {}}));
   CHECK_FALSE(is_not_armed({ProblemKind::refused, "the unit is busy", "", 0, 0, {}}));
 }
 
