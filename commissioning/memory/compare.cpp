@@ -101,12 +101,13 @@ void compare_parameters(const DecodedImage& a, const DecodedImage& b, List& out)
                    with_unit(difference.b, difference.unit)});
 }
 
-std::string text_of(const std::optional<DecodedIdentity>& identity) {
+std::string identity_text(const DecodedImage& image) {
+  const std::optional<DecodedIdentity>& identity = image.identity;
   if (!identity) return "none";
-  return fmt::format("{}, {}, configuration {:08X}",
+  return fmt::format("{}, {}, configuration {}",
                      identity->serial_number.empty() ? "no unit in particular" : "unit " + identity->serial_number,
                      identity->machine.empty() ? "no machine in particular" : "machine " + identity->machine,
-                     identity->configuration);
+                     configuration_text(image));
 }
 
 std::string shape_of(const DecodedTable& table) {
@@ -239,7 +240,7 @@ std::vector<MemoryDifference> differences(const MemoryDump& a, const MemoryDump&
   if (image_a != nullptr && image_b != nullptr) {
     compare_parameters(*image_a, *image_b, out);
     if (image_a->identity != image_b->identity)
-      out.push_back({"identity", text_of(image_a->identity), text_of(image_b->identity)});
+      out.push_back({"identity", identity_text(*image_a), identity_text(*image_b)});
     compare_tables(*image_a, *image_b, out);
     compare_headers(*image_a, *image_b, out);
   } else if (image_a != image_b) {

@@ -212,6 +212,12 @@ std::string text_of(const CommitSlot& slot) {
 }
 
 // --- in words and as JSON
+std::string configuration_text(const DecodedImage& image) {
+  const std::string code = fmt::format("code {:08X}", image.identity->configuration);
+  const bool fits = image.parameters && configuration_hash(*image.parameters) == image.identity->configuration;
+  return fits ? fmt::format("{} ({})", configuration_of(*image.parameters), code) : code;
+}
+
 namespace {
 
 Cell hex_cell(std::uint32_t number) { return cell_of(fmt::format("{:08X}", number)); }
@@ -290,12 +296,10 @@ Cell identity_cell(const DecodedImage& image) {
     return null_cell(image.format == kFormatWithoutIdentity ? "for no particular unit (format 1)\n" : "");
   const auto stated = [](const std::string& text) { return text.empty() ? Cell{"", "not stated"} : text_cell(text); };
   const std::string code = fmt::format("{:08X}", image.identity->configuration);
-  const bool fits = image.parameters && configuration_hash(*image.parameters) == image.identity->configuration;
-  return record_cell(
-      "for unit {serial_number}, machine {machine}, configuration {configuration}\n",
-      "serial_number"_is(stated(image.identity->serial_number)), "machine"_is(stated(image.identity->machine)),
-      "configuration"_is(
-          code, fits ? fmt::format("{} (code {})", configuration_of(*image.parameters), code) : "code " + code));
+  return record_cell("for unit {serial_number}, machine {machine}, configuration {configuration}\n",
+                     "serial_number"_is(stated(image.identity->serial_number)),
+                     "machine"_is(stated(image.identity->machine)),
+                     "configuration"_is(code, configuration_text(image)));
 }
 
 Cell below_a_gap(Cell cell) {

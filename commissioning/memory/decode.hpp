@@ -74,6 +74,9 @@ struct DecodedMemory {
 
 [[nodiscard]] DecodedMemory decoded(const MemoryDump& dump);
 
+/// "TXYZ (code F4495741)"; the code alone where its parameters are not those. @pre it has an identity
+[[nodiscard]] std::string configuration_text(const DecodedImage& image);
+
 /// "EXX forward"; "EXX" for a table for both approaches.
 [[nodiscard]] std::string name_of(const DecodedTable& table);
 
