@@ -222,6 +222,15 @@ bool named_somewhere(const HiddenEffect& hidden, const FoundAnswer& answer) {
                      [&](const FoundEffect& one) { return one.named && is_answer(hidden, one); });
 }
 
+/// As other verbs state it: "the residual is more than noise".
+std::string verdict_in_words(const FoundAnswer& answer) {
+  using model::Verdict;
+  for (const Verdict one : {Verdict::adequate, Verdict::missing_effect, Verdict::partly_explained,
+                            Verdict::unexplained_structure, Verdict::likely_effect, Verdict::cannot_tell})
+    if (name_of(one) == answer.verdict) return std::string(title_of(one));
+  return answer.verdict;
+}
+
 std::string first_name(const FoundAnswer& answer) {
   return answer.candidates.empty() ? "nothing" : to_text(answer.candidates.front().effect);
 }
@@ -234,7 +243,7 @@ bool says_all(const FoundAnswer& answer) {
 Judged judged_single(const HiddenTruth& truth, const FoundAnswer& answer) {
   const HiddenEffect& hidden = truth.effects.front();
   if (!says_all(answer) || answer.candidates.empty())
-    return {false, fmt::format("{} was not named: the verdict is {}", hidden.name, answer.verdict)};
+    return {false, fmt::format("{} was not named (verdict: {})", hidden.name, verdict_in_words(answer))};
   const FoundEffect& first = answer.candidates.front();
   if (lists(first, hidden.name) && to_text(first.effect) != hidden.name)
     return {true, fmt::format("{} belongs to the group of {}", hidden.name, to_text(first.effect))};
@@ -247,13 +256,13 @@ Judged judged_pair(const HiddenTruth& truth, const FoundAnswer& answer) {
   std::vector<std::string> missed;
   for (const HiddenEffect& hidden : truth.effects)
     if (!named_somewhere(hidden, answer)) missed.push_back(hidden.name);
-  if (!says_all(answer)) return {false, "the verdict is " + answer.verdict};
+  if (!says_all(answer)) return {false, "verdict: " + verdict_in_words(answer)};
   if (missed.empty()) return {true, "both are named"};
   return {false, fmt::format("not named: {}", fmt::join(missed, ", "))};
 }
 
 Judged judged_confounded(const HiddenTruth& truth, const FoundAnswer& answer) {
-  if (answer.candidates.empty()) return {false, "nothing is named: the verdict is " + answer.verdict};
+  if (answer.candidates.empty()) return {false, "nothing is named (verdict: " + verdict_in_words(answer) + ")"};
   std::vector<std::string> found = answer.candidates.front().group, wanted = truth.group;
   found.push_back(first_name(answer));
   for (auto* names : {&found, &wanted}) {
@@ -275,8 +284,8 @@ Judged judged(const HiddenTruth& truth, const FoundAnswer& answer) {
   if (answer.verdict == (blank ? "adequate" : "unexplained_structure"))
     return {true, blank ? "nothing hidden and nothing named" : "structure outside the library is reported as such"};
   return {false,
-          fmt::format("{}, but the verdict is {} ({})", blank ? "nothing was hidden" : "structure outside the library",
-                      answer.verdict, first_name(answer))};
+          fmt::format("{}, but the verdict is: {} ({})", blank ? "nothing was hidden" : "structure outside the library",
+                      verdict_in_words(answer), first_name(answer))};
 }
 
 /// Phases count modulo one turn: within half a turn of zero, as a diagnosis states them.
@@ -357,7 +366,7 @@ std::string found_text(const FoundAnswer& answer) {
   const auto names = found_names(answer);
   const bool unexplained = answer.verdict == "unexplained_structure";
   std::string text = "Found: ";
-  if (unexplained || names.empty()) text += answer.verdict + (names.empty() ? "" : ": ");
+  if (unexplained || names.empty()) text += verdict_in_words(answer) + (names.empty() ? "" : ": ");
   text += fmt::format("{}", fmt::join(names, "; "));
   if (unexplained && !answer.where.empty()) text += fmt::format("; it depends on {}", fmt::join(answer.where, ", "));
   return paragraph(text, 0, 2);
