@@ -110,7 +110,8 @@ Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
     ECS_DO(write_plot(request.plot, figure_of(found.map, only, title)));
   }
   constexpr std::string_view kSigns =
-      "values: compensation, which the unit adds to the position (the sign is opposite to that of the error)\n";
+      "values: compensation = target - actual, minus the error. The unit moves the tool by it relative to the "
+      "workpiece\n";
   return outcome_of(record_cell("{header}\n{tables}{signs}{uncertainty}{findings}{plot}", "map"_is(found.name),
                                 "uncertainty"_shown(uncertainty_text(found.map.header)),
                                 "signs"_shown(tables.empty() ? "" : kSigns), "header"_is(header_cell(found.map.header)),
