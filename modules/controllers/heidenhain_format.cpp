@@ -296,8 +296,8 @@ Result<ControllerExport> heidenhain_export(const ExportSource& source, const Hei
                "the machine does not have this axis");
   made.notes = {
       "values are errors in mm, positive: moved too far. The available pages of the manual state neither sign nor unit "
-      "of "
-      "C4 to C6; degrees are assumed: try one table first (modules/controllers/README.md)",
+      "of the columns C4 to C6 (rotations EA, EB, EC); degrees are assumed: try one table first "
+      "(modules/controllers/README.md)",
       "squareness is a slope of the straightness columns",
       "the columns of the tables must be those of the axis list of the control"};
   if (source.parameters.tool_offset_mm != Vector3{})
