@@ -58,10 +58,11 @@ std::string letters_of(const PerAxis<bool>& axes) {
 void check_chain(const UnitParameters& p, const Chain& chain, Findings& findings) {
   for (const Axis a : kAllAxes) {
     if (p.axis_present[index_of(a)] && !chain.has(a))
-      findings.error({"configuration.chain", "configuration.axes"},
-                     fmt::format("axis {0} is present, but the chain \"{1}\" has no letter {0}: add it at the position "
-                                 "of the axis, or remove {0} from configuration.axes",
-                                 letter_of(a), configuration_of(p)));
+      findings.error(
+          {"configuration.chain", "configuration.axes"},
+          fmt::format("axis {0} is present, but the kinematic chain \"{1}\" has no letter {0}: add it at the position "
+                      "of the axis, or remove {0} from configuration.axes",
+                      letter_of(a), configuration_of(p)));
   }
 }
 
@@ -170,9 +171,10 @@ void check_spare_letters(const UnitParameters& p, Findings& findings) {
     if (chain->has(a) && !p.axis_present[index_of(a)])
       findings.warning(
           {"configuration.axes", "configuration.chain"},
-          fmt::format("{0} is in the chain \"{1}\" but not in configuration.axes. This is correct if the machine "
-                      "has no axis {0}, as a lathe with two axes. Otherwise add {0}.",
-                      letter_of(a), configuration_of(p)));
+          fmt::format(
+              "{0} is in the kinematic chain \"{1}\" but not in configuration.axes. This is correct if the machine "
+              "has no axis {0}, as a lathe with two axes. Otherwise add {0}.",
+              letter_of(a), configuration_of(p)));
 }
 
 /// Loop period, squareness, levers.

@@ -91,7 +91,8 @@ class MachineReader {
 
   [[nodiscard]] RotaryMachine rotary() const { return rotary_; }
   [[nodiscard]] Result<MachineFile> result() {
-    if (!configuration_given_) refuse_file("configuration: expected the chain, such as configuration = \"TXYZ\"");
+    if (!configuration_given_)
+      refuse_file("configuration: expected the kinematic chain, such as configuration = \"TXYZ\"");
     judge_axes();
     std::vector<Problem>& warnings = file_.warnings;
     sort_by_place(warnings);

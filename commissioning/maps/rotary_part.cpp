@@ -116,7 +116,7 @@ Result<void> add_rotary(laser::MapHeader& header, const std::string& rotary_file
     return problem(ProblemKind::usage, "--rotary needs --machine: the machine file gives the rotary axes");
   ECS_TRY(machine, params::read_rotary_machine(machine_file));
   const auto chain = params::joint_chain_of(machine);
-  if (!chain) return problem(ProblemKind::refused, fmt::format("{} describes no chain of axes", machine_file));
+  if (!chain) return problem(ProblemKind::refused, fmt::format("{} describes no kinematic chain", machine_file));
   ECS_TRY(errors, volume::read_rotary_errors(rotary_file, *chain));
   ECS_TRY(bytes, read_file(rotary_file));
   ECS_TRY(axes, in_file(rotary_part_of(errors, machine, notes), machine_file));

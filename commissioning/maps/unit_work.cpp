@@ -21,8 +21,9 @@ std::string other_than_emulated(std::string_view what, std::string_view configur
   if (!emulated || emulated->machine.configuration.empty() || emulated->machine.configuration == configuration)
     return {};
   return fmt::format(
-      "{} of the chain {}, but the emulated machine \"{}\" has {}. Its unit refuses a map for another chain.", what,
-      configuration, emulated->machine.name, emulated->machine.configuration);
+      "{} for the machine configuration {}, but the emulated machine \"{}\" has {}. Its unit refuses a map for another "
+      "configuration.",
+      what, configuration, emulated->machine.name, emulated->machine.configuration);
 }
 
 }  // namespace

@@ -233,7 +233,7 @@ std::vector<std::string> other_identity(std::span<const std::uint8_t> image, con
   if (parameters && unit.configuration != 0 && configuration_hash(*parameters) != unit.configuration)
     objections.push_back(fmt::format(
         "the parameters are for the configuration {1} (code {0:08X}), the map in the unit for another (code {2:08X}): "
-        "chain, axes present or convention differ; {3}",
+        "kinematic chain, axes present or convention differ; {3}",
         configuration_hash(*parameters), configuration_of(*parameters), unit.configuration, kTakeTheRightOne));
   return objections;
 }

@@ -87,7 +87,7 @@ Result<void> take_rotary(const VolumeArguments& arguments, const std::string& ma
   if (evaluated_machine.parameters.convention != Convention::iso)
     return problem(ProblemKind::refused, "convention as_printed: the printed equations know no rotary axes");
   const auto joints = params::joint_machine_of(machine.machine);
-  if (!joints) return problem(ProblemKind::refused, "the chain of the machine file has no axis left");
+  if (!joints) return problem(ProblemKind::refused, "the kinematic chain of the machine file has no axis left");
   RotaryBending bending = evaluated_machine.map.header.bending;
   if (model) {
     ECS_TRY(of_model, take_model(*model, machine.machine, arguments.rotary, work));

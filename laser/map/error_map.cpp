@@ -363,7 +363,7 @@ std::vector<MapFinding> findings_for(const ErrorMap& map, const UnitParameters& 
     return findings;
   }
   if (!map.header.configuration.empty() && map.header.configuration != configuration_of(parameters))
-    findings.push_back({true, fmt::format("the map was made for the chain {}, the parameters state {}",
+    findings.push_back({true, fmt::format("the map was made for the machine configuration {}, the parameters state {}",
                                           map.header.configuration, configuration_of(parameters))});
   for (const DeclaredZero& zero : map.header.declared_zero)
     if (!is_squareness(zero.component) && has_any(map, zero.component))

@@ -134,8 +134,8 @@ std::string rotary_axes_refused(const params::Machine& machine) {
   for (const char letter : machine.rotary_configuration) {
     const bool is_rotary = letter >= 'A' && letter <= 'C';
     if (letter != 'T' && !is_rotary && after_rotary)
-      return fmt::format("a rotary axis carries the linear axis {}, and the unit does not compensate such a chain",
-                         letter);
+      return fmt::format(
+          "a rotary axis carries the linear axis {}, and the unit does not compensate such a kinematic chain", letter);
     after_rotary = letter != 'T' && (is_rotary || after_rotary);
     const auto& axis = machine.rotary[static_cast<std::size_t>(is_rotary ? letter - 'A' : 0)];
     if (is_rotary && !(axis && axis->resolution_deg))

@@ -183,7 +183,7 @@ Result<ControllerExport> etalon_export(const ExportSource& source, const EtalonO
   if (!again) return unwritable(again.error());
   made.applied = std::move(*again);
   say_what_is_lost(source, reversal_um, made);
-  made.settings = {fmt::format("chain of the control: {} (tool side after T, workpiece side before it)",
+  made.settings = {fmt::format("kinematic chain of the control: {} (tool side after T, workpiece side before it)",
                                configuration_of(source.parameters)),
                    "TwinCAT: vol_comp[i].max_records of at least the number of rows; X, Y and Z are the measured axes"};
   made.notes = {"values are errors; a control that adds them must negate them (TwinCAT: negate)"};

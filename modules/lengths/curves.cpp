@@ -73,7 +73,7 @@ Result<LengthMachine> length_machine(const params::Machine& machine) {
   const auto chain = params::chain_of(machine);
   if (!chain || chain->axis_count() != kAxes)
     return problem(ProblemKind::bad_input,
-                   "expected a machine with the axes X, Y and Z, found the chain {}: lengths identify "
+                   "expected a machine with the axes X, Y and Z, found the configuration {}: lengths identify "
                    "three-axis machines",
                    machine.configuration);
   LengthMachine out;

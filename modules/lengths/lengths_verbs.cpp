@@ -164,7 +164,7 @@ cli::Fields<LengthsArguments> LengthsArguments::fields() {
   using cli::Is, cli::Need, cli::Range;
   return {{"LENGTHS", &A::file, "measured lengths, or deviations of points (.csv, modules/lengths/README.md)",
            Need::required},
-          {"--machine", &A::machine, "machine file: chain, travels, datum", Need::required},
+          {"--machine", &A::machine, "machine file: kinematic chain, travels, datum", Need::required},
           {"--params", &A::params, "parameters of the unit to be compensated"},
           {"-o,--output", &A::output, "map CSV to write; needs --params", Is::output},
           {"--params-out", &A::params_out, "parameter file to write, with the identified squareness", Is::output},
@@ -271,7 +271,7 @@ cli::Fields<LengthsPlanAsked> LengthsPlanAsked::fields() {
   using S = model::LengthPlanSettings;
   using cli::Is, cli::Need, cli::Range, cli::Words;
   return {
-      {"--machine", &A::machine, "machine file: chain, travels, datum", Need::required},
+      {"--machine", &A::machine, "machine file: kinematic chain, travels, datum", Need::required},
       {"--volume-um", &A::volume_um,
        "required expanded uncertainty (k = 2) of the error vector, root mean square over the volume and the tools [um]",
        Need::required, Range{0.01, 1e6}},

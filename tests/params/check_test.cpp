@@ -75,7 +75,7 @@ TEST_CASE("values that no file could hold, as from a corrupt unit, are found wit
 TEST_CASE("an axis without a letter in the chain is an error, a letter without its axis a warning") {
   expect(kError, {{"configuration.chain", "TXY"}}, "configuration.chain", "has no letter Z");
   expect(kWarning, {{"configuration.axes", "YZ"}, {"compensation.scope", "linear"}}, "configuration.axes",
-         "X is in the chain");
+         "X is in the kinematic chain");
 }
 
 TEST_CASE("a scope that the axes cannot have is an error") {

@@ -109,7 +109,7 @@ TEST_CASE("unknown keys and a datum outside the travel are warnings, not errors"
 }
 
 TEST_CASE("a machine needs a chain, an axis, and travel in the right order") {
-  CHECK(contains(failure(""), "configuration: expected the chain"));
+  CHECK(contains(failure(""), "configuration: expected the kinematic chain"));
   CHECK(contains(failure("configuration = \"TX\""), "at least one table such as [axis.X]"));
   CHECK(contains(failure("configuration = \"TX\"\n[axis.X]\n"), "expected travel_mm"));
   CHECK(contains(failure("configuration = \"TX\"\n[axis.Y]\ntravel_mm = [0, 1]\n"), "has no letter Y"));

@@ -357,7 +357,8 @@ TEST_CASE("one approach alone is not a table for both") {
 TEST_CASE("a map for another configuration is refused") {
   ErrorMap map = small_map();
   map.header.configuration = "XTYZ";
-  CHECK(contains(must_fail(image_of(map, one_axis())).message, "made for the chain XTYZ, the parameters state TX"));
+  CHECK(contains(must_fail(image_of(map, one_axis())).message,
+                 "made for the machine configuration XTYZ, the parameters state TX"));
 }
 
 TEST_CASE("a component declared zero must not have values as well") {
