@@ -110,8 +110,8 @@ Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
     ECS_DO(write_plot(request.plot, figure_of(found.map, only, title)));
   }
   constexpr std::string_view kSigns =
-      "values: compensation = target - actual, minus the error. The unit moves the tool by it relative to the "
-      "workpiece\n";
+      "values: compensation = -error = target - actual. The unit moves the tool relative\n"
+      "to the workpiece by it (angles: by angle times lever arm)\n";
   return outcome_of(record_cell("{header}\n{tables}{signs}{uncertainty}{findings}{plot}", "map"_is(found.name),
                                 "uncertainty"_shown(uncertainty_text(found.map.header)),
                                 "signs"_shown(tables.empty() ? "" : kSigns), "header"_is(header_cell(found.map.header)),
