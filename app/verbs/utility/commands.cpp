@@ -223,8 +223,8 @@ Result<Outcome> change_mode(VerbContext& context, const ModeRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kUtilityCommands{
-    action("utility position", "set the position of an axis in the unit; the axis does not move",
-           "ecs utility position X -100.5", set_position, {.link = Link::writes}),
+    action("utility position", "set the position of an axis in the unit; no motion", "ecs utility position X -100.5",
+           set_position, {.link = Link::writes}),
     action("utility output", "output a compensation value at the D/A converter of one axis",
            "ecs utility output X 5\n  ecs utility output X 5 --relay --yes\n  ecs utility output --off", output_value,
            {.link = Link::writes}),
