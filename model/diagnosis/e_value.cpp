@@ -35,9 +35,8 @@ constexpr double kMostLn = 690.0;
 /// Readings weighed at the utmost.
 constexpr std::size_t kMostWeighed = 1200;
 
-/// Of the wanders, this many of the likeliest without an effect and with it are open to both hypotheses: a choice;
-/// those that are far from all readings are far from a half of them too. What wanders beside an effect, because its
-/// sensor is late or its law is not quite that, is far less than what wanders without it.
+/// Of the wanders, this many of the likeliest without an effect, and with one that leaves little, are open to both
+/// hypotheses: a choice; those that are far from all readings are far from a half of them too.
 constexpr std::size_t kWanders = 8;
 
 /// Deviances closer than this are equal: where the fitted half is one run, a level of its own for every run changes
@@ -242,6 +241,7 @@ std::optional<double> e_value_of(const Evidence& on, const MatrixXd& columns, co
     const Whitener whitener(data, on.noise, on.left_out);
     const Search search(on.regressors, whitener, columns, target, {effect});
     for (const Choice& best : search.expand(search.base(), 1)) {
+      if (search.solution({best}).space.chi2() > kMostBesideEffect * search.base().chi2()) continue;
       const Columns own = search.columns_of(best);
       add_likely(beside(columns, own.of), own.fixed.size() > 0 ? VectorXd(target - own.fixed) : target);
     }

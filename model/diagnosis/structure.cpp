@@ -211,8 +211,10 @@ std::vector<Wander> wanders_tried(const Observations& data, const NoiseModel& no
 }  // namespace
 
 double least_deviance(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
-                      const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect, const Eigen::VectorXd& target) {
-  std::vector<Wander> laws = wanders_tried(data, noise);
+                      const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect, const Eigen::VectorXd& target,
+                      bool or_wander) {
+  std::vector<Wander> laws;
+  if (or_wander) laws = wanders_tried(data, noise);
   laws.push_back({noise});
   laws.push_back({wandering(noise, 0.0, kForever)});
   if (noise.has_time)

@@ -86,10 +86,14 @@ struct Wander {
 /// Those of the columns that do not follow from the others on the readings that are not left out.
 [[nodiscard]] Eigen::MatrixXd independent_columns(const Eigen::MatrixXd& columns, const std::vector<bool>& left_out);
 
-/// Under the likeliest law: the noise as it was estimated, white, turbulence of up to a minute, or a wander.
+/// Something may wander beside an effect that leaves at most this share of the residual in squares, for its sensor may
+/// be late or its law not quite that: then what wanders has at most half the size of the effect.
+inline constexpr double kMostBesideEffect = 0.2;
+/// Under the likeliest law: the noise as it was estimated, white, or turbulence of up to a minute; or a wander, if
+/// asked.
 [[nodiscard]] double least_deviance(const Observations& data, const NoiseModel& noise,
                                     const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
-                                    const Eigen::MatrixXd& effect, const Eigen::VectorXd& target);
+                                    const Eigen::MatrixXd& effect, const Eigen::VectorXd& target, bool or_wander);
 /// A wander tried, and how well the readings agree with it.
 struct LikelyWander {
   Wander law;

@@ -204,15 +204,21 @@ void state_p_values(const Regressors& regressors, const Base& base, const Search
 namespace {
 
 /// Deviance of the readings without these of the effects found, under the likeliest wander, less that with them under
-/// the likeliest noise or wander: either has the law that suits it. Repeats between which an effect changes look
-/// correlated, and an effect whose sensor is late leaves a part that wanders. What is set aside is in neither.
+/// the likeliest noise, or wander where they leave little: either has the law that suits it, for repeats between which
+/// an effect changes look correlated. What is set aside is in neither.
 double better_than_wander(const Observations& data, const Base& base, const Search& search, const Found& found,
                           const std::vector<std::size_t>& set, const std::vector<std::size_t>& aside) {
   const std::vector<Choice>& chosen = found.solution.chosen;
-  std::vector<Choice> without;
-  for (std::size_t i = 0; i < chosen.size(); ++i)
-    if (!std::ranges::count(set, i) && !std::ranges::count(aside, i)) without.push_back(chosen[i]);
-  LinearProblem null = joined(base, search, search.solution(without, found.solution.own));
+  std::vector<Choice> without, with;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (std::ranges::count(aside, i)) continue;
+    with.push_back(chosen[i]);
+    if (!std::ranges::count(set, i)) without.push_back(chosen[i]);
+  }
+  const Solution rest = search.solution(without, found.solution.own);
+  const bool leave_little =
+      search.solution(with, found.solution.own).space.chi2() <= kMostBesideEffect * rest.space.chi2();
+  LinearProblem null = joined(base, search, rest);
   const double wander = likely_wanders(data, found.noise, found.left_out, null.columns, null.target).front().deviance;
   MatrixXd effects(null.columns.rows(), 0);
   for (const std::size_t i : set) {
@@ -221,7 +227,7 @@ double better_than_wander(const Observations& data, const Base& base, const Sear
     effects = beside(std::move(effects), columns.of);
   }
   return wander - least_deviance(data, found.noise, found.left_out, independent_columns(null.columns, found.left_out),
-                                 effects, null.target);
+                                 effects, null.target, leave_little);
 }
 
 /// Whether an effect predicts the course of runs that it was not fitted to, so often that a wander, which is another in
