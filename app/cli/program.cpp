@@ -187,7 +187,7 @@ std::string whole_help(const Registry& registry, const std::string& help) {
   const std::size_t menus = std::min(help.find("\nSubcommands:"), help.size());
   return fmt::format(
       "{}\n\n{}\n`ecs` without arguments opens the screens. `ecs FILE...` opens files in the screens: a model with "
-      "its\nmeasurements, an error map, parameters, a dump. `ecs --linear` asks line by line, for screen readers "
+      "its\nmeasurements, an error map, parameters, a dump. `ecs --linear` works line by line, for screen readers "
       "and\nteletypes. `ecs VERB --help` explains a verb.\n{}",
       kProgramHelp, help.substr(usage, menus - usage), verbs_overview(registry));
 }

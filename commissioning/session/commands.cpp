@@ -302,9 +302,9 @@ std::string script_of(const std::vector<NotedCommand>& commands) {
       "same.\n"
       "# File names are relative to the folder {}. In another\n# folder the script needs the same input files; it "
       "overwrites no file.\n"
-      "# Commands that write to a unit need its code: ECS_ARM_CODE=… before the script name.\nset -e\nset -C\n",
+      "# Commands that write to a unit need its code: ECS_ARM_CODE=… in front of sh.\nset -e\nset -C\n",
       fmt::localtime(std::time(nullptr)), folder_text());
-  text += preset_line("LINK", names.link, "the unit; LINK=… before the script name selects another one");
+  text += preset_line("LINK", names.link, "the unit; LINK=… in front of sh selects another one");
   text +=
       preset_line("WORKSHOP", names.workshop, "socket of the emulated machine: `ecs-emulator serve --workshop SOCKET`");
   ScriptWriter writer(names);
