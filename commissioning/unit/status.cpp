@@ -459,7 +459,7 @@ Cell battery_cell(const protocol::ControlLines& lines) {
 
 Cell control_cell(const protocol::ControlLines& lines) {
   if (!lines.control_on_wired)
-    return null_cell("on or off is not known. To see it, wire the \"power on\" of the CNC control to the unit");
+    return null_cell("not known whether on or off; to show it, wire its \"power on\" signal to the unit");
   return {lines.control_on, lines.control_on ? "on" : "off: every axis has to be referenced again when it is back"};
 }
 

@@ -436,7 +436,7 @@ Result<NamedCauses> names_alone(const ReportInput& in) {
                      ranked.p_value,
                      ranked.standing,
                      {}};
-    for (const auto& rival : ranked.rivals) cause.rivals.push_back(to_text(rival));
+    for (const auto& rival : ranked.rivals) cause.rivals.push_back(place_text(rival));
     double alone = ranked.p_value_alone;
     if (ranked.standing == Standing::likely &&
         !noise_left(in.found, in.options))  // against noise alone it says nothing

@@ -358,9 +358,11 @@ bool proved_alone(const Candidate& candidate, const Diagnosis& diagnosis) {
 
 std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) {
   if (candidate.false_naming * static_cast<double>(diagnosis.noise_replicates) < 1.0)
-    return fmt::format("; none of {} simulated noise-only data sets fitted as well", diagnosis.noise_replicates);
+    return fmt::format("; in none of {} simulated noise-only data sets did an effect explain as much",
+                       diagnosis.noise_replicates);
   if (candidate.false_naming >= 1.0) return "";
-  return fmt::format("; {:.2g} % of simulated noise-only data sets fitted as well", kPercent * candidate.false_naming);
+  return fmt::format("; in {:.2g} % of simulated noise-only data sets an effect explained as much",
+                     kPercent * candidate.false_naming);
 }
 
 std::string held_out_text(double before_um, double after_um, const Diagnosis& diagnosis) {

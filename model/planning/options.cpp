@@ -197,7 +197,7 @@ class Conditions {
     if (all.size() > of_machine.size())
       move_sensors("after workshop and machine have been warmed by {:.0f} degC", all, 1.0,
                    times_.room_minutes_per_degC);
-    move_sensors("after workshop and machine have cooled by {:.0f} degC in a night", all, -1.0, 0.0);
+    move_sensors("after the workshop and the machine have cooled by {:.0f} degC overnight", all, -1.0, 0.0);
     if (of_machine.size() > 1)
       for (const std::string& sensor : of_machine)
         move_sensors(fmt::format("after the part with sensor {} alone has been warmed by {{:.0f}} degC", sensor),

@@ -50,14 +50,14 @@ struct ProgramRequest {
         {"--work-offset", &R::work_offset,
          "zero point of the program in machine coordinates, mm: x=..,y=..,z=.. for G54; G55:x=.. and so on for other "
          "work offsets"},
-        {"--tool-length", &R::tool_length, "tool lengths of G43 in mm by the number H: 1=120.5,2=88"},
+        {"--tool-length", &R::tool_length, "tool lengths for G43 by H number [mm]: 1=120.5,2=88"},
         {"--start", &R::start, "axis positions before the first block, machine coordinates: x=..,y=..,z=.."},
         {"--zero-at", &R::zero_at,
          "place in program coordinates, x=..,y=..,z=.., at which the work offset was found on this machine: the "
          "correction is zero there"},
-        {"--tolerance", &R::tolerance_um, "largest distance of a straight piece from the corrected path, um",
+        {"--tolerance", &R::tolerance_um, "largest distance of a straight segment from the corrected path, um",
          Range{0.01, 1000.0}},
-        {"--decimals", &R::decimals, "least number of decimals of a corrected word in mm; one more in inches",
+        {"--decimals", &R::decimals, "minimum number of decimals in a corrected word in mm; one more in inches",
          Range{1, 6}}};
   }
 };

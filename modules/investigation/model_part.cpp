@@ -272,10 +272,9 @@ NextPart investigation_part(ModelController& model, Prompt& prompt) {
       },
       "Or press i to measure, diagnose and make the next run until one cause remains, in the workshop of an emulator "
       "or with files that you provide.",
-      "On the page Next, press i to investigate: the emulated machine, or you with files, measures run after run "
-      "until one cause remains. The list of runs shows minutes, error and "
-      "the "
-      "causes that remain. Press Esc to stop, i to continue, and f to save the model with the causes found."};
+      "On the page Next, press i to investigate: run after run is measured, by the emulated machine or by you "
+      "(with files), until one cause remains. The list of runs shows minutes, error and the causes that remain. Press "
+      "Esc to stop, i to continue, and f to save the model with the causes found."};
 }
 
 }  // namespace

@@ -404,8 +404,9 @@ std::string ModelScreen::help() const {
          "change, y to redo it. On page After, press w to predict the error after compensation and m to build the map. "
          "Press t to send the map to the unit, with the same checks and questions as PROCESS LASER DATA. Press c to "
          "switch the unit to compensation, and o to compare with files measured again. Press r to show the means of "
-         "the targets, then each run, then all readings. Press v to show the residual over each period of the model, "
-         "by run and against the sensors. The scale of the residual is kept when an effect is added; press 0 to reset "
+         "the targets, then each run, then all readings. Press v to plot the residual against the phase of each period "
+         "in the model, the run and each sensor. The scale of the residual is kept when an effect is added; press 0 to "
+         "reset "
          "it." +
          said_by_parts(&NextPart::help);
 }

@@ -47,7 +47,7 @@ class PositionScreen final : public AxesScreen {
   [[nodiscard]] std::string help() const override {
     return std::string(kPositionExplained) +
            " The unit accepts this in integration mode only. Press u to undo the last setting: the display is shifted "
-           "back by the same amount, even if it has moved since. With the bundled emulator, press j to drive its "
+           "back by the same amount, even if the axis has moved since. With the bundled emulator, press j to drive its "
            "machine.";
   }
 

@@ -186,7 +186,8 @@ struct SendRequest {
             {"--params", &R::params, "parameters of the unit, sent together with the map", Need::required},
             {"--other-machine", &R::other_machine,
              "send even if map, parameters and unit belong to different machines, or do not name a machine"},
-            {"--accept-incomplete", &R::accept_incomplete, "send even if the parameter file lacks its closing line"},
+            {"--accept-incomplete", &R::accept_incomplete,
+             "send even if the last line of the parameter file, which marks it as complete, is missing"},
             {"--accept-resampling", &R::accept_resampling,
              "send even if resampling changes a table by more than its resolution"}};
   }

@@ -79,7 +79,8 @@ struct SetRequest {
              "one or more KEY=VALUE or KEY VALUE; also identity.machine and identity.serial_number", Need::required},
             {"-o,--output", &R::output, "write to this file instead of FILE", Is::output},
             {"--accept-incomplete", &R::accept_incomplete,
-             "change FILE even if it lacks its closing line; missing values are written as their defaults"}};
+             "change FILE even if its last line, which marks it as complete, is missing; missing values are written as "
+             "their defaults"}};
   }
 };
 
@@ -393,7 +394,8 @@ struct SendRequest {
     return {{"FILE", &R::file, "parameter file", Need::required},
             {"--force", &R::force, "delete a map in the unit that does not fit, instead of refusing"},
             {"--other-machine", &R::other_machine, "send even if [identity] names another machine"},
-            {"--accept-incomplete", &R::accept_incomplete, "send even if the parameter file lacks its closing line"}};
+            {"--accept-incomplete", &R::accept_incomplete,
+             "send even if the last line of the parameter file, which marks it as complete, is missing"}};
   }
 };
 

@@ -101,7 +101,7 @@ extern const std::vector<Action> kUtilityTools{
     action("utility tools", "show the table of tools in the unit, the tool that acts, and the wires to the control",
            "ecs utility tools", show_tools, {.link = Link::reads}),
     action("utility tool", "select a tool, also while the unit compensates; or set or remove one in the table",
-           "ecs utility tool 3\n  ecs utility tool 3 --offset 0,0,152.4", change_tool, {.link = Link::writes}),
+           "ecs utility tool 3\n  ecs utility tool 3 --offset 0,0,-152.4", change_tool, {.link = Link::writes}),
     action("utility send-tools", "make the table of tools in the unit equal to a file",
            "ecs utility send-tools tools.csv", send_tools_of, {.link = Link::writes})};
 
