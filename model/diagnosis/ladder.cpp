@@ -360,7 +360,7 @@ constexpr double kDecides = 25.0;
 
 /// Of a name as place_text() writes it; nothing for one that is no effect of the library.
 /// @param effect  that it is an alternative of: with "@17.14" behind its name, with that period
-std::optional<AddRequest> request_for(std::string name, const EffectInstance& effect) {
+std::optional<AddRequest> request_for(const std::string& name, const EffectInstance& effect) {
   if (const std::size_t at = name.find('@'); at != std::string::npos) {
     const std::string searched(effect.definition().searched_parameter());
     const std::string value = name.substr(at + 1);

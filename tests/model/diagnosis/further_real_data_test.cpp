@@ -1,4 +1,7 @@
 // Real measurements that may not be passed on.
+#include <set>
+#include <string>
+
 #include "model/regression/candidates.hpp"
 #include "tests/model/support/real_sets.hpp"
 

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "commissioning/link/not_armed.hpp"
+#include "core/memory_image.hpp"
 #include "tests/screens/support/parameters_screen.hpp"
 #include "tests/screens/support/unit_screen.hpp"
 
