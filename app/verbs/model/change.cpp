@@ -45,8 +45,7 @@ struct AddRequest {
         {"--machine", &R::machine, kMachineHelp},
         {"--or", &R::alternatives,
          "an alternative that `diagnose` cannot distinguish from it, as in \"thermal_drift:X:EX with t_bed_degC\": "
-         "kept in the "
-         "model until a measurement decides"},
+         "kept in the model until a measurement decides"},
         {"--formula", &R::formulas,
          "formula of user:NAME for a sense, as in \"EY = h * (run >= 5)\"; names other than columns are fitted"},
         {&R::import, ImportArguments::fields("--reading-sense")}};
