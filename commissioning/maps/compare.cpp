@@ -9,6 +9,8 @@
 
 #include "base/answer_table.hpp"
 #include "commissioning/maps/findings.hpp"
+#include "commissioning/measurements/fields.hpp"
+#include "laser/groups.hpp"
 #include "laser/map/rotary_map.hpp"
 
 namespace ecs::commissioning {
@@ -18,7 +20,7 @@ using laser::ErrorMap;
 using laser::MapRotaryAxis;
 using laser::MapTable;
 
-constexpr double kSamePlace_mm = 1e-6;
+constexpr double kSamePlace_mm = 1e-6, kSameParked_mm = 1e-3;
 
 bool is_declared_zero(const ErrorMap& map, Component component) {
   return std::ranges::any_of(map.header.declared_zero, [&](const auto& zero) { return zero.component == component; });
@@ -54,6 +56,18 @@ std::vector<double> shared_places(const Tables& first, const Tables& second) {
   return places;
 }
 
+/// Fewer than two points: no travel in common.
+CurveChange change_of(const Tables& in_first, const Tables& in_second, Component component) {
+  CurveChange change{component, false, {}, shared_places(in_first, in_second), {}, {}};
+  for (const Tables& tables : {in_first, in_second})
+    change.by_approach = change.by_approach || (!tables.empty() && tables[0] != tables[1]);
+  for (const double p : change.position_mm) {
+    change.forward.push_back(error_by(in_second, 0, p) - error_by(in_first, 0, p));
+    change.reverse.push_back(error_by(in_second, 1, p) - error_by(in_first, 1, p));
+  }
+  return change;
+}
+
 /// Nothing: a note says why.
 std::optional<CurveChange> curve_change(const ErrorMap& first, const ErrorMap& second, Component component,
                                         std::vector<std::string>& notes) {
@@ -65,16 +79,10 @@ std::optional<CurveChange> curve_change(const ErrorMap& first, const ErrorMap& s
           fmt::format("{} is not in the {} map, or for one approach only: not compared", name_of(component), name));
       return std::nullopt;
     }
-  CurveChange change{component, false, shared_places(in_first, in_second), {}, {}};
+  CurveChange change = change_of(in_first, in_second, component);
   if (change.position_mm.size() < 2) {
     notes.push_back(fmt::format("{}: the maps have no travel in common: not compared", name_of(component)));
     return std::nullopt;
-  }
-  for (const Tables& tables : {in_first, in_second})
-    change.by_approach = change.by_approach || (!tables.empty() && tables[0] != tables[1]);
-  for (const double p : change.position_mm) {
-    change.forward.push_back(error_by(in_second, 0, p) - error_by(in_first, 0, p));
-    change.reverse.push_back(error_by(in_second, 1, p) - error_by(in_first, 1, p));
   }
   return change;
 }
@@ -82,7 +90,83 @@ std::optional<CurveChange> curve_change(const ErrorMap& first, const ErrorMap& s
 void note_other(std::vector<std::string>& notes, std::string_view what, const std::string& first,
                 const std::string& second) {
   if (!first.empty() && !second.empty() && first != second)
-    notes.push_back(fmt::format("the maps are of different {}: {} and {}", what, first, second));
+    notes.push_back(fmt::format("the files are of different {}: {} and {}", what, first, second));
+}
+
+/// "Y 33.12, Z 0" of a line along X.
+std::string place_of_line(Component component, const Vector3& parked_mm) {
+  laser::Group group;
+  group.axis = moving_axis(component);
+  group.parked_mm = parked_mm;
+  return parked_text(group);
+}
+
+/// A measured line of X, Y or Z as tables: forward and reverse, or one for both.
+struct LineOfTables {
+  Component component = Component::EXX;
+  Vector3 parked_mm{}, parked_deg{};
+  std::vector<MapTable> tables;
+
+  [[nodiscard]] bool is_same_as(const LineOfTables& other) const {
+    bool same = component == other.component && parked_deg == other.parked_deg;
+    for (std::size_t a = 0; a < kAxes; ++a)
+      same = same && std::abs(parked_mm[a] - other.parked_mm[a]) <= kSameParked_mm;
+    return same;
+  }
+  /// Forward and reverse, without those that the other line has not; none where the lines share no approach.
+  [[nodiscard]] Tables shared_with(const LineOfTables& other) const {
+    const bool any = other.tables.front().approach == Approach::unknown || tables.front().approach == Approach::unknown;
+    Tables shared;
+    for (const MapTable& table : tables)
+      if (any || std::ranges::find(other.tables, table.approach, &MapTable::approach) != other.tables.end())
+        shared.push_back(&table);
+    if (shared.size() == 1) shared.push_back(shared.front());
+    return shared;
+  }
+  [[nodiscard]] std::string name() const {
+    return fmt::format("{} at {}", name_of(component), place_of_line(component, parked_mm));
+  }
+};
+
+LineOfTables line_of(const laser::MeasurementSet& set, const laser::Group& group, Component component) {
+  LineOfTables line{component, group.parked_mm, group.parked_deg, {}};
+  const auto targets = laser::targets_of(set, group, laser::target_tolerance_mm(set, group));
+  const auto add = [&](Approach approach, std::vector<double> laser::TargetReadings::*readings) {
+    MapTable table{component, approach, {}, {}};
+    for (const laser::TargetReadings& target : targets)
+      if (const auto mean = laser::mean_of(target.*readings)) {
+        table.position_mm.push_back(target.position_mm);
+        table.compensation.push_back(-*mean);
+      }
+    if (!table.position_mm.empty()) line.tables.push_back(std::move(table));
+  };
+  if (!laser::has_known_approach(set, group)) {
+    add(Approach::unknown, &laser::TargetReadings::undirected);
+  } else {
+    add(Approach::forward, &laser::TargetReadings::forward);
+    add(Approach::reverse, &laser::TargetReadings::reverse);
+  }
+  return line;
+}
+
+/// The lines of X, Y and Z; a note for those that are left out.
+std::vector<LineOfTables> measured_lines(const laser::MeasurementSet& set, std::string_view which,
+                                         std::vector<std::string>& notes) {
+  std::vector<LineOfTables> lines;
+  for (const laser::Group& group : laser::groups_of(set)) {
+    if (group.rotary) {
+      notes.push_back(fmt::format("{} of the {} file is not a line of X, Y or Z: not compared",
+                                  laser::curve_name(group.sense, group.axis, group.rotary), which));
+      continue;
+    }
+    LineOfTables line = line_of(set, group, curve_of(group.sense, group.axis));
+    if (std::ranges::any_of(lines, [&](const LineOfTables& other) { return other.is_same_as(line); }))
+      notes.push_back(fmt::format(
+          "{} is twice in the {} file, with and without compensation: only the first is compared", line.name(), which));
+    else
+      lines.push_back(std::move(line));
+  }
+  return lines;
 }
 
 const MapRotaryAxis* axis_in(const laser::MapHeader& header, char letter) {
@@ -210,11 +294,40 @@ MapChange change_between(const ErrorMap& first, const ErrorMap& second) {
   return change;
 }
 
-laser::MeasurementSet measurement_of(const MapChange& change, const ErrorMap& second,
+MapChange change_between(const laser::MeasurementSet& first, const laser::MeasurementSet& second) {
+  MapChange change;
+  const auto machine = laser::measured_machine(first.metadata), machine_then = laser::measured_machine(second.metadata);
+  note_other(change.notes, "machines", machine.name, machine_then.name);
+  note_other(change.notes, "serial numbers", machine.serial_number, machine_then.serial_number);
+  const auto before = measured_lines(first, "first", change.notes),
+             after = measured_lines(second, "second", change.notes);
+  const auto same_in = [](const std::vector<LineOfTables>& lines, const LineOfTables& one) {
+    return std::ranges::find_if(lines, [&](const LineOfTables& other) { return other.is_same_as(one); });
+  };
+  for (const LineOfTables& line : after) {
+    const auto found = same_in(before, line);
+    if (found == before.end()) {
+      change.notes.push_back(fmt::format("{} is not in the first file: not compared", line.name()));
+      continue;
+    }
+    CurveChange curve = change_of(found->shared_with(line), line.shared_with(*found), line.component);
+    curve.parked_mm = line.parked_mm;
+    if (curve.position_mm.size() < 2)
+      change.notes.push_back(fmt::format("{}: the files share no travel and approach: not compared", line.name()));
+    else
+      change.curves.push_back(std::move(curve));
+  }
+  for (const LineOfTables& line : before)
+    if (same_in(after, line) == after.end())
+      change.notes.push_back(fmt::format("{} is not in the second file: not compared", line.name()));
+  return change;
+}
+
+laser::MeasurementSet measurement_of(const MapChange& change, const std::string& machine,
                                      const std::vector<std::string>& names) {
   laser::MeasurementSet set;
   set.metadata = {{"difference", fmt::format("errors of {} minus errors of {}", names[1], names[0])}};
-  if (!second.header.machine.empty()) set.metadata.push_back({"machine", second.header.machine});
+  if (!machine.empty()) set.metadata.push_back({"machine", machine});
   for (const CurveChange& curve : change.curves)
     for (const Approach approach : {Approach::forward, Approach::reverse}) {
       if (approach == Approach::reverse && !curve.by_approach) continue;
@@ -223,6 +336,7 @@ laser::MeasurementSet measurement_of(const MapChange& change, const ErrorMap& se
         laser::Reading reading;
         reading.axis = moving_axis(curve.component);
         reading.sense = sense_of(curve.component);
+        reading.position_mm = curve.parked_mm;
         reading.position_mm[index_of(reading.axis)] = curve.position_mm[i];
         reading.error = (approach == Approach::reverse ? curve.reverse : curve.forward)[i];
         reading.approach = curve.by_approach ? approach : Approach::unknown;
@@ -235,14 +349,16 @@ laser::MeasurementSet measurement_of(const MapChange& change, const ErrorMap& se
 Cell change_cell(const MapChange& change) {
   const auto row = [](const CurveChange& curve) {
     const ChangeFigures f = figures_of(curve);
+    const bool at_zero = curve.parked_mm == Vector3{};
+    const std::string place = at_zero ? "" : "  at " + place_of_line(curve.component, curve.parked_mm);
     return record_cell(
         "{component:<4} {unit:<4} {largest:>8} {at_mm:>9} {approach:<7} {rms:>8} {mean:>8} {slope_per_m:>8} "
-        "{reversal:>8} {left_rms:>8}\n",
+        "{reversal:>8} {left_rms:>8}{parked}\n",
         "component"_is(name_of(curve.component)), "unit"_is(unit_of(curve.component)), "largest"_is(f.largest, 2),
         "at_mm"_is(f.at_mm, fmt::format("{:.6g}", f.at_mm)), "approach"_is(word_for(f.approach)), "rms"_is(f.rms, 2),
         "mean"_is(f.mean, 2), "slope_per_m"_is(f.slope_per_m, 2), "reversal"_is(f.reversal, 2),
         "left_rms"_is(f.left_rms, 2), "points"_is(curve.position_mm.size()), "from_mm"_is(curve.position_mm.front()),
-        "to_mm"_is(curve.position_mm.back()));
+        "to_mm"_is(curve.position_mm.back()), "parked"_shown(place));
   };
   return list_cell(change.curves, row,
                    fmt::format("{:<4} {:<4} {:>8} {:>9} {:<7} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "", "", "largest",

@@ -1,6 +1,6 @@
-// Two error maps beside each other: last year's and today's, those of two machines, before and after a repair. How far
-// their curves differ, how much of the difference is a slope and a reversal, and the difference as a measurement that
-// `ecs model diagnose` can name the cause of.
+// Two error maps, or two measurements such as meshes of a bed, beside each other: last year's and today's, those of two
+// machines, before and after a repair. How far their curves differ, how much of the difference is a slope and a
+// reversal, and the difference as a measurement that `ecs model diagnose` can name the cause of.
 // Does not live here: a map beside the unit's memory (map_in_unit.hpp).
 #pragma once
 
@@ -15,11 +15,12 @@
 
 namespace ecs::commissioning {
 
-/// One curve: error by the second map less error by the first [um, um/m].
+/// One curve: error by the second file less error by the first [um, um/m].
 struct CurveChange {
   Component component = Component::EXX;
-  bool by_approach = false;         ///< one of the maps has a table for each approach
-  std::vector<double> position_mm;  ///< points of either map where both reach, ascending, at least two
+  bool by_approach = false;         ///< one of the files has a table for each approach
+  Vector3 parked_mm{};              ///< position of the other axes of a measured line; 0 of a map
+  std::vector<double> position_mm;  ///< points of either file where both reach, ascending, at least two
   std::vector<double> forward;      ///< as many
   std::vector<double> reverse;      ///< the same as `forward` unless by_approach
 };
@@ -55,10 +56,16 @@ struct MapChange {
 /// rotary axes: the notes say why.
 [[nodiscard]] MapChange change_between(const laser::ErrorMap& first, const laser::ErrorMap& second);
 
-/// Readings at every point of the curves of X, Y and Z, one for each approach; without approaches where neither map
+/// The same of the measured lines of X, Y and Z: means of the readings at each target, of the lines with the same
+/// component and parked position (to 0.001 mm). The notes name the lines that only one file has, and what else is not
+/// compared.
+[[nodiscard]] MapChange change_between(const laser::MeasurementSet& first, const laser::MeasurementSet& second);
+
+/// Readings at every point of the curves of X, Y and Z, one for each approach; without approaches where neither file
 /// knows them.
-/// @param names  of the two files
-[[nodiscard]] laser::MeasurementSet measurement_of(const MapChange& change, const laser::ErrorMap& second,
+/// @param machine  of the second file; may be empty
+/// @param names    of the two files
+[[nodiscard]] laser::MeasurementSet measurement_of(const MapChange& change, const std::string& machine,
                                                    const std::vector<std::string>& names);
 
 /// A row for each curve.

@@ -139,23 +139,46 @@ struct CompareRequest {
   std::string first, second, output;
   static Fields<CompareRequest> fields() {
     using R = CompareRequest;
-    return {{"FIRST", &R::first, "map CSV", Need::required},
-            {"SECOND", &R::second, "map CSV to compare with it", Need::required},
+    return {{"FIRST", &R::first, "map CSV, or measurements such as the mesh of a bed", Need::required},
+            {"SECOND", &R::second, "file of the same kind to compare with it", Need::required},
             {"-o,--output", &R::output, "measurement CSV of the difference, for `ecs model diagnose`", Is::output}};
   }
 };
 
-Result<Outcome> compare(VerbContext&, const CompareRequest& request) {
+struct FilesCompared {
+  MapChange change;
+  std::string machine;    ///< of the second
+  bool measured = false;  ///< no maps
+  bool rotary = false;    ///< maps with rotary axes
+};
+
+/// Two maps, or two files of measurements.
+Result<FilesCompared> compared(VerbContext& context, const CompareRequest& request) {
+  ECS_TRY(first_bytes, read_file(request.first));
+  ECS_TRY(second_bytes, read_file(request.second));
+  if (kind_of_content(first_bytes) == FileKind::map || kind_of_content(second_bytes) == FileKind::map) {
+    ECS_TRY(first, laser::read_map_csv(request.first));
+    ECS_TRY(second, laser::read_map_csv(request.second));
+    return FilesCompared{change_between(first, second), second.header.machine, false,
+                         !first.header.rotary.empty() || !second.header.rotary.empty()};
+  }
+  ECS_TRY(first, commissioning::read_with_notes(context.console, request.first, {}));
+  ECS_TRY(second, commissioning::read_with_notes(context.console, request.second, {}));
+  for (const auto& [set, file] : {std::pair(&first.set, &request.first), {&second.set, &request.second}})
+    if (auto refused = laser::paths_refused(*set, *file)) return tl::unexpected(std::move(*refused));
+  return FilesCompared{change_between(first.set, second.set), laser::measured_machine(second.set.metadata).name, true};
+}
+
+Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {
   ECS_DO(check_output_not_input(request.output, {request.first, request.second}));
-  ECS_TRY(first, laser::read_map_csv(request.first));
-  ECS_TRY(second, laser::read_map_csv(request.second));
-  MapChange change = change_between(first, second);
+  ECS_TRY(files, compared(context, request));
+  MapChange& change = files.change;
   if (change.curves.empty() && (change.rotary.empty() || !request.output.empty()))
     return problem(ProblemKind::refused, "{} and {} cannot be compared: {}", request.first, request.second,
                    fmt::join(change.notes, "; "));
   if (!request.output.empty())
-    ECS_DO(
-        laser::write_measurement_set(request.output, measurement_of(change, second, {request.first, request.second})));
+    ECS_DO(laser::write_measurement_set(request.output,
+                                        measurement_of(change, files.machine, {request.first, request.second})));
   if (!request.output.empty() && !change.rotary.empty())
     change.notes.push_back(fmt::format("{} does not contain the rotary axes", request.output));
   const Cell rotary = rotary_change_cell(change);
@@ -169,8 +192,11 @@ Result<Outcome> compare(VerbContext&, const CompareRequest& request) {
                                    ? ""
                                    : "To find the cause, save the difference with -o difference.csv, then run `ecs "
                                      "model new` and `ecs model diagnose`.\n")),
-      "rotary"_shown(rotary.text), "closing"_shown(closing_text(change, request.first, request.second)));
-  if (!first.header.rotary.empty() || !second.header.rotary.empty()) cell.json["rotary"] = rotary.json;
+      "rotary"_shown(rotary.text),
+      "closing"_shown(files.measured && !is_without_change(change)
+                          ? std::string()
+                          : closing_text(change, request.first, request.second)));
+  if (files.rotary) cell.json["rotary"] = rotary.json;
   return outcome_of(cell);
 }
 
@@ -322,7 +348,8 @@ extern const std::vector<Action> kMapOfUnit{
     action("map header", "show who made a map, when, for which machine, from which files and how",
            "ecs map header --unit", header, {.link = Link::reads}),
     action("map compare",
-           "compare two error maps curve by curve: of two dates, two machines, before and after a repair",
+           "compare two error maps, or two measurements such as meshes of a bed, line by line: of two dates or "
+           "machines, before and after a repair",
            "ecs map compare map-2025.csv map-2026.csv -o difference.csv", compare,
            {.logged = Logged::when_written, .kind = "measurement"}),
     action("map send",

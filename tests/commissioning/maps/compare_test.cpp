@@ -76,7 +76,7 @@ TEST_CASE("a curve that is declared zero counts as zero; one that a map lacks is
   REQUIRE(change.curves.size() == 1);
   CHECK(figures_of(change.curves[0]).mean == Approx(2.0));
   CHECK(change.notes ==
-        std::vector<std::string>{"the maps are of different machines: mill 1 and mill 2",
+        std::vector<std::string>{"the files are of different machines: mill 1 and mill 2",
                                  "EYX is not in the first map, or for one approach only: not compared"});
 }
 
@@ -146,7 +146,7 @@ TEST_CASE("the measurement of a difference has each point with its approach, in 
   put(first, Component::EZZ, 0.0, 50.0, 3, [](double, int) { return 0.0; });
   put(second, Component::EZZ, 0.0, 50.0, 3, [](double p, int sign) { return p + sign; });
   second.header.machine = "mill";
-  const auto set = commissioning::measurement_of(change_between(first, second), second, {"a.csv", "b.csv"});
+  const auto set = commissioning::measurement_of(change_between(first, second), "mill", {"a.csv", "b.csv"});
   REQUIRE(set.readings.size() == 6);
   CHECK(set.readings[2].position_mm[2] == 100.0);
   CHECK(set.readings[2].error == Approx(101.0));
@@ -155,6 +155,62 @@ TEST_CASE("the measurement of a difference has each point with its approach, in 
   CHECK(set.readings[3].error == Approx(99.0));
   CHECK(laser::metadata_value(set, "machine") == "mill");
   CHECK(laser::metadata_value(set, "difference") == "errors of b.csv minus errors of a.csv");
+}
+
+/// Heights along X at three places of Y; `added` is the error on top of the form of the bed.
+laser::MeasurementSet mesh_of(double step_mm, const std::function<double(double x_mm, double y_mm)>& added) {
+  laser::MeasurementSet mesh;
+  for (const double y_mm : {10.0, 60.0, 110.0})
+    for (double x_mm = 0.0; x_mm <= 200.0; x_mm += step_mm) {
+      laser::Reading reading;
+      reading.sense = Sense::EZ;
+      reading.position_mm = {x_mm, y_mm, 0.0};
+      reading.error = 0.2 * x_mm - 0.1 * y_mm + added(x_mm, y_mm);
+      mesh.readings.push_back(reading);
+    }
+  return mesh;
+}
+
+TEST_CASE("two meshes of a bed differ by the tilt that came between them, line by line, without the form of the bed") {
+  const auto before = mesh_of(25.0, [](double, double) { return 0.0; });
+  const auto after = mesh_of(20.0, [](double x_mm, double y_mm) { return 0.05 * x_mm + 0.03 * y_mm; });
+  const MapChange change = change_between(before, after);
+  REQUIRE(change.curves.size() == 3);
+  CHECK(change.notes.empty());
+  for (const auto& curve : change.curves) {
+    const auto f = figures_of(curve);
+    CHECK(f.slope_per_m == Approx(50.0));
+    CHECK(f.left_rms == Approx(0.0).epsilon(1e-9));
+    CHECK(f.largest == Approx(0.05 * 200.0 + 0.03 * curve.parked_mm[1]));
+  }
+  const auto written = commissioning::measurement_of(change, "printer", {"before.csv", "after.csv"});
+  REQUIRE(written.readings.size() == change.curves.size() * change.curves[0].position_mm.size());
+  for (const laser::Reading& reading : written.readings)
+    CHECK(reading.error == Approx(0.05 * reading.position_mm[0] + 0.03 * reading.position_mm[1]).epsilon(1e-9));
+}
+
+TEST_CASE("of two measurements only the lines, approaches and travels that both have are compared, and notes say so") {
+  auto before = mesh_of(50.0, [](double, double) { return 0.0; });
+  auto after = mesh_of(50.0, [](double, double) { return 1.0; });
+  for (laser::Reading& reading : before.readings) {
+    reading.approach = reading.position_mm[1] == 10.0 ? Approach::forward : Approach::reverse;
+    if (reading.position_mm[1] == 110.0) reading.position_mm[1] = 120.0;
+  }
+  for (laser::Reading& reading : after.readings) reading.approach = Approach::forward;
+  laser::Reading turning;
+  turning.axis = Axis::Z;
+  turning.rotary = true;
+  turning.sense = Sense::EC;
+  after.readings.push_back(turning);
+  const MapChange change = change_between(before, after);
+  REQUIRE(change.curves.size() == 1);
+  CHECK(change.curves[0].parked_mm[1] == 10.0);
+  CHECK(figures_of(change.curves[0]).mean == Approx(1.0));
+  REQUIRE(change.notes.size() == 4);
+  CHECK(change.notes[0] == "ECC of the second file is not a line of X, Y or Z: not compared");
+  CHECK(change.notes[1] == "EZX at Y 60, Z 0: the files share no travel and approach: not compared");
+  CHECK(change.notes[2] == "EZX at Y 110, Z 0 is not in the first file: not compared");
+  CHECK(change.notes[3] == "EZX at Y 120, Z 0 is not in the second file: not compared");
 }
 
 }  // namespace
