@@ -1,5 +1,5 @@
 // `ecs test poses`: repeatability of the points of a body at one pose (ISO 9283), and whether the way in which the pose
-// is reached moves the body.
+// is reached moves the body. `ecs test joints`: the axis of each joint, from points around it.
 
 #include <cmath>
 
@@ -7,7 +7,9 @@
 
 #include "app/cli/verb.hpp"
 #include "base/answer_table.hpp"
+#include "base/file.hpp"
 #include "commissioning/measurements/files.hpp"
+#include "modules/standards/joints.hpp"
 #include "modules/standards/poses.hpp"
 
 namespace ecs::app {
@@ -99,10 +101,71 @@ Result<Outcome> poses(VerbContext& context, const PosesRequest& request) {
                                 "comparisons"_is(list_cell(compared, comparison_cell))));
 }
 
+struct JointsRequest {
+  std::string file;
+  static Fields<JointsRequest> fields() {
+    using R = JointsRequest;
+    return {{"FILE", &R::file, "points read at angles of each joint (CSV): joint, angle_deg, x_mm, y_mm, z_mm",
+             Need::required}};
+  }
+};
+
+Cell joint_cell(const laser::JointAxis& axis) {
+  const auto triple = [](const Vector3& v, int digits) {
+    return fmt::format("{:.{}f} {:.{}f} {:.{}f}", v[0], digits, v[1], digits, v[2], digits);
+  };
+  const auto optional_text = [](std::string_view words, const std::optional<double>& value, std::string_view unit) {
+    return value ? fmt::format("  {} {:.2f} {}\n", words, *value, unit) : std::string();
+  };
+  return record_cell(
+      "joint {joint}: {points} points from {from_deg} to {to_deg} deg\n"
+      "  axis through {through} mm (u = {centre_u_mm} mm)\n"
+      "  direction {along} (u = {direction_u_um_per_m} um/m)\n"
+      "  radius {radius_mm} mm (u = {radius_u_mm} mm); residual: radial {radial_rms_um} um rms, axial {axial_rms_um} "
+      "um "
+      "rms\n"
+      "  error of the angle {angle_rms_um_per_m} um/m rms, largest {largest_angle_um_per_m} um/m at {largest_at_deg} "
+      "deg\n{reversal}{closure}",
+      "joint"_is(axis.joint), "points"_is(axis.points), "from_deg"_is(axis.from_deg), "to_deg"_is(axis.to_deg),
+      "through"_shown(triple(axis.centre_mm, 4)), "centre_mm"_is(axis.centre_mm), "centre_u_mm"_is(axis.centre_u_mm, 4),
+      "along"_shown(triple(axis.direction, 7)), "direction"_is(axis.direction),
+      "direction_u_um_per_m"_is(axis.direction_u_um_per_m, 1), "radius_mm"_is(axis.radius_mm, 4),
+      "radius_u_mm"_is(axis.radius_u_mm, 4), "radial_rms_um"_is(axis.radial_rms_um, 2),
+      "axial_rms_um"_is(axis.axial_rms_um, 2), "angle_rms_um_per_m"_is(axis.angle_rms_um_per_m, 1),
+      "largest_angle_um_per_m"_is(axis.largest_angle_um_per_m, 1), "largest_at_deg"_is(axis.largest_at_deg),
+      "reversal"_shown(optional_text("reversal of the angle, upwards less downwards:", axis.reversal_um_per_m, "um/m")),
+      "reversal_um_per_m"_is(axis.reversal_um_per_m),
+      "closure"_shown(optional_text("largest distance of two points a whole turn apart:", axis.closure_um, "um")),
+      "closure_um"_is(axis.closure_um));
+}
+
+Cell axes_cell(const laser::AxesOfJoints& axes) {
+  return record_cell("axes {first} and {second}: {angle_deg} deg between them, {distance_mm} mm apart{parallel}\n",
+                     "first"_is(axes.first), "second"_is(axes.second), "angle_deg"_is(axes.angle_deg, 4),
+                     "distance_mm"_is(axes.distance_mm, 4), "is_parallel"_is(axes.is_parallel),
+                     "parallel"_shown(axes.is_parallel ? " (nearly parallel: at the circle of the second)" : ""));
+}
+
+Result<Outcome> joints(VerbContext&, const JointsRequest& request) {
+  ECS_TRY(text, read_file(request.file));
+  ECS_TRY(sweeps, laser::parse_joints(text, request.file));
+  std::vector<laser::JointAxis> axes;
+  std::vector<laser::AxesOfJoints> pairs;
+  for (const laser::JointSweep& sweep : sweeps) {
+    ECS_TRY(axis, laser::joint_axis_of(sweep, request.file));
+    if (!axes.empty()) pairs.push_back(laser::between(axes.back(), axis));
+    axes.push_back(std::move(axis));
+  }
+  return outcome_of(record_cell("{joints}{pairs}", "joints"_is(list_cell(axes, joint_cell)),
+                                "pairs"_is(list_cell(pairs, axes_cell))));
+}
+
 }  // namespace
 
 extern const std::vector<Action> kTestsOfPoses{
     action("test poses", "ISO 9283: repeatability of a pose, and the effect of the approach",
-           "ecs test poses same_way.csv any_way.csv", poses, {.logged = Logged::always, .kind = "test"})};
+           "ecs test poses same_way.csv any_way.csv", poses, {.logged = Logged::always, .kind = "test"}),
+    action("test joints", "axis, angle error, reversal and closure of each joint, from x, y, z of a point around it",
+           "ecs test joints arm.csv", joints, {.logged = Logged::always, .kind = "test"})};
 
 }  // namespace ecs::app
