@@ -379,6 +379,14 @@ constexpr std::array<std::string_view, protocol::kUnitErrorCount> kErrorNames{"n
                                                                               "wrong code",
                                                                               "a wrong code just before"};
 
+/// "select tool 7", "set axis position (X 1 mm)"
+std::string arguments_text(const protocol::HostEvent& event) {
+  using protocol::CommandCode;
+  const bool is_tool = event.code == CommandCode::select_tool || event.code == CommandCode::remove_tool ||
+                       event.code == CommandCode::set_tool || event.code == CommandCode::stage_tool;
+  return is_tool ? " " + event.text : fmt::format(" ({})", event.text);
+}
+
 Cell event_cell(const protocol::HostEvent& event) {
   const bool writes = event.code == protocol::CommandCode::none;
   const bool failed = event.error != protocol::UnitError::none;
@@ -393,7 +401,7 @@ Cell event_cell(const protocol::HostEvent& event) {
       "time"_is(event.unix_time_s == 0 ? null_cell("time of day unknown") : cell_of(utc_of(event.unix_time_s))),
       "unit_time_s"_is(event.unit_time_s), "starts"_is(event.starts), "host"_is(text_cell(event.host)),
       "what"_is(writes ? "write memory" : protocol::name_of(event.code)),
-      "arguments"_is(event.text.empty() ? null_cell() : Cell{event.text, " " + event.text}),
+      "arguments"_is(event.text.empty() ? null_cell() : Cell{event.text, arguments_text(event)}),
       "result"_is(protocol::name_of(event.state)),
       "times"_is(event.times, event.times > 1 ? fmt::format(", {} times in a row", event.times) : ""),
       "error"_is(failed ? Cell{why, fmt::format(", {}", why)} : null_cell()));

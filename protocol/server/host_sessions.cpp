@@ -262,8 +262,8 @@ std::string arguments_in_words(const Command& command) {
       return fmt::format("{} {:.4g} um, {}", letter_of(command.axis), command.output_um,
                          command.relay_on ? "relay closed" : "relay open");
     case CommandCode::begin_staging:
-      if (command.staging_from == StagingFrom::kept) return "of changes to older map";
-      return command.staging_from == StagingFrom::active ? "of changes to active map" : "";
+      if (command.staging_from == StagingFrom::kept) return "based on an older map";
+      return command.staging_from == StagingFrom::active ? "based on the active map" : "";
     case CommandCode::commit_staged:
       return fmt::format("{} bytes, SHA {:06x}", command.length, command.digest >> kBelowShown);
     case CommandCode::test_datum:
@@ -273,7 +273,7 @@ std::string arguments_in_words(const Command& command) {
       return fmt::format("0x{:06X}", command.address);
     case CommandCode::select_tool:
     case CommandCode::remove_tool:
-      return fmt::format("tool {}", command.tool);
+      return command.tool == 0 ? "0 (none)" : fmt::format("{}", command.tool);
     case CommandCode::try_squareness:
       return fmt::format("C0Y {:.6g}, B0Z {:.6g}, A0Z {:.6g}", command.squareness_um_per_m[0],
                          command.squareness_um_per_m[1], command.squareness_um_per_m[2]);
@@ -284,7 +284,7 @@ std::string arguments_in_words(const Command& command) {
       return fmt::format("{}: {:.6g} {:.6g} {:.6g}", command.tool, command.tool_offset_mm[0], command.tool_offset_mm[1],
                          command.tool_offset_mm[2]);
     case CommandCode::arm:
-      return minutes_in_words(0);
+      return "ended by the host";
     default:
       return {};
   }

@@ -31,6 +31,15 @@ StatusSnapshot faulty_unit() {
   return s;
 }
 
+TEST_CASE("an event reads as its command with the number of the tool, or with its arguments in brackets") {
+  protocol::HostEvent event{.code = protocol::CommandCode::select_tool, .state = protocol::CommandState::done};
+  event.text = "7";
+  CHECK(contains(commissioning::events_cell({event}).text, "select tool 7: done"));
+  event.code = protocol::CommandCode::begin_staging;
+  event.text = "based on an older map";
+  CHECK(contains(commissioning::events_cell({event}).text, "start a transfer (based on an older map): done"));
+}
+
 TEST_CASE("a saved status decodes to the same fault, address, pointers and values") {
   const Folder folder;
   const std::string file = folder / "s.json";

@@ -362,6 +362,15 @@ TEST_CASE("the unit keeps what hosts did and tried, with host, time and result")
   CHECK(events_of(server, 4).front().code == CommandCode::output_off);
 }
 
+TEST_CASE("an event says on which map a transfer is based and which tool is selected") {
+  CHECK(arguments_in_words({.code = CommandCode::begin_staging, .staging_from = StagingFrom::kept}) ==
+        "based on an older map");
+  CHECK(arguments_in_words({.code = CommandCode::begin_staging, .staging_from = StagingFrom::active}) ==
+        "based on the active map");
+  CHECK(arguments_in_words({.code = CommandCode::select_tool, .tool = 7}) == "7");
+  CHECK(arguments_in_words({.code = CommandCode::select_tool, .tool = 0}) == "0 (none)");
+}
+
 TEST_CASE("a table of tools is one event: what replaces it, not what gathers it; a refusal is one as well") {
   UnitModel model;
   RegisterServer server(model);
