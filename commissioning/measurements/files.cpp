@@ -208,8 +208,8 @@ std::string_view option_that_helps(const Problem& wrong) {
   if (says("give --channels") || says("--parked")) return "";
   if (wrong.message.starts_with("channels:")) return " (--channels)";
   if (says("channel")) return " (--channel NAME)";
-  if (says("across the axis")) return " (--axis X, --sense EY)";
-  if (says("EA, EB or EC")) return " (--axis X, --sense EB)";
+  if (says("across the axis")) return ", for example --axis X --sense EY";
+  if (says("EA, EB or EC")) return ", for example --axis X --sense EB";
   if (says("unit")) return " (--target-unit, --reading-unit)";
   if (says("columns") && !says("axis")) return " (--columns)";
   return ", for example --axis X --sense EX";

@@ -274,8 +274,8 @@ Result<Sense> sense_of_file(Kind kind, Axis axis, const std::string& file_name, 
   const bool fits = kind == Kind::angular ? is_rotation(*options.sense)
                                           : !is_rotation(*options.sense) && *options.sense != positioning;
   if (fits) return *options.sense;
-  return tl::unexpected(
-      usage(file_name, fmt::format("the file needs the sense {}; {} was given", choice, ecs::name_of(*options.sense))));
+  return tl::unexpected(usage(
+      file_name, fmt::format("{} was given, but the file needs the sense {}", ecs::name_of(*options.sense), choice)));
 }
 
 /// Even passes of a file flagged unidirectional that hold nothing but zeros.

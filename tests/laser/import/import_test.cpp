@@ -90,7 +90,7 @@ TEST_CASE("angular runs are mrad in the file and um/m here, and need their sense
 TEST_CASE("straightness runs need a sense across the axis") {
   CHECK(read_any(sample("straight.rts"), {}).error().kind == ProblemKind::usage);
   CHECK(contains(refusal("straight.rts", options_with({}, Sense::EX)),
-                 "the file needs the sense EY or EZ across the axis X; EX was given"));
+                 "EX was given, but the file needs the sense EY or EZ across the axis X"));
   CHECK(imported("straight.rts", options_with({}, Sense::EZ)).set.readings[1].error == Approx(5.0));
 }
 

@@ -46,8 +46,8 @@ TEST_CASE("a folder's files are named for what they are, taken at once, and unkn
 }
 
 TEST_CASE("what a file does not state is named in the form, with the cursor there") {
-  CHECK(fields_needed("the file does not state which error it contains: give EY or EZ across the axis X (--axis X, "
-                      "--sense EY)") == std::vector<std::string>{"sense"});
+  CHECK(fields_needed("the file does not state which error it contains: give EY or EZ across the axis X, for example "
+                      "--axis X --sense EY") == std::vector<std::string>{"sense"});
   CHECK(fields_needed("give one of A, B (--channel NAME)") == std::vector<std::string>{"channel"});
   CHECK(problem_on_screen("a.log: give one of A, B (--channel NAME)") ==
         "a.log: give one of A, B. Press Enter and set channel.");
