@@ -121,8 +121,10 @@ Result<Outcome> begin(VerbContext& context, const NewRequest& given) {
   const ModelArguments& request = given.common;
   ECS_TRY(work, begun_model(context.console, request));
   Cell effects{Json::array(), {}};
+  std::string brackets;
   for (const model::EffectInstance& effect : work.model.effects) {
     const std::string name = name_with_alternatives(effect);
+    if (!effect.tied_with.empty()) brackets = "An effect in brackets would give the same readings at these places.\n";
     effects.add({name, fmt::format("  {} {}\n", padded(name, 26), title_of(effect))});
   }
   std::vector<std::string> next{"ecs", "model", "diagnose", request.model};
@@ -130,10 +132,11 @@ Result<Outcome> begin(VerbContext& context, const NewRequest& given) {
   if (!request.machine.empty()) next.insert(next.end(), {"--machine", request.machine});
   const std::vector<std::string> import = commissioning::import_words(request.import);
   next.insert(next.end(), import.begin(), import.end());
-  return outcome_of(record_cell("{model}: a new model with {usual}{of_paths}\n{effects}next: {next}\n",
+  return outcome_of(record_cell("{model}: a new model with {usual}{of_paths}\n{effects}{brackets}next: {next}\n",
                                 "model"_is(request.model), "usual"_shown(usual_in_words(work.data)),
                                 "of_paths"_shown(work.data.paths.empty() ? "" : "; circles and diagonals add nothing"),
-                                "effects"_is(std::move(effects)), "next"_shown(shell_command(next))));
+                                "effects"_is(std::move(effects)), "brackets"_shown(brackets),
+                                "next"_shown(shell_command(next))));
 }
 
 struct PredictRequest {
@@ -143,8 +146,9 @@ struct PredictRequest {
     using R = PredictRequest;
     return {
         {"MODEL", &R::model, "model file (.toml) with values, entered or written by `model fit -o`", Need::required},
-        {"POINTS", &R::points, "measurement set; the column reading is ignored and may be absent", Need::required},
-        {"-o,--output", &R::output, "measurement set to write, with the predictions in the column reading", Is::output},
+        {"POINTS", &R::points, "measurement file; the column reading is ignored and may be absent", Need::required},
+        {"-o,--output", &R::output, "measurement file to write, with the predictions in the column reading",
+         Is::output},
         {"--machine", &R::machine, kMachineHelp},
         &R::import};
   }
