@@ -15,7 +15,8 @@ PlotPanel screen_panel(const laser::MeasurementSet& readings, const laser::Curve
   PlotPanel panel = panel_of(readings, curve, title);
   panel.x_label = fmt::format("{} [mm]", letter_of(curve.axis));
   for (PlotSeries& series : panel.series) {
-    if (series.mark == Mark::forward_reading || series.mark == Mark::reverse_reading) series.name = "runs";
+    if (series.mark == Mark::forward_reading) series.name = "fwd runs";
+    if (series.mark == Mark::reverse_reading) series.name = "rev runs";
     if (series.mark == Mark::forward) series.name = "forward";
     if (series.mark == Mark::reverse) series.name = "reverse";
   }
