@@ -473,22 +473,6 @@ bool is_at_one_target(const Observations& data) {
   return std::ranges::any_of(targets_of(data), [](const auto& of) { return of.second.size() == 1; });
 }
 
-/// "the ball on the table" → "ball 2 on the table (nominally at X 100, Y 0, Z 50 mm)", where there are several; so for
-/// those in the spindle, by their tool offsets.
-void number_ball(std::string& text, const EffectInstance& effect, const Observations& data) {
-  const auto number = static_cast<std::size_t>(effect.ball);
-  for (const auto& [place, all_mm, where] : {std::tuple("on the table", &data.balls_mm, "nominally at"),
-                                             {"in the spindle", &data.tools_mm, "tool offset"}}) {
-    const std::string one = fmt::format("the ball {}", place);
-    const std::size_t at = text.find(one);
-    if (at == std::string::npos || number > all_mm->size() || all_mm->size() < 2) continue;
-    const Vector3& mm = (*all_mm)[number - 1];
-    text.replace(at, one.size(),
-                 fmt::format("ball {} {} ({} X {}, Y {}, Z {} mm)", number, place, where, in_digits(mm[0], 4),
-                             in_digits(mm[1], 4), in_digits(mm[2], 4)));
-  }
-}
-
 /// ", and of +-1.2 um with a period of 5.000 mm": the smaller of a wave and its second harmonic, where its size is
 /// known to a third.
 std::string smaller_wave_text(const NamedWave& wave, const Observations& data) {
@@ -509,6 +493,18 @@ bool follows_other_sensor(const EffectInstance& a, const EffectInstance& b) {
 
 std::string in_digits(double value, int digits) {
   return shortest(number_in(fmt::format("{:.{}g}", value, digits)).value_or(value));
+}
+
+std::string ball_text(const EffectInstance& effect, const Observations& data) {
+  const bool turns = effect.id == effect_named("ball_on_table");
+  if (effect.is_user() || (!turns && effect.id != effect_named("ball_in_spindle"))) return {};
+  const std::vector<Vector3>& all_mm = turns ? data.balls_mm : data.tools_mm;
+  const auto number = static_cast<std::size_t>(effect.ball);
+  if (all_mm.size() < 2 || number < 1 || number > all_mm.size()) return {};
+  const Vector3& mm = all_mm[number - 1];
+  return fmt::format("ball {} {} X {}, Y {}, Z {} mm)", number,
+                     turns ? "on the table (nominally at" : "in the spindle (tool offset", in_digits(mm[0], 4),
+                     in_digits(mm[1], 4), in_digits(mm[2], 4));
 }
 
 std::string finding_text(const EffectInstance& found_effect, const std::vector<ParameterEstimate>& found_parameters,
@@ -537,7 +533,9 @@ std::string finding_text(const EffectInstance& found_effect, const std::vector<P
   word("name", effect.name);
   word("sizes", sizes_word(effect, parameters, data));
   std::string text = fmt::vformat(definition.headline, words);
-  if (definition.place == Place::artefact) number_ball(text, effect, data);
+  if (const std::string ball = ball_text(effect, data); !ball.empty())
+    for (const std::string_view one : {"the ball on the table", "the ball in the spindle"})
+      if (const std::size_t at = text.find(one); at != std::string::npos) text.replace(at, one.size(), ball);
   if (const auto lag = std::ranges::find(parameters, kLag, &ParameterEstimate::name); lag != parameters.end())
     text += fmt::format(", following it with a time constant of {}", duration_text(lag->value));
   constexpr std::string_view kEverywhere = "equal at every position";

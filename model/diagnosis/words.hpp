@@ -21,6 +21,10 @@ inline constexpr double kPercent = 100.0;
 /// The same effect at the same place in the same approach, by another sensor.
 [[nodiscard]] bool follows_other_sensor(const EffectInstance& a, const EffectInstance& b);
 
+/// "ball 2 on the table (nominally at X 100, Y 0, Z 50 mm)", "ball 2 in the spindle (tool offset X 0, Y 0, Z 120 mm)":
+/// which of several balls an effect is of; empty where there is one, or the effect is of none.
+[[nodiscard]] std::string ball_text(const EffectInstance& effect, const Observations& data);
+
 /// "a periodic error in X positions of +-6.8 um, period 10.00 mm, the pitch of the X screw, only when moving forward":
 /// an effect with values from a fit, as an engineer names it inside a sentence.
 [[nodiscard]] std::string finding_text(const EffectInstance& effect, const std::vector<ParameterEstimate>& parameters,

@@ -19,6 +19,7 @@
 #include "commissioning/plot/figure.hpp"
 #include "commissioning/volume/fitted_rotary.hpp"
 #include "model/diagnosis/ladder.hpp"
+#include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/noise.hpp"
 #include "volume/rotary_errors.hpp"
@@ -49,21 +50,24 @@ struct FitRequest {
   }
 };
 
-Cell effect_cell(const EffectFit& effect) {
+Cell effect_cell(const EffectFit& effect, const model::Observations& data) {
+  const std::string ball = model::ball_text(effect.effect, data);
   AnswerFields fields = described(
       inlined({effect_json(effect.effect), ""}), "place"_shown(padded(name_with_alternatives(effect.effect), 67)),
+      "ball_of_several"_shown(ball.empty() ? "" : fmt::format("  {}\n", ball)),
       "parameters"_is(parameters_cell(effect, "  {label:<31} {value:>10} {sigma:>12}  {unit}\n")),
       "rms_um"_is(effect.rms_um, effect.readings > 0 ? fmt::format(" {:>12.3f}", effect.rms_um) : ""),
       "readings"_is(effect.readings), "skipped"_is(effect.skipped));
   if (!effect.effect.curve.empty()) fields.push_back("curve"_is(curve_json(effect.effect.curve)));
-  return record_cell("{place}{rms_um}\n{parameters}", fields);
+  return record_cell("{place}{rms_um}\n{ball_of_several}{parameters}", fields);
 }
 
-Cell effects_cell(const Fit& fit) {
+Cell effects_cell(const Fit& fit, const model::Observations& data) {
   if (fit.effects.empty()) return {Json::array(), ""};
-  Cell list = list_cell(fit.effects, effect_cell,
-                        fmt::format("\n{} {:>10} {:>12}  {:<12} {:>8}\n", padded("effect and parameter", 33), "value",
-                                    "sigma", "unit", rms_heading(fit.noise.unit)));
+  Cell list = list_cell(
+      fit.effects, [&](const EffectFit& effect) { return effect_cell(effect, data); },
+      fmt::format("\n{} {:>10} {:>12}  {:<12} {:>8}\n", padded("effect and parameter", 33), "value", "sigma", "unit",
+                  rms_heading(fit.noise.unit)));
   const auto any = [&](bool held) {
     return std::ranges::any_of(fit.effects, [&](const EffectFit& effect) {
       return std::ranges::any_of(effect.parameters, [&](const model::ParameterEstimate& one) {
@@ -156,7 +160,7 @@ Cell fit_cell(const Fit& fit, const model::Observations& data, bool rotary, cons
                                 "(condition number {})",
                                 noise_text(fit.noise), lack_of_fit.text,
                                 fit.condition < kPoorlySeparated ? "well" : "poorly", few_digits(fit.condition)))),
-      "effects"_is(effects_cell(fit)), "correlations"_is(correlations_cell(fit)),
+      "effects"_is(effects_cell(fit, data)), "correlations"_is(correlations_cell(fit)),
       "not_distinguished"_is(zero, not_distinguished_text(zero)), "undetermined"_is(fit.undetermined, undetermined),
       "outliers"_is(fit.outliers, outliers_text(fit)), "noise"_is(noise_cell(fit, rotary, !data.time_s.empty())),
       "notes"_is(fit.notes, notes_text(fit.notes)), "model"_is(text_cell(output)));

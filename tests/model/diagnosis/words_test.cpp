@@ -77,8 +77,10 @@ TEST_CASE("of several balls the finding says which one, and where") {
   data.balls_mm = {{0.0, 0.0, 0.0}, {100.0, 50.5, -20.0}};
   check_holds(finding_text(ball, {estimate_of("x_um", "um", 12.0)}, data),
               {"an offset of ball 2 on the table (nominally at X 100, Y 50.5, Z -20 mm) by 12 um"});
+  CHECK(ball_text(ball, data) == "ball 2 on the table (nominally at X 100, Y 50.5, Z -20 mm)");
   data.balls_mm.pop_back();
   ball.ball = 1;
+  CHECK(ball_text(ball, data).empty());
   check_holds(finding_text(ball, {estimate_of("x_um", "um", 12.0)}, data),
               {"an offset of the ball on the table by 12"});
 }
