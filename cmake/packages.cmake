@@ -86,7 +86,7 @@ set(CPACK_DEBIAN_DEV_PACKAGE_NAME libecs-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libfmt-dev, libexpected-dev, libeigen3-dev, nettle-dev, libmuparser-dev, zlib1g-dev, libtomlplusplus-dev")
 set(CPACK_DEBIAN_DEV_DESCRIPTION "compensation core and error models of machine tools, for programs
-One static library with headers: tables of compensation, measurement sets,
+One static library with headers: tables of compensation, measurement files,
 maps, and the fit and diagnosis of error models. find_package(ecs).")
 foreach(component ecs ecs-emulator dev)
   string(TOUPPER ${component} upper)

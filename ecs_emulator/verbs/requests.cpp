@@ -146,7 +146,7 @@ const std::vector<RequestOption> kBallOptions{
     {"--runs", integer, "number of runs, each there and back (2)"},
     {"--noise", number, "standard deviation of a reading [um] (0.3)"},
     {"--seconds", number, "time from one pose to the next [s] (5)"},
-    {"-o,--output", path, "measurement set to write (.csv); if not given, it is returned as csv"},
+    {"-o,--output", path, "measurement file to write (.csv); if not given, it is returned as csv"},
     kForceOption,
 };
 const std::vector<RequestOption> kTurnOptions{
@@ -155,7 +155,7 @@ const std::vector<RequestOption> kTurnOptions{
     {"--runs", integer, "number of runs, each there and back (3)"},
     {"--noise", number, "standard deviation of a reading [um, um/m] (0.3)"},
     {"--seconds", number, "time from one target to the next [s] (5)"},
-    {"-o,--output", path, "measurement set to write (.csv); if not given, it is returned as csv"},
+    {"-o,--output", path, "measurement file to write (.csv); if not given, it is returned as csv"},
     kForceOption,
 };
 const std::vector<RequestOption> kJogOptions{

@@ -281,7 +281,7 @@ constexpr std::string_view kLines = "capture lines";
 
 bool of_capture(std::string_view key) { return key == kBegin || key.starts_with("capture "); }
 
-/// The stops as the lines of a measurement set of their own.
+/// The stops as the lines of a measurement file of their own.
 void put_stops(const std::vector<laser::Reading>& stops, std::vector<laser::MetadataEntry>& metadata) {
   laser::MeasurementSet set;
   set.readings = stops;
@@ -296,7 +296,8 @@ Problem broken(const laser::MeasurementSet& part, const std::string& what) {
   return problem_at(
              part.source, 0, 0,
 
-             "{}: this is not an unfinished capture, or it was changed; its readings are still a measurement set", what)
+             "{}: this is not an unfinished capture, or it was changed; its readings are still a measurement file",
+             what)
       .value();
 }
 

@@ -96,7 +96,7 @@ class CaptureRecord {
   /// Leaves the due stop without a reading. False: nothing is due.
   bool skip();
 
-  /// The readings so far as a measurement set; a note for every doubt that was not taken back.
+  /// The readings so far as a measurement file; a note for every doubt that was not taken back.
   [[nodiscard]] laser::MeasurementSet result() const;
 
   /// The same, with all that is needed to go on: still a measurement CSV that every verb reads.

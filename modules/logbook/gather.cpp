@@ -75,7 +75,7 @@ const char* state_of(const Json& line) {
   return compensated == true ? "with the compensation active" : "without compensation";
 }
 
-/// One line of a measurement set, what is taken off it and the answer of `laser stats` for what is left.
+/// One line of a measurement file, what is taken off it and the answer of `laser stats` for what is left.
 struct LineToCertify {  // NOLINT(bugprone-exception-escape): moves of nlohmann::json
   LineKind kind = LineKind::positioning;
   std::optional<laser::ProcessedReadings> levelled;  ///< where a slope was taken off
@@ -148,7 +148,7 @@ std::string day_of(const Logbook& book, const LogFile& file, const LogbookEntry&
   return entry.time.substr(0, kDay);
 }
 
-/// The measurement set of an entry: what an import wrote, else what was read.
+/// The measurement file of an entry: what an import wrote, else what was read.
 std::optional<LogFile> set_of(const Logbook& book, const LogbookEntry& entry) {
   const auto files = files_of(entry);
   for (const char* role : {"output", "input"})

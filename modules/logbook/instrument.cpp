@@ -35,7 +35,7 @@ namespace {
 
 struct TextKey {
   const char* key;     ///< in JSON and TOML
-  const char* header;  ///< in the header of a measurement set
+  const char* header;  ///< in the header of a measurement file
   std::string Instrument::*member;
 };
 constexpr std::array<TextKey, 6> kTextKeys{{

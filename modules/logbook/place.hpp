@@ -34,7 +34,7 @@ struct LogbookSetting {
 /// $ECS_OPERATOR, else `operator` in the settings, else the login name.
 [[nodiscard]] std::string operator_name();
 
-/// Whose file it is, by what it says: a machine file, parameters, a measurement set, a map. Empty: it does not say.
+/// Whose file it is, by what it says: a machine file, parameters, a measurement file, a map. Empty: it does not say.
 [[nodiscard]] LogOwner owner_in(std::string_view content);
 
 struct HeaderLine {
@@ -68,7 +68,7 @@ struct Instrument {
 [[nodiscard]] std::string instrument_json(const Instrument& instrument, const std::string& day);
 [[nodiscard]] Instrument instrument_in_json(std::string_view json);
 
-/// From the header of a measurement set, `# instrument: …`, `# instrument_serial_number: …`, `# calibration_date: …`.
+/// From the header of a measurement file, `# instrument: …`, `# instrument_serial_number: …`, `# calibration_date: …`.
 [[nodiscard]] Instrument instrument_in_header(std::string_view content);
 
 /// The instrument in use: `$ECS_INSTRUMENT`, else `instrument` in the settings, names its file, else instrument.toml

@@ -164,7 +164,7 @@ void complete(LogRecord& record) {
   record.content = one_line(content);
 }
 
-/// A measurement set that no entry has brought yet gets one of its own, whichever verb reads it first.
+/// A measurement file that no entry has brought yet gets one of its own, whichever verb reads it first.
 void add_new_measurements(std::vector<LogRecord>& records, const Logbook& book, const LogRecord& by) {
   if (by.kind == "measurement") return;
   std::set<std::string> brought;

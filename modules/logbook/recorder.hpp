@@ -48,7 +48,7 @@ class ObservedFiles final : public FileWatch {
   const ObservedFiles* before_;
 };
 
-/// A measurement set in our CSV form, by its header row.
+/// A measurement file in our CSV form, by its header row.
 [[nodiscard]] bool is_measurement_set(std::string_view content);
 
 /// What is to be said of the logbook since this was last asked: that one was started, that one cannot be written.

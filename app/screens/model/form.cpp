@@ -79,7 +79,7 @@ class ModelForm final : public Screen {
   }
 
   [[nodiscard]] std::string help() const override {
-    return "The measurements are measurement sets (CSV) or files of a laser. The model file contains the effects "
+    return "The measurements are CSV files or files of a laser. The model file contains the effects "
            "assumed so far. If you have none, enter a new name or no name: a model of offset, slope and backlash is "
            "created, and the screen finds the missing effects from the measurements. The machine file gives lever arms "
            "and pitches; without it fewer causes can be distinguished. Measurements and machine file in the folder of "

@@ -1,4 +1,4 @@
-// `ecs laser import`: what an instrument wrote, as a measurement set in our CSV or as another instrument's file.
+// `ecs laser import`: what an instrument wrote, as a measurement file in our CSV or as another instrument's file.
 // `ecs laser show`: conditions, measurement lines, and the means at every target.
 
 #include <filesystem>
@@ -201,7 +201,7 @@ Result<Outcome> show(VerbContext&, const ShowRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kLaserReading{
-    action("laser import", "convert any instrument's file to a measurement set (CSV); reports the recognised format",
+    action("laser import", "convert any instrument's file to a measurement file (CSV); reports the recognised format",
            "ecs laser import x_axis.rtl -o x_axis.csv --parked y=-1400,z=0\n"
            "  ecs laser import table.txt --columns \"x_mm=1[in],reading=2*25.4,approach=motion\" "
            "--skip 3 --save-profile gauge -o table.csv",

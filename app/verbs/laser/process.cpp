@@ -146,7 +146,7 @@ laser::Reading reading_at(const Processed& p, double position_mm, double value, 
   return reading;
 }
 
-/// The processed means as a measurement set, what was done in its metadata.
+/// The processed means as a measurement file, what was done in its metadata.
 laser::MeasurementSet as_set(const std::vector<Processed>& lines, const laser::MeasurementSet& from, double window_mm) {
   laser::MeasurementSet set;
   set.metadata = from.metadata;

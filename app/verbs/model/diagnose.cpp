@@ -118,10 +118,10 @@ struct NextRequest {
     using R = NextRequest;
     return {{&R::common, ModelArguments::fields(Need::optional)},
             {"--check", &R::check,
-             "planned measurement set (its readings are ignored): exit 1 if it cannot determine MODEL"},
+             "planned measurement file (its readings are ignored): exit 1 if it cannot determine MODEL"},
             {"--proposal", &R::proposal, "number of the proposal to write with --program and --targets", Range{1, 100}},
             {"--program", &R::program, "file for the part program of the proposal", Is::output},
-            {"--targets", &R::targets, "file for the target list of the proposal, a measurement set without readings",
+            {"--targets", &R::targets, "file for the target list of the proposal, a measurement file without readings",
              Is::output},
             {"--ball-bar", &R::ball_bar,
              "a ball bar is available: propose circles too; default where DATA contain circles"},

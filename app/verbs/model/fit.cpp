@@ -321,7 +321,7 @@ Result<Outcome> compare_step(const CompareRequest& request, const Module& module
     return problem(ProblemKind::usage, "a recorded step (time_s, dac_V) is compared on its own: give only that file");
   if (!request.at.empty() || request.volume != 0 || !request.residual_plot.empty())
     return problem(ProblemKind::usage,
-                   "--at, --volume and --plot-residual apply to measurement sets, not to a recorded step");
+                   "--at, --volume and --plot-residual apply to measurement files, not to a recorded step");
   ECS_TRY(comparison, module.compare(request.common.model, request.common.data.front()));
   if (!request.plot.empty()) {
     ECS_DO(write_plot(request.plot, comparison.figure));

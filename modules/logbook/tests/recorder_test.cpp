@@ -24,7 +24,7 @@ std::string chosen(const LogbookSetting& setting, const LogOwner& owner) {
   return path ? path->filename().string() : "none";
 }
 
-TEST_CASE("parameters, machine files, maps and measurement sets say whose they are") {
+TEST_CASE("parameters, machine files, maps and measurement files say whose they are") {
   CHECK(owner_in(short_lathe("MCM-0107")).machine == "short lathe");
   CHECK(owner_in(short_lathe("MCM-0107")).serial_number == "MCM-0107");
   CHECK(owner_in("name = \"mill\"\nconfiguration = \"TXYZ\"\n[axis.X]\ntravel_mm = [0.0, 1.0]\n").machine == "mill");

@@ -81,7 +81,7 @@ TEST_CASE("a file without what a step needs is refused with what to add") {
   CHECK(contains(refusal(flat), "found 1.5 in every sample"));
 }
 
-TEST_CASE("a step recording differs from a measurement set by its header row") {
+TEST_CASE("a step recording differs from a measurement file by its header row") {
   CHECK(is_drive_trace("# a: b\n\ntime_s,dac_V\n0,0\n"));
   CHECK(
       is_drive_trace("\xEF\xBB\xBF"
