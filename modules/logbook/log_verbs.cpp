@@ -124,20 +124,6 @@ struct ListLogRequest {
   }
 };
 
-/// "exx.csv, input of the next entry" → "exx.csv, input of entry 18 (model new: model.toml)"
-void name_users_of_inputs(std::vector<LogbookEntry>& entries) {
-  const LogbookEntry* user = nullptr;
-  for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
-    if (!entry->summary.ends_with(kInputOfNext)) {
-      user = &*entry;
-    } else if (user != nullptr) {
-      entry->summary.resize(entry->summary.size() - kInputOfNext.size());
-      entry->summary +=
-          fmt::format(", input of entry {} ({})", user->number, user->summary.substr(0, user->summary.find("; ")));
-    }
-  }
-}
-
 Result<Outcome> list_log(VerbContext& context, const ListLogRequest& request) {
   if (const auto wrong = wrong_date(request.since)) return problem(ProblemKind::usage, "--since: " + *wrong);
   ECS_TRY(book, chosen_logbook(context, request.book));
@@ -169,7 +155,10 @@ struct ShowLogRequest {
 Result<Outcome> show_log(VerbContext& context, const ShowLogRequest& request) {
   ECS_TRY(book, chosen_logbook(context, request.book));
   ECS_TRY(entry, book.entry(request.number));
-  return outcome_of(whole_entry_cell(entry));
+  ECS_TRY(entries, book.entries(true));
+  name_users_of_inputs(entries);
+  const auto named = std::ranges::find(entries, entry.number, &LogbookEntry::number);
+  return outcome_of(whole_entry_cell(entry, named == entries.end() ? entry.summary : named->summary));
 }
 
 struct CompareLogRequest {
@@ -467,7 +456,7 @@ Result<Outcome> export_log(VerbContext& context, const ExportLogRequest& request
   if (!request.output.empty()) {
     ECS_TRY(entries, book.entries());
     std::string lines;
-    for (const LogbookEntry& entry : entries) lines += one_line(whole_entry_cell(entry).json) + "\n";
+    for (const LogbookEntry& entry : entries) lines += one_line(whole_entry_cell(entry, entry.summary).json) + "\n";
     ECS_DO(write_file(request.output, lines));
     count = entries.size();
   }

@@ -84,7 +84,7 @@ class LogbookScreen final : public ListScreen {
   [[nodiscard]] std::string whole(std::size_t row) const override {
     const auto open = Logbook::open_to_read(book());
     const auto entry = open ? open->entry(entries_[row].number) : tl::unexpected(open.error());
-    return entry ? whole_entry_cell(*entry).text : to_text(entry.error());
+    return entry ? whole_entry_cell(*entry, entries_[row].summary).text : to_text(entry.error());
   }
   [[nodiscard]] bool shows_whole_below() const override { return false; }
 
@@ -118,6 +118,7 @@ class LogbookScreen final : public ListScreen {
     const auto owner = open ? open->owner() : tl::unexpected(open.error());
     absent_ = entries ? "" : to_text(entries.error());
     if (entries) entries_ = std::move(*entries);
+    name_users_of_inputs(entries_);
     if (owner) owner_ = in_words(*owner);
     follow();
   }

@@ -138,8 +138,11 @@ struct LogComparison {
 [[nodiscard]] std::string log_list_head();
 /// A line of the list; in JSON {"number", "time", "kind", "hash", "previous", "operator", "summary", …}.
 [[nodiscard]] Cell log_entry_cell(const LogbookEntry& entry);
-/// Everything of one entry.
-[[nodiscard]] Cell whole_entry_cell(const LogbookEntry& entry);
+/// Says of measurements which later entry read them first: "exx.csv, input of entry 18 (model new: model.toml)".
+/// @param entries  all of a logbook, in their order
+void name_users_of_inputs(std::vector<LogbookEntry>& entries);
+/// Everything of one entry. @param what  its summary as shown; JSON has the one that belongs to its hash
+[[nodiscard]] Cell whole_entry_cell(const LogbookEntry& entry, const std::string& what);
 /// @param expected  hash that an entry had to have; empty: none, and an end that is missing cannot be found
 [[nodiscard]] Cell verdict_cell(const LogVerdict& verdict, const std::string& path, const std::string& expected);
 [[nodiscard]] Cell replay_cell(const Replay& replay);

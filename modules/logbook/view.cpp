@@ -108,6 +108,19 @@ std::string log_list_head() {
                      "what");
 }
 
+void name_users_of_inputs(std::vector<LogbookEntry>& entries) {
+  const LogbookEntry* user = nullptr;
+  for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
+    if (!entry->summary.ends_with(kInputOfNext)) {
+      user = &*entry;
+    } else if (user != nullptr) {
+      entry->summary.resize(entry->summary.size() - kInputOfNext.size());
+      entry->summary +=
+          fmt::format(", input of entry {} ({})", user->number, user->summary.substr(0, user->summary.find("; ")));
+    }
+  }
+}
+
 Cell log_entry_cell(const LogbookEntry& entry) {
   return record_cell("{number:>6}  {time:<20}  {kind:<18}  {operator:<12}  {hash:<8}  {summary}\n",
                      "number"_is(entry.number), "time"_is(entry.time), "kind"_is(entry.kind),
@@ -117,14 +130,14 @@ Cell log_entry_cell(const LogbookEntry& entry) {
                      "instrument"_is(object_in(entry.instrument)));
 }
 
-Cell whole_entry_cell(const LogbookEntry& entry) {
+Cell whole_entry_cell(const LogbookEntry& entry, const std::string& what) {
   Cell cell = log_entry_cell(entry);
   const Json content = object_in(entry.content);
   cell.json["content"] = content;
   std::string text = fmt::format("entry {}: {}\n", entry.number, entry.kind);
   text += field_line("time", entry.time) + field_line("machine", in_words({entry.machine, entry.serial_number})) +
           field_line("operator", entry.operator_name) +
-          field_line("instrument", instrument_text(object_in(entry.instrument))) + field_line("what", entry.summary);
+          field_line("instrument", instrument_text(object_in(entry.instrument))) + field_line("what", what);
   std::vector<std::string> words = words_of(entry);
   if (!words.empty()) words.insert(words.begin(), "ecs");
   text += field_line("command", shell_command(words)) + field_line("folder", folder_of(entry));

@@ -93,9 +93,11 @@ TEST_CASE("entries are listed, opened, checked, and new ones come on their own")
   const std::string data = folder.with("exx.csv", lathe_readings("# machine: short lathe\n"));
   REQUIRE(ran({"map", "build", data, "--params", params, "-o", folder / "map.csv"}).code == 0);
   const auto screen = logbook_screen();
-  check_holds(picture(*screen), {"short lathe, serial number MCM-0107: 2 entries", "map build: map.csv"});
+  check_holds(picture(*screen),
+              {"short lathe, serial number MCM-0107: 2 entries", "map build: map.csv", "exx.csv, input of entry 2"});
   check_holds(after(*screen, "\n"), {"ecs map build", "Jo Fitter"});
   (void)press(*screen, Key::Name::escape);
+  check_holds(ran({"log", "show", "1"}).all(), {"exx.csv, input of entry 2 (map build: map.csv)"});
   (void)letter(*screen, 'v');
   CHECK(until(*screen, [&] { return contains(picture(*screen), "2 entries: each agrees with its hash"); }));
   (void)press(*screen, Key::Name::escape);
