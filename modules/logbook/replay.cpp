@@ -405,15 +405,30 @@ std::optional<ComparedVolume> volume_of(const LoggedMap& one, const RunVerb& run
                         number_at(after, "rms_um")};
 }
 
+/// `model compare` names no cause; its entries in older logbooks have the kind of a diagnosis.
+bool is_comparison(const LogbookEntry& entry) {
+  const Json content = json_in(entry.content);
+  return content.is_object() && content.value("verb", Json()) == "model compare";
+}
+
+/// The last diagnosis or investigation up to a moment.
+Result<std::optional<LogbookEntry>> last_diagnosis(const Logbook& book, const std::string& until) {
+  ECS_TRY(entries, book.entries(true));
+  for (auto one = entries.rbegin(); one != entries.rend(); ++one) {
+    if (one->time > until || (one->kind != "diagnosis" && one->kind != "investigation")) continue;
+    ECS_TRY(whole, book.entry(one->number));
+    if (!is_comparison(whole)) return std::optional(std::move(whole));
+  }
+  return std::optional<LogbookEntry>();
+}
+
 Result<LoggedState> state_on(const Logbook& book, const std::string& date) {
   if (!is_iso_date(date)) return problem(ProblemKind::usage, "{}: expected a date such as 2026-03-12", date);
   LoggedState state;
   state.date = date;
   const std::string until = until_of(date);
-  for (const char* kind : {"diagnosis", "investigation"}) {
-    ECS_TRY(found, book.last_of(kind, until));
-    if (found && (!state.diagnosis || found->number > state.diagnosis->number)) state.diagnosis = std::move(found);
-  }
+  ECS_TRY(diagnosis, last_diagnosis(book, until));
+  state.diagnosis = std::move(diagnosis);
   ECS_TRY(map, book.last_of("map", until));
   state.map = std::move(map);
   return state;

@@ -372,6 +372,6 @@ extern const std::vector<Action> kModelFitting{
     action("model compare", "show where a model fails: residuals by direction and by every variable",
            "ecs model compare model.toml data.csv --machine machine.toml --at x=-100,y=0,z=0,axis=X\n  "
            "ecs model compare drive_as_printed.toml step_recorded.csv",
-           compare, {.logged = Logged::always, .kind = "diagnosis"})};
+           compare, {.logged = Logged::always, .kind = "test"})};
 
 }  // namespace ecs::app

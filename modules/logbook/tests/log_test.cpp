@@ -1,4 +1,5 @@
 // A logbook that cannot be written. The screen LOGBOOK: entries, one of them whole, verification.
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -71,6 +72,21 @@ TEST_CASE("a model is made again where its file still exists, which stays as it 
   CHECK(must(derivation.file(sha256_hex(made), "model.toml", 1'000)) == made);
   CHECK(contains(only(derivation.derived).verb, "'" + data + "'"));  // as a shell takes it
   CHECK(must(read_file(model)) == "changed since then");
+}
+
+TEST_CASE("a comparison of days uses the last diagnosis, and no model compare that an older logbook calls one") {
+  using commissioning::Logbook, commissioning::LogRecord;
+  const Folder folder;
+  auto book = must(Logbook::open(folder / "a.ecslog"));
+  for (const char* verb : {"model diagnose", "model compare"})
+    REQUIRE(book.append(LogRecord{.kind = "diagnosis",
+                                  .machine = "short lathe",
+                                  .summary = verb,
+                                  .content = fmt::format(R"({{"verb":"{}"}})", verb),
+                                  .time = "2026-03-12T09:00:00Z"}));
+  const auto days = must(commissioning::compared(book, "2026-03-12", "2026-03-13", {}));
+  REQUIRE(days.states[1].diagnosis);
+  CHECK(days.states[1].diagnosis->summary == "model diagnose");
 }
 
 }  // namespace
