@@ -83,6 +83,15 @@ std::string where_word(const EffectInstance& effect) {
          (effect.from_run > 0 ? fmt::format(" from run {}", effect.from_run) : "");
 }
 
+/// After "an error in": "X positioning", "Y deviations along X".
+std::string error_word(const EffectInstance& effect) {
+  constexpr std::string_view kPositions = " positions";
+  std::string text = where_word(effect);
+  if (const std::size_t at = text.find(kPositions); at != std::string::npos)
+    text.replace(at, kPositions.size(), " positioning");
+  return text;
+}
+
 /// "t_spindle_degC" → "spindle"
 std::string sensor_word(std::string name) {
   if (name.empty()) return "sensor";
@@ -520,7 +529,8 @@ std::string finding_text(const EffectInstance& found_effect, const std::vector<P
         std::ranges::find_if(parameters, [&](const ParameterEstimate& one) { return one.name == parameter.name; });
     word(parameter.name, found == parameters.end() ? "an unknown amount" : value_of(effect, *found, data));
   }
-  word("where", where_word(effect));
+  word("where", error_word(effect));
+  word("readings", where_word(effect));
   const bool positions = !effect.sense || !effect.axis || direction_of(*effect.sense) == *effect.axis;
   word("slope", positions && !(effect.sense && is_rotation(*effect.sense)) ? "scale error" : "slope");
   word("axis", effect.axis ? std::string(1, axis_letter(effect)) : "The");

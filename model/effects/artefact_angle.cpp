@@ -15,7 +15,7 @@ EffectDefinition artefact_angle() {
       .tells_apart =
           "changes its sign when the artefact is turned over (column reversed); an error of the machine does not",
       .check = "read the certificate of the square; turn it over and measure again",
-      .headline = "an error of {um_per_m} of the square used for {where}",
+      .headline = "an error of {um_per_m} of the square used for {readings}",
       .parameters = {{"um_per_m", "um/m", "angle error"}, {"um", "um", "half of the zero shift on turning over"}},
       .carrier = Carrier::set_up,
       .how = "an error of the artefact: subtract half the difference of both positions from its readings",

@@ -202,7 +202,7 @@ EffectDefinition cyclic() {
       .check =
           "compare the period with pitches of screw, rack, gears and scale; check for an eccentric screw, a bent "
           "coupling, a dirty or tilted reading head",
-      .headline = "a periodic error in {where} of +-{amplitude_um}, period {period_mm}",
+      .headline = "a periodic error of +-{amplitude_um} in {where}, period {period_mm}",
       .parameters = {{"period_mm", "mm", "length of one period", Coding::searched},
                      {"amplitude_um", "um", "amplitude of the fundamental", Coding::amplitude},
                      {"phase_rad", "rad", "phase of the fundamental, sin(2 pi p/P + phase)", Coding::phase},

@@ -368,8 +368,8 @@ struct EffectDefinition {
   std::string_view cause;        ///< physical cause, plain words
   std::string_view tells_apart;  ///< what tells it from its neighbours
   std::string_view check;        ///< what to look at on the machine or its set-up, without another run of the laser
-  /// fmt; what is wrong, how much and where, as an answer begins: parameters by name, with unit; {where}, {slope},
-  /// {axis}, {code}, {pair}, {turn}, {map}, {sensor}, {sensor2}, {name}, {sizes} (model/diagnosis/words.cpp).
+  /// fmt; what is wrong, how much and where, as an answer begins: parameters by name, with unit; {where}, {readings},
+  /// {slope}, {axis}, {code}, {pair}, {turn}, {map}, {sensor}, {sensor2}, {name}, {sizes} (model/diagnosis/words.cpp).
   std::string_view headline;
   std::vector<ParameterDefinition> parameters{};
   Carrier carrier = Carrier::none;

@@ -32,7 +32,7 @@ EffectDefinition delay() {
           "stops; lost motion is the same at any speed",
       .check =
           "compare the sampling instants and filters of the two channels, and read the following error of the drive",
-      .headline = "{where} read {delay_ms} late while the axis moves",
+      .headline = "{readings} read {delay_ms} late while the axis moves",
       .parameters = {{"delay_ms", "ms", "time by which the reading is late"}},
       .carrier = Carrier::set_up,
       .how = "read both channels at the same moment; readings at rest do not show it",

@@ -99,7 +99,8 @@ EffectDefinition friction() {
       .check =
           "watch the current of the drive as the axis creeps through a reversal: its step is twice the friction; check "
           "lubrication, wipers, gibs and the friction compensation of the control",
-      .headline = "friction by which {where}, read on the fly, stay {c_um} behind after each reversal for {stands_ms}",
+      .headline =
+          "friction by which {readings}, read on the fly, stay {c_um} behind after each reversal for {stands_ms}",
       .parameters = {{"c_um", "um", "largest lag at 10 mm/s^2; below 0: friction is overcompensated"},
                      {"slower_um", "um", "part of the lag that settles slowly"},
                      {"late_um", "um", "lost motion that appears when the axis moves, as for backlash"},

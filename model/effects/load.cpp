@@ -13,7 +13,7 @@ EffectDefinition load() {
       .check =
           "repeat a line with and without the workpiece; check the counterbalance and the parts that bend under the "
           "mass",
-      .headline = "a shift of {where} with the load, {sizes}",
+      .headline = "a shift of {readings} with the load, {sizes}",
       .parameters = {{"um_per_kg", "um/kg", "shift"}, {"um_per_kg_m", "um/kg/m", "change of slope"}},
       .carrier = Carrier::inputs,
       .live = {{"um_per_kg", ThermalLaw::shift, LiveSource::load},

@@ -13,7 +13,7 @@ EffectDefinition measurement_line() {
       .cause = "the map was measured on a different line from the present one",
       .tells_apart = "has the shape of an angular error that was measured separately",
       .check = "compare the measurement line in the unit's parameters with the position of the optics",
-      .headline = "{where} measured {lever_mm} off the line of the map, which shows the angle {code}",
+      .headline = "{readings} measured {lever_mm} off the line of the map, which shows the angle {code}",
       .parameters = {{"lever_mm", "mm", "distance between the lines"}},
       .carrier = Carrier::parameters,
       .how = "the measurement line in the unit's parameters",

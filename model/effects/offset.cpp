@@ -41,7 +41,7 @@ EffectDefinition offset() {
       .cause = "datum or laser zero shifted",
       .tells_apart = "the same everywhere and always, or, for a zero set again, the same in every run after that",
       .check = "check where the readout was set to zero, and the repeatability of the datum switch",
-      .headline = "a shift of {um} in all {where}",
+      .headline = "a shift of {um} in all {readings}",
       .parameters = {{"um", "um", "constant offset"}},
       .carrier = Carrier::error_map,
       .how = "a constant in the map, or the null offset of the datum (null_offset_mm)",

@@ -13,7 +13,7 @@ EffectDefinition servo_lag() {
       .check =
           "read the following error of the drive at two feeds, or repeat with a dwell before each reading: it is "
           "absent at rest",
-      .headline = "a following error of {um_per_m_min} in {where}, which were read on the fly",
+      .headline = "a following error of {um_per_m_min} in {readings}, which were read on the fly",
       .parameters = {{"um_per_m_min", "um/(m/min)", "lag"}},
       .carrier = Carrier::set_up,
       .how = "the drive's gain; readings at rest do not show it",

@@ -51,7 +51,7 @@ EffectDefinition thermal_bend() {
       .check =
           "measure the temperature of both sides of the column or bed and check for motors, coolant, sun or draught; "
           "mount a level on it while they change",
-      .headline = "bending of {where} by {um_per_m2_degC} of temperature difference between {sensor} and {sensor2}",
+      .headline = "bending of {readings} by {um_per_m2_degC} of temperature difference between {sensor} and {sensor2}",
       .parameters = {lag_parameter(), {"um_per_m2_degC", "um/m2/degC", "bending"}},
       .carrier = Carrier::inputs,
       .live = {{"um_per_m2_degC", ThermalLaw::bending, LiveSource::difference}},

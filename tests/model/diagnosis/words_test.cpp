@@ -31,23 +31,23 @@ TEST_CASE("a finding says cause, size and place; a period that is a pitch of the
   const std::vector<ParameterEstimate> parameters{estimate_of("period_mm", "mm", 10.003),
                                                   estimate_of("amplitude_um", "um", 6.83)};
   CHECK(finding_text(wave, parameters, data) ==
-        "a periodic error in X positions of +-6.8 um, period 10.00 mm, the pitch of the X screw, only when moving "
+        "a periodic error of +-6.8 um in X positioning, period 10.00 mm, the pitch of the X screw, only when moving "
         "forward");
   std::vector<ParameterEstimate> known{estimate_of("period_mm", "mm", 9.95), estimate_of("amplitude_um", "um", 6.83)};
   known.front().sigma = 0.004;
-  CHECK(
-      finding_text(screw_wave(9.95), known, data) ==
-      "a periodic error in X positions of +-6.8 um, period 9.950 mm (certainly not the pitch of the X screw, 10 mm by "
-      "the machine file: check this)");
+  CHECK(finding_text(screw_wave(9.95), known, data) ==
+        "a periodic error of +-6.8 um in X positioning, period 9.950 mm (certainly not the pitch of the X screw, 10 mm "
+        "by "
+        "the machine file: check this)");
   known.front().sigma = 0.02;
   CHECK(contains(finding_text(screw_wave(9.95), known, data), "9.950 mm, the pitch of the X screw"));
   const std::vector<ParameterEstimate> mostly_second{estimate_of("period_mm", "mm", 20.0),
                                                      estimate_of("amplitude_um", "um", 0.6),
                                                      estimate_of("amplitude2_um", "um", 4.1)};
   const std::string finding = finding_text(screw_wave(20.0), mostly_second, data);
-  CHECK_MESSAGE(contains(finding, "+-4.1 um, period 10.00 mm"), finding);
+  CHECK_MESSAGE(contains(finding, "+-4.1 um in X positioning, period 10.00 mm"), finding);
   CHECK(finding_text(effect(effects::backlash, Axis::X, Sense::EX), {estimate_of("um", "um", -5.17)}, data) ==
-        "lost motion of -5.2 um at reversal in X positions");
+        "lost motion of -5.2 um at reversal in X positioning");
 }
 
 TEST_CASE("every effect of the library has a finding without holes") {
@@ -90,15 +90,15 @@ TEST_CASE("a size that the data do not determine is not told as a number") {
   ParameterEstimate lost = estimate_of("um_per_m", "um/m", 39.0);
   lost.undetermined = true;
   CHECK(finding_text(effect(effects::scale, Axis::X, Sense::EX), {lost}, data) ==
-        "a scale error of an undetermined amount in X positions");
+        "a scale error of an undetermined amount in X positioning");
   ParameterEstimate square = estimate_of("k2", "um/m2", 12.0), cube = estimate_of("k3", "um/m3", -3.0);
   cube.sigma = 5.0;
   CHECK(finding_text(effect(effects::sag, Axis::X, Sense::EX), {square, cube}, data) ==
-        "a bow in X positions that grows with the extension as droop does, 12 um/m2");
+        "a bow in X positioning that grows with the extension as droop does, 12 um/m2");
   ParameterEstimate wave = estimate_of("amplitude_um", "um", 3.0);
   wave.undetermined = true;
   CHECK(finding_text(screw_wave(10.0), {estimate_of("period_mm", "mm", 10.0), wave}, data)
-            .starts_with("a periodic error in X positions of an undetermined amount, period 10.00 mm"));
+            .starts_with("a periodic error of an undetermined amount in X positioning, period 10.00 mm"));
 }
 
 TEST_CASE("sizes in readings of a rotation are in um/m, of curves too") {
