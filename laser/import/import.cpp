@@ -315,6 +315,7 @@ extern const FileFormat kEnvironmentTable;
 extern const FileFormat kIso230Assignments;
 extern const FileFormat kPlate;
 extern const FileFormat kJsonLines;
+extern const FileFormat kGuideLog;
 extern const FileFormat kMappedColumns;
 extern const FileFormat kMappedMatrix;
 
@@ -331,6 +332,7 @@ std::span<const FileFormat* const> file_formats() {
       &kIso230Assignments,
       &kPlate,
       &kJsonLines,
+      &kGuideLog,
       &kMappedColumns,
       &kMappedMatrix,
   };
