@@ -87,7 +87,7 @@ struct GuidedSection {
   bool moves_east = false;  ///< a pulse to the west does: parity Odd
   std::optional<Pixel> lock;
   std::optional<FramePlaces> places;
-  std::vector<double> seen_rates_px_s;  ///< of each pulse
+  std::vector<double> seen_rates_px_s;  ///< of each pulse, positive to the west where the star is west
 };
 
 class GuideLogReader {
@@ -129,7 +129,8 @@ class GuideLogReader {
   void begin(int number, std::string_view date) {
     end();
     const auto begun = seconds_in(trimmed(date));
-    if (!begun) findings_.add(number, 1, "expected a date as in 2021-03-05 22:10:00, found {}", in_quotes(date));
+    if (!begun || date_time_text(*begun).empty())
+      findings_.add(number, 1, "expected a date as in 2021-03-05 22:10:00, found {}", in_quotes(date));
     section_.emplace().line = number;
     section_->begun_s = begun.value_or(0.0);
     is_settling_ = is_dithered_ = has_moved_ = is_head_checked_ = is_usable_ = false;
@@ -192,14 +193,14 @@ class GuideLogReader {
                     "before guiding");
     if (!section.declination_deg)
       findings_.add(section.line, 1,
-                    "expected a line with Dec = NUMBER deg, Hour angle = ... and at most {:g} deg, found none: add the "
+                    "expected a line Dec = NUMBER deg, Hour angle = ... with at most {:g} deg, found none: add the "
                     "declination of the star",
                     kMostDeclination_deg);
     is_usable_ = findings_.count() == before;
     if (!is_usable_) return;
-    settings_.insert(fmt::format("{} arc-sec/px, {} px/s at {} deg", shortest(*section.scale_arcsec_px),
-                                 shortest(*section.rate_px_s), shortest(*section.declination_deg)));
-    if (section.is_rate_per_ms) ++rates_per_ms_;
+    settings_.insert(fmt::format("{} arc-sec/px, {} px/s{} at {} deg", shortest(*section.scale_arcsec_px),
+                                 shortest(*section.rate_px_s), section.is_rate_per_ms ? " (stated per ms)" : "",
+                                 shortest(*section.declination_deg)));
     if (!section.hour_angle_h) ++without_hour_angle_;
     if (!first_s_) first_s_ = section.begun_s;
   }
@@ -301,7 +302,7 @@ class GuideLogReader {
     ++pulses_;
     unguided_px_ += frame->pulse_ms / kMsPerSecond * *section_->rate_px_s;
     if (frame->star_was_measured && frame->guided_px != 0.0)
-      section_->seen_rates_px_s.push_back(std::abs(frame->guided_px / frame->pulse_ms) * kMsPerSecond);
+      section_->seen_rates_px_s.push_back(frame->guided_px / frame->pulse_ms * kMsPerSecond);
   }
 
   /// The star west of its place: the axis is behind.
@@ -324,12 +325,16 @@ class GuideLogReader {
     set_.readings.push_back(std::move(reading));
   }
 
-  /// A pulse is as long as the program expects for its move: a rate that differs from that of the heading is doubtful.
+  /// A pulse is as long as the program expects for its move: another rate than that of the heading is doubtful.
   void check_rate() {
     auto& seen = section_->seen_rates_px_s;
     const auto middle = seen.begin() + static_cast<std::ptrdiff_t>(seen.size() / 2);
     std::nth_element(seen.begin(), middle, seen.end());
-    if (std::abs(*middle / *section_->rate_px_s - 1.0) > kSameRate)
+    if (*middle < 0.0)
+      findings_.add(section_->line, 1,
+                    "expected pulses to the west where RAGuideDistance is positive, as PHD2 writes them, found the "
+                    "opposite: their sign is not known");
+    else if (std::abs(*middle / *section_->rate_px_s - 1.0) > kSameRate)
       set_.notes.push_back(
           fmt::format("line {}: xRate is {:.3g} px/s, but RAGuideDistance / RADuration is {:.3g} px/s. xRate is used",
                       section_->line, *section_->rate_px_s, *middle));
@@ -337,20 +342,20 @@ class GuideLogReader {
 
   void add_notes() {
     auto& notes = set_.notes;
-    const auto note = [&](int count, std::string text) {
-      if (count > 0) notes.push_back(std::move(text));
+    const auto note = [&](int count, std::string_view what) {
+      if (count > 0) notes.push_back(fmt::format("{}: {}", what, count));
     };
     notes.push_back(fmt::format(
-        "error of the axis without guiding: {} pulses in right ascension are summed and added to the distances",
+        "error without guiding: all earlier pulses in right ascension are added to the distances. Pulses: {}",
         pulses_));
     notes.push_back(fmt::format("pixel scale, xRate and declination: {}", fmt::join(settings_, "; ")));
-    note(rates_per_ms_, "xRate below 0.05 is read as px/ms, as early versions wrote it");
-    note(dropped_, fmt::format("{} dropped frames are omitted", dropped_));
-    note(settling_, fmt::format("{} frames are omitted because guiding settled after a dither", settling_));
-    note(dithers_, fmt::format("{} dithers are corrected by the move of the lock position", dithers_));
-    note(moves_, fmt::format("the lock position moved {} times by an unknown amount: a new run begins there", moves_));
-    note(without_hour_angle_,
-         fmt::format("{} sections state no hour angle: their targets start at 0 deg", without_hour_angle_));
+    note(dropped_, "dropped frames that are omitted");
+    note(settling_, "frames omitted because guiding settled after a dither");
+    note(dithers_, "dithers corrected by the move of the lock position");
+    note(moves_, "moves of the lock position by an unknown amount, each followed by a new run");
+    if (set_.readings.back().run > 1)
+      notes.push_back("each run has a zero of its own. In a model, add an offset with run = 2, and so on");
+    note(without_hour_angle_, "sections that state no hour angle, whose targets start at 0 deg");
     notes.push_back("the distances in declination are not read: the polar axis does not correct them");
     set_.metadata.push_back({std::string(kBegun), date_time_text(*first_s_)});
   }
@@ -368,7 +373,7 @@ class GuideLogReader {
   bool is_dithered_ = false;                          ///< since the last frame
   bool is_settling_ = false;                          ///< after a dither
   bool has_moved_ = false;                            ///< the reference, by an unknown amount
-  int pulses_ = 0, dropped_ = 0, settling_ = 0, dithers_ = 0, moves_ = 0, rates_per_ms_ = 0, without_hour_angle_ = 0;
+  int pulses_ = 0, dropped_ = 0, settling_ = 0, dithers_ = 0, moves_ = 0, without_hour_angle_ = 0;
 };
 
 /// The polar axis in degrees of hour angle, C unless the options say otherwise.

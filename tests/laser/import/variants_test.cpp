@@ -13,13 +13,6 @@ using namespace ecs::laser;
 
 namespace {
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  REQUIRE(contains(text, from));
-  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
-    text.replace(at, from.size(), to);
-  return text;
-}
-
 MeasurementSet read(const std::string& text, const std::string& name, const ImportOptions& options = along_x()) {
   return must(parse_any(text, name, options)).set;
 }

@@ -21,4 +21,11 @@ inline ImportOptions by_columns(const std::string& columns, int skip = 0) {
   return options;
 }
 
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  REQUIRE(contains(text, from));
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+  return text;
+}
+
 }  // namespace ecs::laser
