@@ -382,12 +382,11 @@ Result<MeasurementSet> read_guide_log(std::string_view text, const std::string& 
   const Axis axis = options.axis.value_or(Axis::Z);
   const auto about = static_cast<Sense>(kAxes + index_of(axis));
   if (options.axis && !options.rotary)
-    return tl::unexpected(usage(file_name, "a guide log is of a rotary axis: give --axis A, B or C"));
+    return problem_at(file_name, 0, 0, "expected the polar axis, a rotary one, found {}: give --axis A, B or C",
+                      letter_of(axis));
   if (options.sense.value_or(about) != about)
-    return tl::unexpected(
-        usage(file_name, fmt::format("a guide log contains angles of its axis: expected the sense {}, "
-                                     "found {}",
-                                     ecs::name_of(about), ecs::name_of(*options.sense))));
+    return problem_at(file_name, 0, 0, "expected angles of the polar axis, {}, found the sense {}: omit --sense",
+                      ecs::name_of(about), ecs::name_of(*options.sense));
   GuideLogReader reader(file_name, options, axis);
   for (const auto& [number, line] : numbered_lines_of(text)) reader.take(number, trimmed(line));
   return reader.result();

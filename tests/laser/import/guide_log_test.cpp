@@ -189,5 +189,5 @@ TEST_CASE("a guide log is of a rotary axis, C unless another is given") {
   const auto set = must(parse_any(kLogStart + text, "guide.txt", options)).set;
   CHECK(curve_name(set.readings[0].sense, set.readings[0].axis, true) == "EAA");
   options.sense = Sense::EC;
-  CHECK(contains(refused_log(text, options), "expected the sense EA, found EC"));
+  CHECK(contains(refused_log(text, options), "expected angles of the polar axis, EA, found the sense EC"));
 }
