@@ -121,6 +121,8 @@ class GuideLogReader {
                     "expected frames in a section Guiding Begins, found none: guide for some periods of the worm");
     if (!findings_.empty()) return tl::unexpected(findings_.as_problem());
     add_notes();
+    if (set_.readings.back().run > 1)
+      for (Reading& reading : set_.readings) reading.extras["set_up"] = reading.run;
     number_rows(set_);
     return std::move(set_);
   }
@@ -353,8 +355,7 @@ class GuideLogReader {
     note(settling_, "frames omitted because guiding settled after a dither");
     note(dithers_, "dithers corrected by the move of the lock position");
     note(moves_, "moves of the lock position by an unknown amount, each followed by a new run");
-    if (set_.readings.back().run > 1)
-      notes.push_back("each run has a zero of its own. In a model, add an offset with run = 2, and so on");
+    if (set_.readings.back().run > 1) notes.push_back("each run has a zero of its own: it is a set-up of its own");
     note(without_hour_angle_, "sections that state no hour angle, whose targets start at 0 deg");
     notes.push_back("the distances in declination are not read: the polar axis does not correct them");
     set_.metadata.push_back({std::string(kBegun), date_time_text(*first_s_)});

@@ -548,10 +548,8 @@ Observations observations_of(const MeasurementSet& set, const KnownTables& table
     std::iota(data.in_history.begin(), data.in_history.end(), std::size_t{0});
   }
   set_natural_axes(data);
-  if (!data.rotary && paths.all.empty()) {
-    set_lines(data);
-    set_sessions(data, set, clocks);
-  }
+  if (paths.all.empty() && (!data.rotary || data.extras.contains("set_up"))) set_lines(data);
+  if (paths.all.empty() && !data.rotary) set_sessions(data, set, clocks);
   if (!paths.all.empty()) put_on_paths(data, std::move(paths), order);
   return data;
 }

@@ -13,7 +13,7 @@ namespace {
 /// later session of a line.
 std::vector<EffectInstance> of_further_lines(const Site& site) {
   std::vector<EffectInstance> each;
-  if (site.data.rotary || !site.data.paths.empty()) return each;
+  if (site.data.line.empty() || !site.data.paths.empty()) return each;
   int lines = 0;
   for (std::size_t k = 0; k < site.data.size(); ++k)
     if (site.data.axis[k] == site.axis && site.data.sense[k] == site.sense)

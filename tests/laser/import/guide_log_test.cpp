@@ -116,7 +116,8 @@ TEST_CASE("a lock position that moves by an unknown amount begins a new run with
     CHECK(star_px(set) == std::vector{0.5, 0.25});
     CHECK(set.readings.back().run == 2);
     CHECK(contains(notes_of(set), "by an unknown amount, each followed by a new run: 1"));
-    CHECK(contains(notes_of(set), "offset with run = 2"));
+    CHECK(set.readings.front().extras.at("set_up") == 1.0);
+    CHECK(set.readings.back().extras.at("set_up") == 2.0);
   }
 }
 

@@ -2,6 +2,7 @@
 // names the worm.
 #include <fmt/format.h>
 
+#include "model/regression/candidates.hpp"
 #include "tests/model/support/real_sets.hpp"
 
 using namespace ecs;
@@ -94,15 +95,10 @@ double rms_from_truth_arcsec(const Set& set, const std::vector<double>& true_arc
   return std::sqrt(squares / count - sum * sum / count / count);
 }
 
-Model offset_of_c(int runs) {
+Diagnosis diagnosed_night(const Set& set) {
   Model model;
-  for (int run = 1; run <= runs; ++run) {
-    EffectInstance one = effect(effects::offset, Axis::Z, Sense::EC);
-    one.rotary = true;
-    if (run > 1) one.from_run = run;
-    model.effects.push_back(one);
-  }
-  return model;
+  model.effects = usual_effects(observations_of(set, model, std::nullopt));
+  return must(diagnose(model, observations_of(set, model, std::nullopt)));
 }
 
 }  // namespace
@@ -122,7 +118,7 @@ TEST_CASE("the pulses of a guide log summed give the true error of the axis, wit
 
 TEST_CASE("a guide log shows the worm of the telescope as a wave of its period, beside the drift") {
   const Set set = read_log(guided({.hours = 1.5, .dither_every = 75}).log);
-  const Diagnosis found = must(diagnose(offset_of_c(1), observations_of(set, offset_of_c(1), std::nullopt)));
+  const Diagnosis found = diagnosed_night(set);
   INFO(summary_of(found));
   CHECK(contains(found.headline, "+-39 um/m, period 2.000 deg, 1/180 turn (cyclic:C:EC)"));
   CHECK(contains(found.headline, "time_drift:C:EC"));
@@ -132,7 +128,7 @@ TEST_CASE("sections at stars of other declinations give one worm, with a zero fo
   const Night other{.declination_deg = -20.0, .hour_angle_h = 1.0, .seed = 2};
   const Set set = read_log(guided({}).log + guided(other).log);
   REQUIRE(set.readings.back().run == 2);
-  const Diagnosis found = must(diagnose(offset_of_c(2), observations_of(set, offset_of_c(2), std::nullopt)));
+  const Diagnosis found = diagnosed_night(set);
   INFO(summary_of(found));
   CHECK(contains(found.headline, "+-39 um/m, period 2.000 deg, 1/180 turn (cyclic:C:EC)"));
 }
