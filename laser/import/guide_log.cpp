@@ -159,7 +159,8 @@ class GuideLogReader {
       section.is_rate_per_ms = section.rate_px_s && *section.rate_px_s < kSlowest_px_s;
       if (section.is_rate_per_ms) *section.rate_px_s *= kMsPerSecond;
       section.camera_angle_deg = within(stated_in(line, ", xAngle = "), -360.0, 360.0);
-      section.moves_east = line.find("parity = Odd") != std::string_view::npos;
+      section.moves_east = line.find("parity = Odd") != std::string_view::npos ||  // written "-" by versions before
+                           line.find("parity = -") != std::string_view::npos;
     } else if (line.find("Hour angle = ") != std::string_view::npos) {
       section.declination_deg = within(stated_in(line, "Dec = "), -kMostDeclination_deg, kMostDeclination_deg);
       section.hour_angle_h = within(stated_in(line, "Hour angle = "), -24.0, 24.0);
@@ -203,6 +204,9 @@ class GuideLogReader {
     settings_.insert(fmt::format("{} arc-sec/px, {} px/s{} at {} deg", shortest(*section.scale_arcsec_px),
                                  shortest(*section.rate_px_s), section.is_rate_per_ms ? " (stated per ms)" : "",
                                  shortest(*section.declination_deg)));
+    const double rate_at_equator =
+        *section.rate_px_s * *section.scale_arcsec_px / std::cos(*section.declination_deg * std::numbers::pi / 180.0);
+    rates_arcsec_s_.insert(rate_at_equator);
     if (!section.hour_angle_h) ++without_hour_angle_;
     if (!first_s_) first_s_ = section.begun_s;
   }
@@ -351,6 +355,11 @@ class GuideLogReader {
         "error without guiding: all earlier pulses in right ascension are added to the distances. Pulses: {}",
         pulses_));
     notes.push_back(fmt::format("pixel scale, xRate and declination: {}", fmt::join(settings_, "; ")));
+    if (*rates_arcsec_s_.rbegin() > (1.0 + kSameRate / 2.0) * *rates_arcsec_s_.begin())
+      notes.push_back(
+          fmt::format("xRate / cos(Dec) is from {:.3g} to {:.3g} arcsec/s in these sections: PHD2 did not "
+                      "convert xRate to the declination in each of them",
+                      *rates_arcsec_s_.begin(), *rates_arcsec_s_.rbegin()));
     note(dropped_, "dropped frames that are omitted");
     note(settling_, "frames omitted because guiding settled after a dither");
     note(dithers_, "dithers corrected by the move of the lock position");
@@ -366,9 +375,10 @@ class GuideLogReader {
   Findings findings_;
   MeasurementSet set_;
   std::optional<GuidedSection> section_;
-  std::optional<double> first_s_;   ///< when the first section with frames began, since the start of 1970
-  std::set<std::string> settings_;  ///< of the sections, in words
-  double unguided_px_ = 0.0;        ///< pulses and moves of the lock position since the zero of the run
+  std::optional<double> first_s_;    ///< when the first section with frames began, since the start of 1970
+  std::set<std::string> settings_;   ///< of the sections, in words
+  std::set<double> rates_arcsec_s_;  ///< of the axis, of the sections
+  double unguided_px_ = 0.0;         ///< pulses and moves of the lock position since the zero of the run
   int run_ = 1;
   bool is_head_checked_ = false, is_usable_ = false;  ///< the head of the section
   bool is_dithered_ = false;                          ///< since the last frame

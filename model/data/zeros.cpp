@@ -8,7 +8,7 @@
 namespace ecs::model {
 namespace {
 
-/// More lines of a sense along one axis are the rows of a grid, which is read without a new zero.
+/// More lines of a sense along one linear axis are the rows of a grid, which is read without a new zero.
 constexpr std::size_t kMostLines = 8;
 constexpr double kSameParked_mm = 1e-3;
 
@@ -20,13 +20,14 @@ constexpr int kFewestRuns = 2;
 void set_lines(Observations& data) {
   const auto set_up = data.extras.find("set_up");
   std::map<std::pair<Axis, Sense>, std::vector<std::pair<Vector3, double>>> seen;
+  const std::size_t most = data.rotary ? data.size() : kMostLines;
   data.line.assign(data.size(), 1);
   for (std::size_t k = 0; k < data.size(); ++k) {
     Vector3 parked_mm = data.position_mm[k];
     parked_mm[index_of(data.axis[k])] = 0.0;
     const double number = set_up == data.extras.end() || std::isnan(set_up->second[k]) ? 1.0 : set_up->second[k];
     auto& lines = seen[{data.axis[k], data.sense[k]}];
-    if (lines.size() > kMostLines) continue;
+    if (lines.size() > most) continue;
     const auto found = std::ranges::find_if(lines, [&](const auto& one) {
       return one.second == number && std::hypot(one.first[0] - parked_mm[0], one.first[1] - parked_mm[1],
                                                 one.first[2] - parked_mm[2]) < kSameParked_mm;
@@ -35,7 +36,7 @@ void set_lines(Observations& data) {
     if (found == lines.end()) lines.emplace_back(parked_mm, number);
   }
   for (std::size_t k = 0; k < data.size(); ++k)
-    if (seen[{data.axis[k], data.sense[k]}].size() > kMostLines) data.line[k] = 1;
+    if (seen[{data.axis[k], data.sense[k]}].size() > most) data.line[k] = 1;
 }
 
 void set_sessions(Observations& data, const laser::MeasurementSet& set, const std::map<int, int>& clocks) {

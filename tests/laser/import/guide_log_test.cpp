@@ -82,6 +82,7 @@ TEST_CASE("a guide log becomes the error of the polar axis with the pulses given
 TEST_CASE("a mount whose pulses go the other way round has the opposite error") {
   const auto set = read_log(replaced(kSectionHead, "Even/Odd", "Odd/Odd") + guide_frame(1, 0.5));
   CHECK(star_px(set) == std::vector{-0.5});
+  CHECK(star_px(read_log(replaced(kSectionHead, "Even/Odd", "-/+") + guide_frame(1, 0.5))) == std::vector{-0.5});
 }
 
 TEST_CASE("calibration, dropped frames and lost stars are no readings, but their pulses count") {
@@ -129,6 +130,7 @@ TEST_CASE("every section has its own declination, zero, start and run") {
   CHECK(set.readings.back().run == 2);
   CHECK(*set.readings.back().time_s == 7200.0 + 240.0);
   CHECK(set.readings.back().angle_deg[2] == Approx(240.0 * 15.041067 / 3600.0).epsilon(1e-7));
+  CHECK(contains(notes_of(set), "xRate / cos(Dec) is from 8 to 16 arcsec/s in these sections"));
   CHECK(contains(notes_of(set), "sections that state no hour angle, whose targets start at 0 deg: 1"));
 }
 
