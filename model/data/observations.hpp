@@ -137,7 +137,8 @@ struct Observations {
   std::vector<bool> aside;               ///< of motions: only what the approach of the moving axis does counts
 
   /// Number, from 1, of the measured line among those of its sense along its axis: another parked position or set-up is
-  /// another line. Empty: as if all were one, as for readings along paths, and of rotary axes without a column `set_up`.
+  /// another line. Empty: as if all were one, as for readings along paths, and of rotary axes without a column
+  /// `set_up`.
   std::vector<int> line;
   /// By axis and sense: the runs with which a session begins, the first one left out. The readout may have been set to
   /// zero before each. Without an entry all is one session.

@@ -25,8 +25,8 @@ inline constexpr double kPercent = 100.0;
 /// which of several balls an effect is of; empty where there is one, or the effect is of none.
 [[nodiscard]] std::string ball_text(const EffectInstance& effect, const Observations& data);
 
-/// "a periodic error of +-6.8 um in X positioning, period 10.00 mm, the pitch of the X screw, only when moving forward":
-/// an effect with values from a fit, as an engineer names it inside a sentence.
+/// "a periodic error of +-6.8 um in X positioning, period 10.00 mm, the pitch of the X screw, only when moving
+/// forward": an effect with values from a fit, as an engineer names it inside a sentence.
 [[nodiscard]] std::string finding_text(const EffectInstance& effect, const std::vector<ParameterEstimate>& parameters,
                                        const Observations& data);
 
