@@ -12,6 +12,7 @@
 #include "app/plot/gnuplot.hpp"
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
+#include "base/file_kind.hpp"
 #include "commissioning/maps/compare.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/maps/map_in_unit.hpp"
