@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

@@ -120,7 +120,7 @@ TEST_CASE("a guide log shows the worm of the telescope as a wave of its period, 
   const Set set = read_log(guided({.hours = 1.5, .dither_every = 75}).log);
   const Diagnosis found = diagnosed_night(set);
   INFO(summary_of(found));
-  CHECK(contains(found.headline, "+-39 um/m, period 2.000 deg, 1/180 turn (cyclic:C:EC)"));
+  CHECK(contains(found.headline, "+-39 um/m in C positioning, period 2.000 deg, 1/180 turn (cyclic:C:EC)"));
   CHECK(contains(found.headline, "time_drift:C:EC"));
 }
 
@@ -130,5 +130,5 @@ TEST_CASE("sections at stars of other declinations give one worm, with a zero fo
   REQUIRE(set.readings.back().run == 2);
   const Diagnosis found = diagnosed_night(set);
   INFO(summary_of(found));
-  CHECK(contains(found.headline, "+-39 um/m, period 2.000 deg, 1/180 turn (cyclic:C:EC)"));
+  CHECK(contains(found.headline, "+-39 um/m in C positioning, period 2.000 deg, 1/180 turn (cyclic:C:EC)"));
 }
