@@ -264,7 +264,7 @@ std::string idle_key_words(const Screen& screen, char32_t letter) {
   const std::string key = letter == U' ' ? "Space" : utf8_of(std::u32string(1, letter));
   for (const KeyHelp& help : screen.keys())
     for (const std::string_view name : split(help.keys, ' '))
-      if (name == key)
+      if (name == key || (name == "1-9" && letter >= U'1' && letter <= U'9'))
         return fmt::format("{} ({}): no change. It is already shown, at its limit, or still being computed", key,
                            help.does);
   return fmt::format("{} has no function here; {} lists the keys", key, screen.typing() ? "F1" : "?");

@@ -376,7 +376,7 @@ Cell candidates_cell(const Diagnosis& d) {
       std::ranges::any_of(d.candidates, [](const Candidate& one) { return one.in_answer() && one.set.size() > 1; });
   return {std::move(list),
           titled_table(fmt::format("{}{}", d.verdict == Verdict::missing_effect ? "missing effects" : "proved effects",
-                                   of_groups ? " (of causes that cannot be distinguished, the fitted one)" : ""),
+                                   of_groups ? " (where causes cannot be distinguished, the one that was fitted)" : ""),
                        named) +
               titled_table("likely effects, not proved", likely) + add_text(d) +
               titled_table(named.empty() && likely.empty() ? "candidates, each alone" : "other candidates, each alone",

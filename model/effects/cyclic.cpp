@@ -210,7 +210,9 @@ EffectDefinition cyclic() {
                      {"phase2_rad", "rad", "phase of the second harmonic", Coding::phase}},
       .carrier = Carrier::error_map,
       .how = "a table of the error map with increments well below the period",
-      .separated_by = {90, "Measure three periods of {axis} in steps of {tenth} in the middle of the travel.", false},
+      .separated_by =
+          {90, "Measure {axis} over three periods of this wave in steps of {tenth}, in the middle of the travel.",
+           false},
       .turns_into = {{Limit::at_greatest, "scale"}, {Limit::at_greatest, "progressive"}},
       .traits = {.periodic = true,
                  .shape_of_position = true,

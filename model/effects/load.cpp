@@ -18,7 +18,7 @@ EffectDefinition load() {
       .carrier = Carrier::inputs,
       .live = {{"um_per_kg", ThermalLaw::shift, LiveSource::load},
                {"um_per_kg_m", ThermalLaw::growth, LiveSource::load}},
-      .how = "rows of the unit that follow the load",
+      .how = "a thermal row of the map that follows the load",
       .separated_by = {70, "Repeat the {axis} line unloaded and with the full load."},
       .traits = {.of_condition = true, .shows_at_zero = true},
       .place = Place::sense,

@@ -55,7 +55,7 @@ EffectDefinition thermal_bend() {
       .parameters = {lag_parameter(), {"um_per_m2_degC", "um/m2/degC", "bending"}},
       .carrier = Carrier::inputs,
       .live = {{"um_per_m2_degC", ThermalLaw::bending, LiveSource::difference}},
-      .how = "a thermal row of the map that follows both sensors",
+      .how = "a thermal row of the map that follows the difference of its two sensors",
       .separated_by = {25,
                        "Repeat the {axis} line with the difference between the two sensors changed by 2 degC or more: "
                        "one side warmed, or shaded."},

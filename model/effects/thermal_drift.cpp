@@ -18,7 +18,7 @@ EffectDefinition thermal_drift() {
       .parameters = {lag_parameter(), {"um_per_degC", "um/degC", "growth"}},
       .carrier = Carrier::inputs,
       .live = {{"um_per_degC", ThermalLaw::shift, LiveSource::sensor}},
-      .how = "a thermal row of the map that follows the sensor",
+      .how = "a thermal row of the map that follows its sensor",
       .separated_by = separations::kOtherTemperature,
       .turns_into = {{Limit::tied_to_runs, "offset"},
                      {Limit::at_least, "thermal_drift"},

@@ -13,7 +13,7 @@ EffectDefinition warm_up() {
   return {
       .id = "warm_up",
       .title = "Warming up",
-      .formula = "c (1 - exp(-t/tau)), and the same times p",
+      .formula = "c (1 - exp(-t/tau)), and the same multiplied by p",
       .cause = "self-heating without a sensor",
       .tells_apart = "fast at first, then it levels off",
       .check =
@@ -25,7 +25,7 @@ EffectDefinition warm_up() {
                      {"c_um_per_m", "um/m", "final change of scale"}},
       .carrier = Carrier::inputs,
       .live = {{"c_um", ThermalLaw::shift, LiveSource::motion}, {"c_um_per_m", ThermalLaw::growth, LiveSource::motion}},
-      .how = "rows of the unit that follow the motion of an axis",
+      .how = "a thermal row of the map that follows the motion of an axis",
       .separated_by = separations::kFromCold,
       .turns_into = {{Limit::at_least, "offset"}, {Limit::at_greatest, "time_drift"}},
       .traits = {.is_drift = true, .shows_at_zero = true, .from_origin = true},

@@ -526,7 +526,8 @@ void take_map_out(Observations& data) {
   if (with_map > 0)
     data.notes.push_back(fmt::format(
         "{} of the {} readings were taken with compensation (compensated = 1). The map was subtracted from them: the "
-        "model describes the machine without compensation, and a fault of the map is where both kinds still differ",
+        "model describes the machine without compensation, and where both kinds still differ, the map is at fault, or "
+        "the squareness, which is not subtracted",
         with_map, data.size()));
 }
 

@@ -554,7 +554,7 @@ void take_line_over_travel(NextMeasurement& next, const Setting& in) {
 /// The step after a proof: compensate and confirm, or why the unit cannot.
 std::string step_after_proof(const EffectInstance& effect, const params::Machine& machine) {
   if (is_carried(effect, machine))
-    return " Add it to the model, compensate, and measure the same lines again to confirm it.";
+    return " Add it to the model, compensate, and repeat the same measurement to confirm it.";
   return fmt::format(" Add it to the model. The unit cannot compensate it ({}).", how_compensated(effect, machine));
 }
 

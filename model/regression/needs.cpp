@@ -72,8 +72,8 @@ constexpr NeedFacts kNeeds[] = {
      }},
     {Need::reversed, "the column reversed", "reversed", [](Data data) { return !data.extras.contains("reversed"); },
      [](Data data, std::size_t k, Effect) { return side_of_artefact(data, k); }},
-    {Need::known, "a [[known]] component in the model file", "the known component",
-     [](Data data) { return data.known.empty(); },
+    {Need::known, "an angular error that was measured separately, entered in the model file as [[known]]",
+     "the known component", [](Data data) { return data.known.empty(); },
      [](Data data, std::size_t, Effect effect) {
        return effect.code ? known_value(data, *effect.code, 0.0) : kNotMeasured;
      }},

@@ -50,7 +50,7 @@ struct DevicesRequest : LearnChoice {
   int count = 1;
   static Fields<DevicesRequest> fields() {
     using R = DevicesRequest;
-    return {{"DESCRIPTION", &R::descriptions, "device descriptions for which --udev also writes rules"},
+    return {{"DESCRIPTION", &R::descriptions, "device descriptions for which --udev also prints rules"},
             {"--learn", &R::learn, "find the bit that changes while a trigger is pressed"},
             {"-o,--output", &R::output, "description to write (--learn)", Is::output},
             {"--device", &R::device, "use only this path, serial number or vendor:product (--learn)"},
@@ -60,7 +60,7 @@ struct DevicesRequest : LearnChoice {
             {"--count", &R::count, "number of values or presses (--try)", Range{1, 1'000'000}},
             {"--timeout", &R::timeout_s, "time limit [s] (--learn and --try)", Range{0.1, 86400.0}},
             {"--describe", &R::describe, "print a description included with the program, as TOML"},
-            {"--udev", &R::udev, "print the udev rules that give permission: /etc/udev/rules.d/70-ecs.rules"}};
+            {"--udev", &R::udev, "print udev rules that permit access, to be saved as /etc/udev/rules.d/70-ecs.rules"}};
   }
 };
 

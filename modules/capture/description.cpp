@@ -382,9 +382,9 @@ std::string udev_rule(std::uint16_t vendor_id, std::uint16_t product_id) {
 
 std::string udev_rules(const std::vector<DeviceDescription>& devices) {
   std::string text =
-      "# HID devices of the workshop, for ECS. Belongs to /etc/udev/rules.d/70-ecs.rules; afterwards:\n"
+      "# HID devices of the workshop, for ECS. Save as /etc/udev/rules.d/70-ecs.rules, then run:\n"
       "#   sudo udevadm control --reload && sudo udevadm trigger\n"
-      "# The file's number stays below 73, where uaccess is dealt with.\n";
+      "# Keep the number below 73: the tag uaccess is evaluated by the rules with that number.\n";
   std::vector<std::string> written;
   for (const DeviceDescription& device : devices)
     for (const DeviceMatch::Ids& ids : device.match.ids) {

@@ -379,13 +379,14 @@ ReportSection parameters_section(const ReportContent& content) {
 ReportSection map_section(const ReportContent& content) {
   if (!content.map) return {"map", "Error map", {}, "no error map was given"};
   const laser::MapHeader& header = content.map->map.header;
-  Markup body = facts_of({{"SHA-256 of the file", content.map->sha256},
-                          {"checksum (CRC-32) in the unit, with these parameters",
-                           content.map->check ? fmt::format("{:08X}", *content.map->check)
-                                              : "not computed: the unit's serial number was not given"},
-                          {"date of the map", header.date},
-                          {"configuration", header.configuration},
-                          {"squareness", squareness_text(content)}});
+  Markup body = facts_of(
+      {{"SHA-256 of the file", content.map->sha256},
+       {"checksum (CRC-32) in the unit, with these parameters",
+        content.map->check ? fmt::format("{:08X}", *content.map->check)
+                           : "not computed: give the status of the unit (--status), which states its serial number"},
+       {"date of the map", header.date},
+       {"configuration", header.configuration},
+       {"squareness", squareness_text(content)}});
   body += tables_of(content.map->map, position_unit_of(content)) + declared_zeros(header);
   if (!header.processing.empty()) body += element("h3", "How it was made") + list_of(worded_lines(header.processing));
   body += against_map(*content.map, content.parameters.has_value());

@@ -262,7 +262,7 @@ std::string arguments_in_words(const Command& command) {
       return fmt::format("{} {:.4g} um, {}", letter_of(command.axis), command.output_um,
                          command.relay_on ? "relay closed" : "relay open");
     case CommandCode::begin_staging:
-      if (command.staging_from == StagingFrom::kept) return "based on an older map";
+      if (command.staging_from == StagingFrom::kept) return "over the inactive map";
       return command.staging_from == StagingFrom::active ? "based on the active map" : "";
     case CommandCode::commit_staged:
       return fmt::format("{} bytes, SHA {:06x}", command.length, command.digest >> kBelowShown);

@@ -29,7 +29,7 @@ class LeaveOutPage final : public LaserPage {
       controller().message().say("Press Enter first to go to the runs of this line.", Tone::warning);
     };
     rows_ = {{"up/down", "line", {}, lines},
-             {"Enter", "its runs", change_side, lines},
+             {"Enter", "runs of the line", change_side, lines},
              {"Space w", "", to_runs_first, lines},
              {"Space", "out or in", [this] { toggle(line(), row()); }, tree},
              {"Enter", "readings of a run", [this] { open_or_close(row()); }, tree},

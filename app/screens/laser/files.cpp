@@ -313,7 +313,7 @@ class LinesPage final : public LaserPage {
     rows_ = {{"up/down", "line"},
              {"Enter", "missing data", answer},
              {"c", "correct position", [this] { ask_place(line()); }},
-             {"PgUp/PgDn", "its details"}};
+             {"PgUp/PgDn", "details of the line"}};
   }
 
   void draw(Canvas& canvas, const Area& area) const override {

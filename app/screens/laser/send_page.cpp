@@ -40,7 +40,7 @@ class SendPage final : public LaserPage {
  public:
   explicit SendPage(LaserHost& host) : LaserPage(host) {
     rows_ = {{"Enter", "check and send", [this] { check_and_send(); }},
-             {"s", "save, do not send"},
+             {"s", "save without sending"},
              {"f", "file", [this] { ask_file(); }},
              {"u", "undo"}};
   }

@@ -36,8 +36,8 @@ TEST_CASE("an event reads as its command with the number of the tool, or with it
   event.text = "7";
   CHECK(contains(commissioning::events_cell({event}).text, "select tool 7: done"));
   event.code = protocol::CommandCode::begin_staging;
-  event.text = "based on an older map";
-  CHECK(contains(commissioning::events_cell({event}).text, "start a transfer (based on an older map): done"));
+  event.text = "over the inactive map";
+  CHECK(contains(commissioning::events_cell({event}).text, "start a transfer (over the inactive map): done"));
 }
 
 TEST_CASE("a saved status decodes to the same fault, address, pointers and values") {

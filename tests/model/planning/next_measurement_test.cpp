@@ -210,7 +210,7 @@ TEST_CASE("after a proof, compensation is advised only for a cause that the unit
     CHECK(next.notes[0] == diagnosis.candidates[0].next_measurement);
     return next.notes[0];
   };
-  CHECK(contains(advice(effect(backlash, Axis::X, Sense::EX)), "compensate, and measure the same lines again"));
+  CHECK(contains(advice(effect(backlash, Axis::X, Sense::EX)), "compensate, and repeat the same measurement"));
   const std::string cosine_advice = advice(effect(cosine, Axis::X, Sense::EX));
   CHECK_FALSE(contains(cosine_advice, "compensate, and measure"));
   CHECK(contains(cosine_advice, "cannot compensate it (an error of the measurement: align the beam)"));

@@ -364,7 +364,7 @@ TEST_CASE("the unit keeps what hosts did and tried, with host, time and result")
 
 TEST_CASE("an event says on which map a transfer is based and which tool is selected") {
   CHECK(arguments_in_words({.code = CommandCode::begin_staging, .staging_from = StagingFrom::kept}) ==
-        "based on an older map");
+        "over the inactive map");
   CHECK(arguments_in_words({.code = CommandCode::begin_staging, .staging_from = StagingFrom::active}) ==
         "based on the active map");
   CHECK(arguments_in_words({.code = CommandCode::select_tool, .tool = 7}) == "7");
