@@ -848,6 +848,8 @@ async function readable(names, importWith, unread, hasPaths) {
     try {
       const { answer } = await run("ecs", "laser", "import", ...files, ...importWith);
       if (answer.files.some((one) => !one.readings)) await run("ecs", "model", "new", "none.toml", files.at(-1), ...importWith);
+      const turns = (axis) => "ABC".includes(axis);
+      if (answer.axes.some(turns) && !answer.axes.every(turns)) await run("ecs", "model", "new", "none.toml", ...files, ...importWith);
       return null;
     } catch (error) {
       if (error instanceof Refusal) return error;
