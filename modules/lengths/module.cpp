@@ -55,13 +55,14 @@ FormEntry lengths_entry() {
       {.verb = "lengths fit",
        .title = "LENGTHS",
        .asks = "Which lengths, of which machine?",
-       .about =
-           "All 21 components of a three-axis machine from lengths alone: along the beam of an interferometer, "
-           "from a tracking interferometer or the ball of a ball bar; or from deviations of points. Shows each "
-           "component with its expanded uncertainty (95 %), the scatter of a reading, the place of each set-up, the "
-           "components that are not determined and the lengths that would determine them. Press s to save the map, and "
-           "the parameters with the squareness. "
-           "For a plan, the planned lengths are listed. PLAN OF LENGTHS makes a plan.",
+       .about = "All 21 components of a three-axis machine from lengths alone: along the beam of an interferometer, "
+                "from a tracking interferometer or the ball of a ball bar; or from deviations of points. Shows each "
+                "component with its expanded uncertainty (95 %), the scatter of a reading and the place of each "
+                "set-up. Lists "
+                "components that are not determined, and the lengths that would determine them. Press s to save the "
+                "map, and "
+                "the parameters with the squareness. "
+                "For a plan, the planned lengths are listed. PLAN OF LENGTHS makes a plan.",
        .fields = {"LENGTHS", "--machine", "--params", "--knots"},
        .opens = {{FileKind::lengths, "LENGTHS"}, {FileKind::machine, "--machine"}, {FileKind::parameters, "--params"}},
        .instead = plan_in}};
