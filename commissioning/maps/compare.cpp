@@ -149,16 +149,11 @@ LineOfTables line_of(const laser::MeasurementSet& set, const laser::Group& group
   return line;
 }
 
-/// The lines of X, Y and Z; a note for those that are left out.
+/// A note for those that are there twice.
 std::vector<LineOfTables> measured_lines(const laser::MeasurementSet& set, std::string_view which,
                                          std::vector<std::string>& notes) {
   std::vector<LineOfTables> lines;
   for (const laser::Group& group : laser::groups_of(set)) {
-    if (group.rotary) {
-      notes.push_back(fmt::format("{} of the {} file is not a line of X, Y or Z: not compared",
-                                  laser::curve_name(group.sense, group.axis, group.rotary), which));
-      continue;
-    }
     LineOfTables line = line_of(set, group, curve_of(group.sense, group.axis));
     if (std::ranges::any_of(lines, [&](const LineOfTables& other) { return other.is_same_as(line); }))
       notes.push_back(fmt::format(

@@ -58,7 +58,7 @@ struct MapChange {
 
 /// The same of the measured lines of X, Y and Z: means of the readings at each target, of the lines with the same
 /// component and parked position (to 0.001 mm). The notes name the lines that only one file has, and what else is not
-/// compared.
+/// compared. @pre readings along lines of linear axes only
 [[nodiscard]] MapChange change_between(const laser::MeasurementSet& first, const laser::MeasurementSet& second);
 
 /// Readings at every point of the curves of X, Y and Z, one for each approach; without approaches where neither file

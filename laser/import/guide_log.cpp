@@ -81,7 +81,7 @@ struct Frame {
 /// From "Guiding Begins" to "Guiding Ends".
 struct GuidedSection {
   int line = 0;
-  double begun_s = 0.0;  ///< since the start of 1970
+  double start_s = 0.0;  ///< since the start of 1970
   std::optional<double> scale_arcsec_px, rate_px_s, declination_deg, hour_angle_h, camera_angle_deg;
   bool is_rate_per_ms = false;
   bool moves_east = false;  ///< a pulse to the west does: parity Odd
@@ -130,11 +130,11 @@ class GuideLogReader {
  private:
   void begin(int number, std::string_view date) {
     end();
-    const auto begun = seconds_in(trimmed(date));
-    if (!begun || date_time_text(*begun).empty())
+    const auto start = seconds_in(trimmed(date));
+    if (!start || date_time_text(*start).empty())
       findings_.add(number, 1, "expected a date as in 2021-03-05 22:10:00, found {}", in_quotes(date));
     section_.emplace().line = number;
-    section_->begun_s = begun.value_or(0.0);
+    section_->start_s = start.value_or(0.0);
     is_settling_ = is_dithered_ = has_moved_ = is_head_checked_ = is_usable_ = false;
     begin_run();
   }
@@ -208,7 +208,7 @@ class GuideLogReader {
         *section.rate_px_s * *section.scale_arcsec_px / std::cos(*section.declination_deg * std::numbers::pi / 180.0);
     rates_arcsec_s_.insert(rate_at_equator);
     if (!section.hour_angle_h) ++without_hour_angle_;
-    if (!first_s_) first_s_ = section.begun_s;
+    if (!first_s_) first_s_ = section.start_s;
   }
 
   /// Dithers and other moves of the lock position.
@@ -327,7 +327,7 @@ class GuideLogReader {
     reading.error = (section.moves_east ? axis_arcsec : -axis_arcsec) * kUmPerMPerDegree / kArcsecPerDegree;
     reading.approach = Approach::forward;
     reading.run = run_;
-    reading.time_s = section.begun_s - *first_s_ + frame.time_s;
+    reading.time_s = section.start_s - *first_s_ + frame.time_s;
     set_.readings.push_back(std::move(reading));
   }
 
