@@ -96,10 +96,11 @@ laser::MapRotaryAxis turning_axis(double increment_deg, double size_um, double l
   one.axis.letter = 'C';
   one.increment_deg = increment_deg;
   for (std::size_t side = 0; side < 2; ++side)
-    for (double c = 0.0; c < 360.0; c += increment_deg) {
+    for (int i = 0; i * increment_deg < 360.0; ++i) {
+      const double c_deg = i * increment_deg;
       for (auto& curve : one.compensation[side]) curve.push_back(0.0);
       one.compensation[side][0].back() =
-          -size_um * std::cos(c / 180.0 * 3.141592653589793) - (side == 1 ? lost_um : 0.0);
+          -size_um * std::cos(c_deg / 180.0 * 3.141592653589793) - (side == 1 ? lost_um : 0.0);
     }
   return one;
 }
@@ -161,7 +162,8 @@ TEST_CASE("the measurement of a difference has each point with its approach, in 
 laser::MeasurementSet mesh_of(double step_mm, const std::function<double(double x_mm, double y_mm)>& added) {
   laser::MeasurementSet mesh;
   for (const double y_mm : {10.0, 60.0, 110.0})
-    for (double x_mm = 0.0; x_mm <= 200.0; x_mm += step_mm) {
+    for (int i = 0; i * step_mm <= 200.0; ++i) {
+      const double x_mm = i * step_mm;
       laser::Reading reading;
       reading.sense = Sense::EZ;
       reading.position_mm = {x_mm, y_mm, 0.0};
