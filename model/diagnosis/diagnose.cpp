@@ -22,6 +22,7 @@
 #include "model/diagnosis/shape.hpp"
 #include "model/diagnosis/standing.hpp"
 #include "model/diagnosis/structure.hpp"
+#include "model/diagnosis/targets.hpp"
 #include "model/diagnosis/trial.hpp"
 #include "model/diagnosis/visits.hpp"
 #include "model/diagnosis/words.hpp"
@@ -632,7 +633,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   if (const std::span residual(in.base.residual.data(), data.size()); !in.found.noise.relative.empty())
     diagnosis.notes.push_back(
         words_for(stated_uncertainty(data, residual, diagnosis.noise.noise_um), diagnosis.noise.unit));
-  diagnosis.reservation = reservation_for(diagnosis, data);
+  diagnosis.reservation = reservation_for(data, names_a_wave(diagnosis));
   diagnosis.cannot_tell = cannot_tell;
   diagnosis.best_sum_leaves = !in.found.solution.chosen.empty() && leaves_structure(in.found, in.options);
   diagnosis.headline =

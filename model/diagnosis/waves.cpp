@@ -289,20 +289,6 @@ std::optional<NamedWave> smaller_wave(const NamedWave& wave) {
   return is_second_larger(wave) ? wave : second_harmonic(wave);
 }
 
-std::vector<EvenTargets> even_targets(const Observations& data) {
-  std::map<std::pair<Axis, Sense>, std::vector<double>> targets_mm;
-  for (std::size_t k = 0; k < data.size(); ++k)
-    if (!data.on_path(k))
-      targets_mm[{data.axis[k], data.sense[k]}].push_back(data.position_mm[k][index_of(data.axis[k])]);
-  std::map<std::pair<Axis, double>, std::vector<Sense>> senses;  // by axis and step
-  for (const auto& [line, targets] : targets_mm)
-    if (const auto step_mm = even_step_mm(targets))
-      senses[{line.first, std::round(*step_mm * 1e6) / 1e6}].push_back(line.second);
-  std::vector<EvenTargets> all;
-  for (const auto& [line, of] : senses) all.push_back({line.first, line.second, of});
-  return all;
-}
-
 std::optional<int> steps_a_turn(double step_deg) {
   constexpr double kRounding = 1e-3;  // of the targets as a file gives them
   const double steps = kWholeTurn_deg / step_deg;

@@ -88,15 +88,6 @@ struct NamedWave {
 /// The other of the two; nothing where there is no second harmonic.
 [[nodiscard]] std::optional<NamedWave> smaller_wave(const NamedWave& wave);
 
-/// An axis whose targets, all runs and lines of some senses together, lie at equal steps: a period below two steps has
-/// aliases (Nyquist).
-struct EvenTargets {
-  Axis axis = Axis::X;
-  double step_mm = 0.0;  ///< of a rotary axis [deg]
-  std::vector<Sense> senses;
-};
-[[nodiscard]] std::vector<EvenTargets> even_targets(const Observations& data);
-
 /// Steps [deg] in a turn, where it is a whole number of them: so many waves a turn have one value at all targets, and n
 /// waves look like so many less n.
 [[nodiscard]] std::optional<int> steps_a_turn(double step_deg);

@@ -16,6 +16,7 @@
 #include <fmt/ranges.h>
 
 #include "base/text.hpp"
+#include "model/diagnosis/targets.hpp"
 #include "model/diagnosis/trial.hpp"
 #include "model/diagnosis/waves.hpp"
 #include "model/effects/definition.hpp"
@@ -31,8 +32,6 @@ constexpr double kTargetsAPeriod = 10.0, kUsualPeriod_mm = 10.0, kUsualPeriod_de
 constexpr double kLeastShareSaid = 0.01;
 /// Variables that a headline names: the strongest, and others of at least this share of the residual variance.
 constexpr std::size_t kMostVariables = 3;
-/// Of steps and positions of targets.
-constexpr int kTargetDigits = 5;
 constexpr double kWorthNaming = 0.1;
 
 /// In front of a pitch that the readings exclude.
@@ -314,11 +313,6 @@ std::string findings_text(const Diagnosis& diagnosis, const Observations& data, 
   return fmt::format("{}", fmt::join(findings, "; and "));
 }
 
-bool names_a_wave(const Diagnosis& diagnosis) {
-  return std::ranges::any_of(diagnosis.candidates,
-                             [](const Candidate& one) { return one.in_answer() && one.effect.traits().periodic; });
-}
-
 /// "Probably ...: not proved, because ... Measure ... to be sure."; "" where nothing is likely.
 std::string likely_text(const Diagnosis& diagnosis, const Observations& data) {
   const auto first =
@@ -424,64 +418,6 @@ std::string evidence_together(const Candidate& candidate, const Diagnosis& diagn
   return text + (!none_alone ? "; alone it does not" : named == 2 ? "; neither alone does" : "; none alone does");
 }
 
-/// ", which hides the screw pitch of 10 mm": pitches of the axis that the targets do not show; nothing where the
-/// machine file gives none, or they turn.
-std::optional<std::string> hidden_pitches(const Observations& data, const EvenTargets& targets) {
-  const auto& facts = data.machine.axes[index_of(targets.axis)];
-  if (data.rotary || !facts || (!facts->screw_pitch_mm && !facts->scale_pitch_mm)) return std::nullopt;
-  std::string text;
-  const auto add = [&](const std::optional<double>& pitch_mm, const char* name) {
-    if (pitch_mm && *pitch_mm < 2.0 * targets.step_mm)
-      text += fmt::format("{} the {} of {:g} mm", text.empty() ? ", which hides" : " and", name, *pitch_mm);
-  };
-  add(facts->screw_pitch_mm, "screw pitch");
-  add(facts->scale_pitch_mm, "scale pitch");
-  return text;
-}
-
-/// Behind the periods that even targets do not show; nothing where the known pitches of the axis are not among them.
-std::optional<std::string> undetected(const Observations& data, const EvenTargets& targets) {
-  if (data.rotary) {
-    const auto steps = steps_a_turn(targets.step_mm);
-    return steps ? fmt::format(
-                       ", where a wave with N periods per turn looks like one with {0} - N periods, and a wave "
-                       "with {0} periods does not show",
-                       *steps)
-                 : "";
-  }
-  const auto hidden = hidden_pitches(data, targets);
-  if (!hidden)
-    return fmt::format(
-        ", and {} the pitch of the {} screw or scale",
-        data.machine.axes[index_of(targets.axis)] ? "the machine file does not state" : "no machine file states",
-        data.letter(targets.axis));
-  return hidden->empty() ? std::nullopt : hidden;
-}
-
-std::map<Axis, std::set<double>> targets_of(const Observations& data) {
-  std::map<Axis, std::set<double>> targets_mm;
-  for (std::size_t k = 0; k < data.size(); ++k)
-    if (!data.on_path(k)) targets_mm[data.axis[k]].insert(data.position_mm[k][index_of(data.axis[k])]);
-  return targets_mm;
-}
-
-/// The pitch of the screw, if all targets of the axis are whole pitches apart, within a fiftieth.
-std::optional<double> pitch_between(const Observations& data, Axis axis, const std::set<double>& targets_mm) {
-  constexpr double kInStep = 0.02;
-  const auto& facts = data.machine.axes[index_of(axis)];
-  if (data.rotary || !facts || !facts->screw_pitch_mm || targets_mm.size() < kFewestWaveTargets) return std::nullopt;
-  for (const double target_mm : targets_mm) {
-    const double turns = (target_mm - *targets_mm.begin()) / *facts->screw_pitch_mm;
-    if (std::abs(turns - std::round(turns)) > kInStep) return std::nullopt;
-  }
-  return facts->screw_pitch_mm;
-}
-
-/// Of an axis: whether its drift is the same elsewhere is not known.
-bool is_at_one_target(const Observations& data) {
-  return std::ranges::any_of(targets_of(data), [](const auto& of) { return of.second.size() == 1; });
-}
-
 /// ", and of +-1.2 um with a period of 5.000 mm": the smaller of a wave and its second harmonic, where its size is
 /// known to a third.
 std::string smaller_wave_text(const NamedWave& wave, const Observations& data) {
@@ -511,9 +447,14 @@ std::string ball_text(const EffectInstance& effect, const Observations& data) {
   const auto number = static_cast<std::size_t>(effect.ball);
   if (all_mm.size() < 2 || number < 1 || number > all_mm.size()) return {};
   const Vector3& mm = all_mm[number - 1];
-  return fmt::format("ball {} {} X {}, Y {}, Z {} mm)", number,
+  const auto is_here = [&](const Vector3& one) {
+    return std::hypot(one[0] - mm[0], one[1] - mm[1], one[2] - mm[2]) < kSameBall_mm;
+  };
+  const auto set_up = std::count_if(all_mm.begin(), all_mm.begin() + effect.ball, is_here);
+  const bool set_up_again = turns && std::ranges::count_if(all_mm, is_here) > 1;
+  return fmt::format("ball {} {} X {}, Y {}, Z {} mm{})", number,
                      turns ? "on the table (nominally at" : "in the spindle (tool offset", in_digits(mm[0], 4),
-                     in_digits(mm[1], 4), in_digits(mm[2], 4));
+                     in_digits(mm[1], 4), in_digits(mm[2], 4), set_up_again ? fmt::format(", set-up {}", set_up) : "");
 }
 
 std::string finding_text(const EffectInstance& found_effect, const std::vector<ParameterEstimate>& found_parameters,
@@ -578,30 +519,9 @@ std::string readings_word(Sense sense, std::optional<Axis> axis, bool rotary) {
   return fmt::format("{} deviations along {}", direction, letter_of(*axis));
 }
 
-std::string reservation_for(const Diagnosis& diagnosis, const Observations& data) {
-  std::string text;
-  for (const auto& [axis, targets] : targets_of(data))
-    if (targets.size() == 1)
-      text +=
-          fmt::format("{}All readings along {} are at one target: errors that depend on position cannot be detected.",
-                      text.empty() ? "" : " ", data.letter(axis));
-  const std::vector<EvenTargets> even = even_targets(data);
-  for (const auto& [axis, targets] : targets_of(data))
-    if (const auto pitch_mm = pitch_between(data, axis, targets);
-        pitch_mm && std::ranges::find(even, axis, &EvenTargets::axis) == even.end())
-      text += fmt::format(
-          "{}All targets along {} are whole screw pitches ({:g} mm) apart: an error with this period cannot be "
-          "detected.",
-          text.empty() ? "" : " ", data.letter(axis), *pitch_mm);
-  for (const EvenTargets& one : even)
-    if (const auto behind = undetected(data, one))
-      text += fmt::format(
-          "{}Periods shorter than {} {} along {} {}: the targets are equally spaced at {} {}{}.",
-          text.empty() ? "" : " ", in_digits(2.0 * one.step_mm, kTargetDigits), data.position_unit(),
-          data.letter(one.axis),
-          names_a_wave(diagnosis) && !data.rotary ? "look like longer ones or do not show" : "cannot be detected",
-          in_digits(one.step_mm, kTargetDigits), data.position_unit(), *behind);
-  return text;
+bool names_a_wave(const Diagnosis& diagnosis) {
+  return std::ranges::any_of(diagnosis.candidates,
+                             [](const Candidate& one) { return one.in_answer() && one.effect.traits().periodic; });
 }
 
 std::string headline_for(const Diagnosis& d, const Observations& data, const std::string& bad_run) {
@@ -706,23 +626,6 @@ std::optional<std::string> sensor_noise_note(const Diagnosis& diagnosis, const O
       "{} {} noisy or coarse and {} smoothed{}", fmt::join(sensors, " and "), several ? "are" : "is",
       several ? "were" : "was",
       hides ? ". The cause may therefore be another temperature. Repeat with sensors of lower noise" : "");
-}
-
-std::optional<std::string> even_targets_note(const Observations& data) {
-  std::string note;
-  for (const EvenTargets& one : even_targets(data)) {
-    std::vector<std::string_view> senses;
-    for (const Sense sense : one.senses) senses.push_back(name_of(sense));
-    note += fmt::format(
-        "{}targets are equally spaced at {} {} along {} ({}): periods shorter than {} {} cannot be distinguished "
-        "from longer ones{}",
-        note.empty() ? "" : "; ", in_digits(one.step_mm, kTargetDigits), data.position_unit(), data.letter(one.axis),
-        fmt::join(senses, ", "), in_digits(2.0 * one.step_mm, kTargetDigits), data.position_unit(),
-        hidden_pitches(data, one).value_or(""));
-  }
-  if (note.empty()) return std::nullopt;
-  return note +
-         ". To detect such periods, displace the targets by a tenth of the spacing or more (ISO 230-2:2014, 5.2)";
 }
 
 }  // namespace ecs::model

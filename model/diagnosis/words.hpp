@@ -1,6 +1,6 @@
 // Sentences about a diagnosis: what is wrong, how much and where; why it is named; what would confirm it or separate it
-// from its rivals; the remark that targets at equal steps call for.
-// Does not live here: the numbers in them (diagnose.hpp), the run that separates best (model/planning/).
+// from its rivals. Does not live here: the numbers in them (diagnose.hpp), what the targets cannot show (targets.hpp),
+// the run that separates best (model/planning/).
 #pragma once
 
 #include <optional>
@@ -34,10 +34,8 @@ inline constexpr double kPercent = 100.0;
 /// a sense say where an axis moves. @param rotary  the axis is A, B or C
 [[nodiscard]] std::string readings_word(Sense sense, std::optional<Axis> axis, bool rotary = false);
 
-/// What these data cannot show whatever is in them, beside a wave of the answer what it may be: periods below two steps
-/// of even targets, where no pitch of the axis is known or a known one is among them, and of rotary axes. "" where
-/// there is nothing of the kind.
-[[nodiscard]] std::string reservation_for(const Diagnosis& diagnosis, const Observations& data);
+/// Whether an effect of the answer is periodic.
+[[nodiscard]] bool names_a_wave(const Diagnosis& diagnosis);
 
 /// The first sentence of an answer: the bad run first, then the causes with their ids in brackets.
 /// @param diagnosis  with verdict, candidates, where and reservation  @param bad_run  a sentence; "" where there is
@@ -69,9 +67,5 @@ struct JointProof {
 /// @param unexplained  structure is left
 [[nodiscard]] std::optional<std::string> sensor_noise_note(const Diagnosis& diagnosis, const Observations& data,
                                                            bool unexplained);
-
-/// "targets are even at 50 mm along X (EX): periods below 100 mm cannot be told from longer ones, …" for every axis and
-/// sense of `even_targets`; nothing where there are none.
-[[nodiscard]] std::optional<std::string> even_targets_note(const Observations& data);
 
 }  // namespace ecs::model

@@ -3,6 +3,7 @@
 #include "model/diagnosis/words.hpp"
 
 #include "base/moved_targets.hpp"
+#include "model/diagnosis/targets.hpp"
 #include "tests/model/support/measured_lines.hpp"
 #include "tests/model/support/sentences.hpp"
 
