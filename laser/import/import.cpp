@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
@@ -194,6 +195,28 @@ PerAxis<bool> places_stated(const Imported& imported, const ImportOptions& optio
   return known;
 }
 
+namespace {
+
+constexpr const char* kSetUpColumn = "set_up";
+
+/// Names of set-ups become their numbers, in the order of the readings.
+void number_set_ups(MeasurementSet& set) {
+  std::vector<std::string> names;
+  for (Reading& reading : set.readings) {
+    const auto text = reading.text_extras.find(kSetUpColumn);
+    if (text == reading.text_extras.end()) continue;
+    const auto found = std::ranges::find(names, text->second);
+    reading.extras[kSetUpColumn] = static_cast<double>(found - names.begin() + 1);
+    if (found == names.end()) names.push_back(text->second);
+    reading.text_extras.erase(text);
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) names[i] = fmt::format("{} {}", i + 1, in_quotes(names[i]));
+  if (!names.empty())
+    set.notes.push_back(fmt::format("set-ups are numbered in the order of the readings: {}", fmt::join(names, ", ")));
+}
+
+}  // namespace
+
 Result<Imported> parse_any(std::string_view bytes, const std::string& file_name, const ImportOptions& options) {
   const bool is_mapped = options.mapping || options.matrix;
   const FileFormat* binary = is_mapped ? nullptr : recognised_format(bytes, file_name);
@@ -217,6 +240,7 @@ Result<Imported> parse_any(std::string_view bytes, const std::string& file_name,
   }
   if (imported)
     if (auto refused = implausible(imported->set, file_name)) return tl::unexpected(std::move(*refused));
+  if (imported) number_set_ups(imported->set);
   if (imported && (options.mapping || imported->format->places_in_columns)) note_exchanged(imported->set);
   if (imported) note_assumed_places(*imported, options);
   if (imported && !options.note.empty()) imported->set.notes.push_back(options.note);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -256,6 +257,22 @@ std::vector<const TableColumn*> coordinates(const Columns& columns, std::initial
   return found;
 }
 
+/// Words that divide the rows into groups.
+bool are_groups(const TableColumn& column) {
+  const std::set<std::string_view> words(column.cells.begin(), column.cells.end());
+  return column.numbers.empty() && words.size() > 1 && 2 * words.size() <= column.cells.size();
+}
+
+/// ",set_up=1" of groups whose heading says that the ball was set up, or the reference taken, again.
+std::string set_up_rule(const Columns& columns) {
+  for (const TableColumn& column : columns)
+    if (are_groups(column) && std::ranges::any_of(heading_words(column.heading), [](const std::string& word) {
+          return is_one_of(word, {"set", "sets", "setup", "session", "series", "aufspannung", "messreihe"});
+        }))
+      return fmt::format(",set_up={}", column.number);
+  return {};
+}
+
 /// Centres of a ball as the control saw them at several angles of rotary axes.
 std::optional<TableSuggestion> ball_columns(const Columns& columns) {
   const auto centre = coordinates(columns, {"center", "centre", "ball", "sphere", "tip", "tcp", "kugel", "mitte"});
@@ -269,7 +286,7 @@ std::optional<TableSuggestion> ball_columns(const Columns& columns) {
     tips += fmt::format("{}tip_{}_mm={}[{}]", d == 0 ? "" : ",", "xyz"[d], centre[d] -> number,
                         centre[d] -> unit ? centre[d] -> unit -> name : "mm");
   TableSuggestion suggestion;
-  suggestion.columns = angles + tips;
+  suggestion.columns = angles + tips + set_up_rule(columns);
   suggestion.reads = fmt::format("column {}, {} and {} as tool centre points at a ball, if that is their meaning",
                                  centre[0]->number, centre[1]->number, centre[2]->number);
   return suggestion;
@@ -410,7 +427,7 @@ std::string transposed_obstacle(const Columns& columns) {
          "each row has a target and its readings";
 }
 
-/// Every column with numbers that the rules do not read.
+/// Every column with numbers, or with words that divide the rows, that the rules do not read.
 std::string unread_in(const Columns& columns, const std::string& rules_text) {
   constexpr std::size_t kMostHeadings = 12;  // more are named by their numbers alone
   const auto rules = column_rules(rules_text);
@@ -420,14 +437,15 @@ std::string unread_in(const Columns& columns, const std::string& rules_text) {
       return column.number >= static_cast<std::size_t>(rule.column) &&
              column.number < static_cast<std::size_t>(rule.column + rule.columns);
     };
-    if (!column.numbers.empty() && std::ranges::none_of(*rules, reads)) unread.push_back(&column);
+    if ((!column.numbers.empty() || are_groups(column)) && std::ranges::none_of(*rules, reads))
+      unread.push_back(&column);
   }
   if (unread.empty()) return {};
   std::vector<std::string> named;
   bool readings = false;
   for (const TableColumn* column : unread) {
     readings = readings || column->meaning == Meaning::reading;
-    const bool words = !column->is_number() && !column->has_gaps();
+    const bool words = !column->numbers.empty() && !column->is_number() && !column->has_gaps();
     named.push_back(unread.size() > kMostHeadings || column->heading.empty()
                         ? std::to_string(column->number)
                         : fmt::format("{} {}", column->number, in_quotes(column->heading)));

@@ -383,14 +383,16 @@ std::vector<std::size_t> in_file_order(const Observations& data) {
 
 /// The ball changes while an axis goes from one angle to the next, and no set of several balls does. With several balls
 /// the axis goes through the same angles with each; with wrong pivots the point moves on from angle to angle.
-/// @param angles  of each ball
-bool ball_changes_in_sweep(const Observations& data, const std::vector<std::set<Vector3>>& angles) {
+/// @param angles  of each ball  @param set_up  of each reading
+bool ball_changes_in_sweep(const Observations& data, const std::vector<std::set<Vector3>>& angles,
+                           const std::vector<double>& set_up) {
   const auto parked = [](Vector3 angle, Axis moved) {
     angle[index_of(moved)] = 0.0;
     return angle;
   };
   const auto sweep = [&](std::size_t k) {
-    return std::make_tuple(data.axis[k], data.run[k], data.approach[k], parked(data.position_mm[k], data.axis[k]));
+    return std::make_tuple(data.axis[k], data.run[k], data.approach[k], set_up[k],
+                           parked(data.position_mm[k], data.axis[k]));
   };
   const auto in_sweep = [&](std::size_t ball_of, std::size_t k) {  // angles of that ball, of the axis that moves in k
     std::vector<double> own;
@@ -415,20 +417,43 @@ bool ball_changes_in_sweep(const Observations& data, const std::vector<std::set<
   return false;
 }
 
-/// Which ball each reading is of: the tool stands at its place in the frame of the workpiece. Where that is another at
-/// nearly every pose, pivots or tool offset are not those that the linear axes followed.
+/// By reading the number of its set-up, in which the ball or the reference is elsewhere; all 0 unless each set-up has
+/// the poses that a ball needs.
+std::vector<double> set_ups_of(const Observations& data) {
+  const auto column = data.extras.find("set_up");
+  if (column == data.extras.end()) return std::vector<double>(data.size(), 0.0);
+  std::map<double, std::set<Vector3>> poses;
+  for (std::size_t k = 0; k < data.size(); ++k) poses[column->second[k]].insert(data.position_mm[k]);
+  const bool few = std::ranges::any_of(poses, [](const auto& of) { return of.second.size() < kFewestPoses; });
+  return few || std::ranges::any_of(column->second, [](double number) { return std::isnan(number); })
+             ? std::vector<double>(data.size(), 0.0)
+             : column->second;
+}
+
+/// Which ball each reading is of: the tool stands at its place in the frame of the workpiece, in each set-up at
+/// another. Where that is another at nearly every pose, pivots or tool offset are not those that the linear axes
+/// followed.
 void take_balls(Observations& data, const std::vector<Vector3>& point_mm) {
   std::vector<std::set<Vector3>> angles;
+  const std::vector<double> set_up = set_ups_of(data);
+  std::vector<double> of_ball;  // set-up
   for (std::size_t k = 0; k < data.size(); ++k) {
-    const int ball = numbered_place(data.balls_mm, point_mm[k], kSameBall_mm);
-    angles.resize(data.balls_mm.size());
-    angles[static_cast<std::size_t>(ball) - 1].insert(data.position_mm[k]);
-    data.through_chain[k].ball = ball;
+    std::size_t ball = 0;
+    while (ball < of_ball.size() &&
+           (of_ball[ball] != set_up[k] || apart_mm(data.balls_mm[ball], point_mm[k]) >= kSameBall_mm))
+      ++ball;
+    if (ball == of_ball.size()) {
+      data.balls_mm.push_back(point_mm[k]);
+      of_ball.push_back(set_up[k]);
+      angles.emplace_back();
+    }
+    angles[ball].insert(data.position_mm[k]);
+    data.through_chain[k].ball = static_cast<int>(ball) + 1;
   }
   double farthest_mm = 0.0;
   for (const Vector3& one : data.balls_mm) farthest_mm = std::max(farthest_mm, apart_mm(one, data.balls_mm.front()));
   const bool few = std::ranges::any_of(angles, [](const auto& poses) { return poses.size() < kFewestPoses; });
-  if (few || ball_changes_in_sweep(data, angles))
+  if (few || ball_changes_in_sweep(data, angles, set_up))
     data.not_followed = fmt::format(
         "with the given pivots, directions and tool offset, the tool is at {} points of the workpiece, up to {:.1f} mm "
         "apart, while an axis turns: the linear axes did not follow a ball. Give the signs of the angles (ISO 841), "
@@ -499,11 +524,10 @@ void take_chain(Observations& data, const MeasurementSet& set, const std::option
 }  // namespace
 
 int numbered_place(std::vector<Vector3>& seen_mm, const Vector3& place_mm, double same_mm) {
-  const auto found =
-      std::ranges::find_if(seen_mm, [&](const Vector3& one) { return apart_mm(one, place_mm) < same_mm; });
-  const auto number = static_cast<int>(found - seen_mm.begin()) + 1;
-  if (found == seen_mm.end()) seen_mm.push_back(place_mm);
-  return number;
+  for (std::size_t i = seen_mm.size(); i-- > 0;)
+    if (apart_mm(seen_mm[i], place_mm) < same_mm) return static_cast<int>(i) + 1;
+  seen_mm.push_back(place_mm);
+  return static_cast<int>(seen_mm.size());
 }
 
 std::string_view Observations::reading_unit() const {

@@ -78,7 +78,7 @@ inline constexpr const char* kOnWorkpiece = "on_workpiece";
 inline constexpr const char* kAtTip = "at_tip";
 /// Nearer places are those of one ball, or of one tool.
 inline constexpr double kSameBall_mm = 1.0, kSameTool_mm = 1e-3;
-/// Number, from 1, of a place among those seen so far; a new one is added.
+/// Number, from 1, of a place among those seen so far, the last where several are there; a new one is added.
 [[nodiscard]] int numbered_place(std::vector<Vector3>& seen_mm, const Vector3& place_mm, double same_mm);
 
 /// Of readings of lengths and of angles.

@@ -108,6 +108,25 @@ TEST_CASE(
   CHECK(contains(to_text(must_fail(parse_any(text, "ball.csv", by_columns("b_deg=1,tip_x_mm=3", 1)))), "no tip_y_mm"));
 }
 
+TEST_CASE(
+    "names of the sessions of a ball are offered as its set-ups, numbered, and a column of other names is named") {
+  const std::string text =
+      "set,b_deg,c_deg,center_x_mm,center_y_mm,center_z_mm,who\nmay,0,0,100.01,50,-20,AB\nmay,90,0,99.99,50,-20,AB\n"
+      "august,0,0,100.00,50.03,-20,CD\naugust,90,0,100.00,50.03,-20,CD\n";
+  const Problem why = must_fail(parse_any(text, "ball.csv", {}));
+  CHECK_MESSAGE(contains(why.message, "tip_z_mm=6[mm],set_up=1\""), why.message);
+  CHECK_MESSAGE(contains(why.message, "This column is not read: 7 \"who\""), why.message);
+  ImportOptions options =
+      by_columns("b_deg=2[deg],c_deg=3[deg],tip_x_mm=4[mm],tip_y_mm=5[mm],tip_z_mm=6[mm],set_up=1", 1);
+  options.takes_rotary = true;
+  const auto set = must(parse_any(text, "ball.csv", options)).set;
+  CHECK(set.readings.front().extras.at("set_up") == 1.0);
+  CHECK(set.readings.back().extras.at("set_up") == 2.0);
+  CHECK(set.readings.back().text_extras.empty());
+  CHECK(std::ranges::find(set.notes, "set-ups are numbered in the order of the readings: 1 \"may\", 2 \"august\"") !=
+        set.notes.end());
+}
+
 TEST_CASE("points that are visited again and again are errors against the mean of each point, a visit is a run") {
   const std::string text = "1, 10.00, 0.0, 5.0\n2, 90.00, 0.0, 5.0\n1, 10.02, 0.0, 5.0\n2, 90.04, 0.0, 5.0\n";
   const Problem why = must_fail(parse_any(text, "points.txt", {}));

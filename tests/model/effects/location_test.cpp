@@ -1,6 +1,7 @@
 // Location errors of rotary axes and error motions in readings of a ball: what the model says of them against exact
 // matrices (tests/support/exact_joints.hpp), and what it finds in such readings.
 #include "model/diagnosis/ladder.hpp"
+#include "model/diagnosis/words.hpp"
 #include "model/regression/candidates.hpp"
 #include "tests/model/support/turning_machine.hpp"
 
@@ -173,6 +174,31 @@ TEST_CASE("each of two balls has a place of its own, and the errors of the axes 
   CHECK(!parse_model("[[effect]]\nid = \"ball_on_table\"\nball = 0\n", "m.toml", {}));
   CHECK(!parse_model("[[effect]]\nid = \"scale\"\naxis = \"X\"\nball = 2\n", "m.toml", {}));
   CHECK(parse_add_request("ball_on_table:2")->ball == 2);
+}
+
+TEST_CASE("a ball that was set up again has a position of its own in each set-up, if each has the poses for one") {
+  TurningMachine made = trunnion();
+  made.exact.location[2][4] = -12.0;  // BOC
+  laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.4}, 17);
+  const std::size_t first = set.readings.size();
+  const double later_s = *set.readings.back().time_s;
+  for (Reading r : ball_set(made, {{94.0, -9.0, 43.0}, 0.4}, 18).readings) {
+    r.time_s = *r.time_s + later_s;
+    r.row += static_cast<int>(first);
+    set.readings.push_back(r);
+  }
+  CHECK(found_in(set, made, first_model(set, made)).verdict != Verdict::adequate);
+  for (std::size_t i = 0; i < set.readings.size(); ++i) set.readings[i].extras["set_up"] = i < first ? 1.0 : 2.0;
+  const Model model = first_model(set, made);
+  CHECK(found_in(set, made, model).verdict == Verdict::adequate);
+  const Observations data = observations_of(set, model, made.machine);
+  const auto fitted = must(fit(model, data));
+  REQUIRE(to_text(fitted.effects[1].effect) == "ball_on_table:2");
+  CHECK(fitted.effects[1].parameters[0].value - fitted.effects[0].parameters[0].value == Approx(80.0).epsilon(0.02));
+  CHECK(fitted.effects[1].parameters[2].value - fitted.effects[0].parameters[2].value == Approx(40.0).epsilon(0.04));
+  CHECK(contains(ball_text(fitted.effects[1].effect, data), ", set-up 2)"));
+  for (std::size_t i = first; i < set.readings.size(); ++i) set.readings[i].extras["set_up"] = i == first ? 2.0 : 1.0;
+  CHECK(observations_of(set, model, made.machine).balls_mm.size() == 1);
 }
 
 TEST_CASE("two balls in one run, from the same angles, are followed") {
