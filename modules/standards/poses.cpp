@@ -118,20 +118,19 @@ Result<PoseTest> pose_test_of(const MeasurementSet& set) {
     if (std::sqrt(squares(mean_um[p])) / kUmPerMm > kSamePoint_mm)
       test.points.back().off_mm = sum_of({}, 1.0 / kUmPerMm, mean_um[p]);
   }
-  std::vector<Vector3> means_mm;
-  for (const PosePoint& point : test.points) means_mm.push_back(point.mean_mm);
   double before = 0.0, after = 0.0, shifts = 0.0, turns = 0.0;
   for (const auto& [visit, errors] : all.error_um) {
-    std::vector<Vector3> attained_mm;
+    std::vector<Vector3> moved_mm;
     for (std::size_t p = 0; p < points; ++p)
-      attained_mm.push_back(sum_of(all.nominal_mm[p], 1.0 / kUmPerMm, errors[p]));
-    const RigidSetUp motion = rigid_set_up(means_mm, attained_mm).value();  // of three points or more there is one
+      moved_mm.push_back(sum_of(all.nominal_mm[p], 1.0 / kUmPerMm, sum_of(errors[p], -1.0, mean_um[p])));
+    const RigidSetUp motion = rigid_set_up(all.nominal_mm, moved_mm).value();  // of three points or more there is one
+    test.motions[visit] = motion;
     shifts += squares(motion.shift_um);
     turns += squares(motion.rotation_um_m);
     for (std::size_t p = 0; p < points; ++p) {
       const Vector3 off = sum_of(errors[p], -1.0, mean_um[p]);
       before += squares(off);
-      after += squares(sum_of(off, -1.0, set_up_error_um(motion, means_mm[p])));
+      after += squares(sum_of(off, -1.0, set_up_error_um(motion, all.nominal_mm[p])));
     }
   }
   test.rms_um = std::sqrt(before / (3.0 * count));
@@ -143,6 +142,14 @@ Result<PoseTest> pose_test_of(const MeasurementSet& set) {
   test.ratio = (before - after) / test.of_motions / (after / test.of_rest);
   test.probability = std::exp(model::ln_f_tail(test.ratio, test.of_motions, test.of_rest));
   return test;
+}
+
+MeasurementSet without_motions(MeasurementSet set, const PoseTest& test) {
+  for (Reading& reading : set.readings)
+    reading.error -=
+        set_up_error_um(test.motions.at(reading.run), reading.position_mm)[index_of(direction_of(reading.sense))];
+  set.metadata.emplace_back("removed", "the rigid motion of each visit (run)");
+  return set;
 }
 
 PoseComparison comparison_of(const PoseTest& first, const PoseTest& second) {

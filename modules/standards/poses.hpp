@@ -3,11 +3,13 @@
 // the points nor the instrument scatter. Does not live here: the set-up of a workpiece (laser/import/set_up.hpp).
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/result.hpp"
+#include "laser/import/set_up.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::laser {
@@ -35,6 +37,7 @@ struct PoseTest {
   double probability = 1.0;
   /// Degrees of freedom of the motions, and of the rest.
   int of_motions = 0, of_rest = 0;
+  std::map<int, RigidSetUp> motions{};  ///< by visit, from the nominal points
   [[nodiscard]] bool moves_as_a_whole() const;
 };
 
@@ -51,6 +54,9 @@ struct PoseComparison {
 /// @param set  EX, EY, EZ of each point at its nominal or mean position, `run` the number of the visit. Refused: fewer
 ///   than three points, fewer than three visits, visits that lack a point, points along one line
 [[nodiscard]] Result<PoseTest> pose_test_of(const MeasurementSet& set);
+
+/// The readings less the motion of their visit. @pre `test` is of these readings
+[[nodiscard]] MeasurementSet without_motions(MeasurementSet set, const PoseTest& test);
 
 [[nodiscard]] PoseComparison comparison_of(const PoseTest& first, const PoseTest& second);
 

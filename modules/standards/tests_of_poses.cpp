@@ -9,6 +9,7 @@
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
 #include "commissioning/measurements/files.hpp"
+#include "laser/writers/writers.hpp"
 #include "modules/standards/joints.hpp"
 #include "modules/standards/poses.hpp"
 
@@ -18,11 +19,14 @@ namespace {
 struct PosesRequest {
   std::vector<std::string> files;
   ImportArguments import;
+  std::string output;
   static Fields<PosesRequest> fields() {
     using R = PosesRequest;
-    return {{"FILES", &R::files, "files of one pose, each reached in another way: EX, EY, EZ of each point in each run",
-             Need::required},
-            &R::import};
+    return {
+        {"FILES", &R::files, "files of one pose, each reached in another way: EX, EY, EZ of each point in each run",
+         Need::required},
+        &R::import,
+        {"-o,--output", &R::output, "file for the readings of FILE less the motion of their visit (CSV)", Is::output}};
   }
 };
 
@@ -86,12 +90,16 @@ Cell comparison_cell(const Compared& compared) {
 }
 
 Result<Outcome> poses(VerbContext& context, const PosesRequest& request) {
+  if (!request.output.empty() && request.files.size() > 1)
+    return problem(ProblemKind::bad_input, "--output: expected one FILE, found {}", request.files.size());
   std::vector<laser::PoseTest> tests;
   for (const std::string& file : request.files) {
     ECS_TRY(imported, read_with_notes(context.console, file, request.import));
     laser::MeasurementSet set = imported.set;
     set.source = file;
     ECS_TRY(test, laser::pose_test_of(set));
+    if (!request.output.empty())
+      ECS_DO(laser::write_measurement_set(request.output, laser::without_motions(set, test)));
     tests.push_back(std::move(test));
   }
   std::vector<Compared> compared;
