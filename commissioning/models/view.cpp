@@ -145,7 +145,8 @@ std::string parameters_text(const std::vector<ParameterEstimate>& parameters) {
     if (one.value == 0.0 && !one.sigma) continue;
     any_sigma = any_sigma || value_text(one).find("+-") != std::string::npos;
     const std::string name = model::spoken_name(shown_name(one), one.unit);
-    parts.push_back(fmt::format("{}{}{}", name, name.empty() ? "" : " ", value_text(one)));
+    const char* between = name.empty() ? "" : one.undetermined ? ": " : " ";
+    parts.push_back(name + between + value_text(one));
   }
   return fmt::format("{}{}", fmt::join(parts, ", "), any_sigma ? " (k = 1)" : "");
 }

@@ -68,7 +68,7 @@ std::string acting_text(const ToolsInUnit& unit) {
   if (lines.tool_state == protocol::ToolState::unknown)
     text += ", but " + (unit.damaged_copies > 0 ? damage_text(unit.damaged_copies)
                                                 : "it is not in the table, or is beyond compensation.tool_range_mm");
-  if (!lines.compensating_out) return text + "; the unit does not compensate now";
+  if (!lines.compensating_out) return text + " (compensation is off)";
   return text + fmt::format("; acting offset X {:.4f}, Y {:.4f}, Z {:.4f} mm{}", lines.tool_offset_mm[0],
                             lines.tool_offset_mm[1], lines.tool_offset_mm[2],
                             lines.tool_state == protocol::ToolState::changing ? ", still changing" : "");

@@ -58,7 +58,7 @@ Cell cause_cell(const ComparedCause& one) {
     return Cell{parameters ? Json(*parameters) : Json(nullptr),
                 parameters ? (parameters->empty() ? "named" : *parameters) : "not named"};
   };
-  return record_cell("{name}\n  then: {from}\n  now:  {to}\n", "name"_is(one.name), "from"_is(side(one.parameters[0])),
+  return record_cell("{name}\n  from: {from}\n  to:   {to}\n", "name"_is(one.name), "from"_is(side(one.parameters[0])),
                      "to"_is(side(one.parameters[1])));
 }
 
@@ -198,7 +198,7 @@ Cell comparison_of_log_cell(const LogComparison& comparison) {
   return record_cell("{states}{curves}{causes}{volume}{notes}", "from"_is(state_json(states[0])),
                      "to"_is(state_json(states[1])), "curves"_is(std::move(curves)), "causes"_is(std::move(causes)),
                      "notes"_is(lines_cell(comparison.notes, "note: ")),
-                     "states"_shown(state_text("then,", states[0]) + state_text("now, ", states[1])),
+                     "states"_shown(state_text("from", states[0]) + state_text("to  ", states[1])),
                      "volume"_shown(volume_text(states)));
 }
 

@@ -41,13 +41,13 @@ TEST_CASE("tools are set, selected, given another offset and removed, and what w
   CHECK(contains(picture(screen), ">      3       0.0000       0.0000    -120.0000"));
   REQUIRE(shows_after(screen, "n9,0,0,-500\n", "beyond compensation.tool_range_mm"));
 
-  REQUIRE(shows_after(screen, "\n", "Tool 3 is selected; the unit does not compensate now."));
+  REQUIRE(shows_after(screen, "\n", "Tool 3 is selected (compensation is off)."));
   CHECK(shows(screen, "-120.0000  selected"));
   REQUIRE(shows_after(screen, "ry", "this tool is selected"));
   CHECK(contains(after(screen, "e"), "Offset of tool 3, X,Y,Z in mm: 0,0,-120"));
   replace_line(screen, "0,0,-121");
   REQUIRE(shows(screen, "-121.0000  selected"));
-  REQUIRE(shows_after(screen, "0", "No tool of the table is selected;"));
+  REQUIRE(shows_after(screen, "0", "No tool of the table is selected (compensation"));
   CHECK(contains(after(screen, "r"), "Remove tool 3 from the table?"));
   REQUIRE(shows_after(screen, "y", "1 of 64 tools."));
   const ToolsInUnit held = bench.held();
