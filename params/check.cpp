@@ -274,10 +274,11 @@ void check_switch(const DatumParameters& d, Axis axis, Findings& findings) {
   const std::string initial_key = key_of(axis, "datum.switch_initially_active");
   const bool wanted = rule->same == d.switch_initially_active;
   if (d.switch_finally_active != wanted)
-    findings.error({final_key, initial_key, key_of(axis, "datum.kind")},
-                   fmt::format("it is {}, but {}: with the initial state {} it must be {}, or the routine always fails",
-                               state_word(d.switch_finally_active), rule->why, state_word(d.switch_initially_active),
-                               state_word(wanted)));
+    findings.error(
+        {final_key, initial_key, key_of(axis, "datum.kind")},
+        fmt::format(
+            "it is {}. Because {}, it must be {} where switch_initially_active is {}; otherwise datuming always fails",
+            state_word(d.switch_finally_active), rule->why, state_word(d.switch_initially_active), state_word(wanted)));
   if (d.switch_initially_active)
     findings.warning({initial_key, key_of(axis, "datum.switch_polarity")},
                      "the switch would be active before the axis reaches it: if it is wired to open on the cam, set "

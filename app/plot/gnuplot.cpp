@@ -212,7 +212,7 @@ Result<PlotFormat> plot_format_of(const std::filesystem::path& path) {
   const std::string extension = lower(path.extension().string());
   if (extension == ".svg") return PlotFormat::svg;
   if (extension == ".png") return PlotFormat::png;
-  return problem(ProblemKind::usage, "{}: a plot ends in .svg or .png", path.string());
+  return problem(ProblemKind::usage, "{}: the name of a plot must end in .svg or .png", path.string());
 }
 
 Result<void> write_plot(const std::filesystem::path& path, const PlotFigure& figure) {

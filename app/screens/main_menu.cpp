@@ -210,8 +210,8 @@ constexpr const char* kFindHelp =
 std::unique_ptr<Screen> main_menu(const Connection& connection) {
   return std::make_unique<MenuScreen>(
       "ECS",
-      "Five of these menus are those of the thesis, figure 5.4 (docs/thesis.md); the others came later. To find an "
-      "action, type / and a part of its name; F3 does so everywhere. `ecs --help` lists the commands.",
+      "Five of these menus are those of the thesis (figure 5.4); the others came later. Type / and a part of a name to "
+      "find an action. `ecs --help` lists the commands.",
       all_choices(connection));
 }
 

@@ -54,14 +54,14 @@ constexpr GlossaryRow kGlossary[] = {
     {"integration mode|integration|integrating", "the unit accepts parameters, maps and commands; compensation is off"},
     {"lack of fit", "the means deviate from the model by more than the scatter of repeated readings allows (F test)"},
     {"likely",
-     "in at most 1 of 100 sets of simulated noise, an effect explains as much as this one does here; another cause is "
+     "in at most 1 of 100 simulated data sets without any effect, some effect fits as well by chance; another cause is "
      "not excluded"},
     {"marker",
      "the index pulse of the transducer, once a revolution or at one place; together with the switch it defines the "
      "datum"},
     {"parked",
-     "at rest at this position while another axis was measured; angular errors act in proportion to the distance from "
-     "it"},
+     "at rest at this position while another axis was measured; its distance from the line on which an angular error "
+     "was measured is the lever of that error"},
     {"pitch", "travel per turn of a screw, or distance between the lines of a scale: errors repeat with it"},
     {"proved",
      "shown by held-out readings with an e-value of at least 100 or, where these give no e-value, by comparison with "

@@ -96,11 +96,11 @@ Result<std::vector<laser::MapRotaryAxis>> rotary_part_of(const volume::RotaryErr
     const std::size_t r = kinematics::index_of(*joint) - kAxes;
     const params::MachineRotaryAxis& facts = *machine.rotary[r];
     if (!facts.resolution_deg)
-      return problem(
-          ProblemKind::refused,
-          fmt::format("[axis.{}]: expected resolution_deg, the angle for each count at the unit, found none; "
-                      "a unit without an input for this angle cannot compensate the rotary axes",
-                      letter));
+      return problem(ProblemKind::refused,
+                     fmt::format("[axis.{}]: expected resolution_deg, the angle for each count of the encoder input of "
+                                 "the unit, found none; "
+                                 "a unit without an input for this angle cannot compensate the rotary axes",
+                                 letter));
     laser::MapRotaryAxis& axis = axes.emplace_back(model::rotary_axis_of(letter, facts));
     axis.axis.location = errors.location[r];
     set_curves(axis, errors, *joint, facts);

@@ -66,8 +66,8 @@ Result<void> memory_there(Address address, std::size_t bytes, std::size_t module
     map += fmt::format("{}{} {} to {}", map.empty() ? "" : ", ", region.name, hex_address(region.first),
                        hex_address(region.first + size - 1));
   }
-  return problem(ProblemKind::refused, "{} bytes from {}: the unit has no memory there; it has {}", bytes,
-                 hex_address(address), map);
+  return problem(ProblemKind::refused, "{} to {}: the unit does not have all of this memory; it has {}",
+                 hex_address(address), hex_address(address + static_cast<Address>(bytes) - 1), map);
 }
 
 Result<std::vector<std::uint8_t>> hex_bytes(const std::vector<std::string>& arguments) {

@@ -374,13 +374,17 @@ Cell candidates_cell(const Diagnosis& d) {
   if (d.verdict == Verdict::adequate || d.verdict == Verdict::cannot_tell) return {std::move(list), closest_text(d)};
   const bool of_groups =
       std::ranges::any_of(d.candidates, [](const Candidate& one) { return one.in_answer() && one.set.size() > 1; });
-  return {std::move(list),
-          titled_table(fmt::format("{}{}", d.verdict == Verdict::missing_effect ? "missing effects" : "proved effects",
-                                   of_groups ? " (where causes cannot be distinguished, the one that was fitted)" : ""),
-                       named) +
-              titled_table("likely effects, not proved", likely) + add_text(d) +
-              titled_table(named.empty() && likely.empty() ? "candidates, each alone" : "other candidates, each alone",
-                           rivals)};
+  return {
+      std::move(list),
+      titled_table(
+          fmt::format("{}{}", d.verdict == Verdict::missing_effect ? "missing effects" : "proved effects",
+                      of_groups
+                          ? " (where causes cannot be distinguished, the one that was fitted; each alone in this table)"
+                          : ""),
+          named) +
+          titled_table("likely effects, not proved", likely) + add_text(d) +
+          titled_table(named.empty() && likely.empty() ? "candidates, each alone" : "other candidates, each alone",
+                       rivals)};
 }
 
 std::vector<ShapePoint> shape_of(const model::Dependence& one) {
@@ -402,7 +406,7 @@ Cell where_cell(const Diagnosis& d) {
           : "\nvariables on which the residual depends (share of its variance that each explains alone)\n"};
   for (const model::Dependence& one : d.where)
     where.add(record_cell(
-        "  {variable} {strength:>8}  probability in noise alone: {p_value}\n",
+        "  {variable} {strength:>8}  chance of this share in noise alone: {p_value}\n",
         "variable"_is(one.variable, padded(one.variable, 26)), "strength"_is(one.strength, percent(one.strength)),
         "p_value"_is(one.p_value, one.p_value <= kLeastProbability ? "< 1e-300" : fmt::format("{:.1g}", one.p_value)),
         "at"_is(numbers_json(one.at)), "mean_um"_is(numbers_json(one.mean_um)),
@@ -501,7 +505,9 @@ Cell left_cell(const Diagnosis& d) {
       withheld.push_back(question_of(one.property));
     else
       left.text += paragraph(fmt::format("{}: {}{}", words_for_property(one.property), answer_text(one, d),
-                                         said.insert(one.because).second ? "; evidence: " + one.because : ""),
+                                         said.insert(one.because).second
+                                             ? "; part of the residual that each description reproduces: " + one.because
+                                             : ""),
                              2, 4);
     if (!one.measure.empty()) measure.insert(one.measure);
   }
@@ -571,9 +577,9 @@ std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) 
 
 Cell diagnosis_cell(const Diagnosis& d) {
   const std::string tried =
-      paragraph(fmt::format("{} candidates were tried on these readings, and on {} simulated data sets that contain "
+      paragraph(fmt::format("{} candidate{} tried on these readings, and on {} simulated data sets that contain "
                             "noise only, at the same positions and under the same conditions",
-                            d.candidates_tried, d.noise_replicates));
+                            d.candidates_tried, d.candidates_tried == 1 ? " was" : "s were", d.noise_replicates));
   Cell answer = record_cell(
       "{headline}\n{summary}{candidates}{where}{left}{formula}{outliers}\n{blanks}{notes}",
       "observations"_is(d.observations), "rms_um"_is(d.rms_um), "noise_um"_is(d.noise.noise_um),

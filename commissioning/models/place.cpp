@@ -23,10 +23,11 @@ struct Asked {
 };
 
 auto not_understood(std::string_view part) {
-  return problem(ProblemKind::usage,
-                 "--at: expected x=MM,y=MM,z=MM, and axis=X|Y|Z, approach=1|-1, sense=EX, time_s, "
-                 "feed_mm_min, load_kg or t_<sensor>_degC where they matter, got \"{}\"",
-                 part);
+  return problem(
+      ProblemKind::usage,
+      "--at: expected x=MM,y=MM,z=MM and, if the model needs them, axis=X|Y|Z, approach=1|-1, sense=EX, time_s, "
+      "feed_mm_min, load_kg or t_<sensor>_degC; not understood: \"{}\"",
+      part);
 }
 
 bool take_word(Asked& asked, std::string_view key, std::string_view value) {

@@ -189,7 +189,7 @@ void add_by_unit(Json& answer, std::string_view unit,
 
 std::string noise_text(const model::PureError& noise) {
   const std::string size = in_each_unit(noise.noise_um, noise.by_unit, noise.unit);
-  if (noise.is_of_step) return size + ", the smallest that the step of these readings allows";
+  if (noise.is_of_step) return size + ", the least that the resolution of these readings allows";
   if (noise.from_repeats) return size + " from repeats";
   return fmt::format(
       "at most {}, from neighbouring readings (no target was repeated under the same conditions, such as approach, "
@@ -224,7 +224,7 @@ std::string rows_text(const std::vector<int>& rows, std::size_t most) {
 
 Cell ladder_cell(const model::Model& model) {
   const std::vector<LadderStep>& history = model.history;
-  if (history.empty()) return {Json::array(), "the model has no added effect; `ecs model add` adds one\n"};
+  if (history.empty()) return {Json::array(), "no added effect is in the model; `ecs model add` adds one\n"};
   Cell ladder{Json::array(), fmt::format("{:>4}  {} {:>9} {:>9} {:>9} {:>9}\n", "step", padded("effect", 34),
                                          rms_heading(unit_of_model(model)), "peak", "noise", "held-out")};
   const LadderStep& first = history.front();
@@ -241,8 +241,9 @@ Cell ladder_cell(const model::Model& model) {
     ladder.text += paragraph(fmt::format("step {} fitted to {}", before + i, history[i].data), 6, 8);
   for (std::size_t i = 0; i < history.size(); ++i)
     if (history[i].outliers > 0)
-      ladder.text += paragraph(fmt::format("rms and peak of step {} exclude {} outlier{}", before + i,
-                                           history[i].outliers, history[i].outliers == 1 ? "" : "s"),
+      ladder.text += paragraph(fmt::format("rms and peak of step {}{} exclude {} outlier{}", before + i,
+                                           i == 0 ? ", and the rms before it," : "", history[i].outliers,
+                                           history[i].outliers == 1 ? "" : "s"),
                                6, 8);
   return ladder;
 }

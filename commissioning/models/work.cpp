@@ -274,9 +274,10 @@ Result<laser::MeasurementSet> measured_in(MessageSink& messages, const std::vect
     ECS_TRY(path, import.columns.empty() && import.profile.empty() ? path_in(bytes, file)
                                                                    : std::optional<laser::MeasurementSet>());
     if (path && files.size() > 1 && !path->notes.empty())
-      return problem_at(
-          file, 0, 0,
-          path->notes.front() + "; together with other files its readings need their true position: add these lines");
+      return problem_at(file, 0, 0,
+                        path->notes.front() +
+                            ". To use it with other files, add the position of the centre to the heading of the file, "
+                            "as in `# centre_x_mm: 400`");
     if (!path) {
       ECS_TRY(imported, measurements_in(bytes, file, any_axis));
       sets.push_back(std::move(imported.set));

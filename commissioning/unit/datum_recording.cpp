@@ -146,7 +146,9 @@ Result<DatumRecording> parse_recording(std::string_view text, const std::string&
       recording.samples.push_back(*sample);
     } else {
       problems.push_back(
-          bad_row(name, line, fmt::format("expected six numbers ({}), found \"{}\"", kColumns, row.substr(0, 80))));
+          bad_row(name, line,
+                  fmt::format("expected six numbers ({}), of which the last two are 0 or 1, found \"{}\"", kColumns,
+                              row.substr(0, 80))));
     }
   }
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));

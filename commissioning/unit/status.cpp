@@ -334,7 +334,7 @@ Cell pointers_cell(const StatusSnapshot& snapshot) {
   for (std::size_t i = 0; i < kCurves; ++i)
     if (const auto& pointer = snapshot.status.pointers[i]; pointer.address != protocol::kUnused)
       pointers.add(pointer_cell(static_cast<Component>(i), pointer, snapshot.selected[i]));
-  if (pointers.json.empty()) pointers.text = "values of the map in use now: none\n";
+  if (pointers.json.empty()) pointers.text = "no value of the map is in use now\n";
   return pointers;
 }
 
@@ -344,12 +344,12 @@ Cell unit_cell(const StatusSnapshot& snapshot) {
   for (const Axis axis : kAllAxes)
     if (id.axis_present[index_of(axis)]) axes += letter_of(axis);
   return record_cell(
-      "unit {serial_number} ({name}), firmware {firmware}, memory modules: {memory_modules}{of_machine}\n",
+      "unit {serial_number} ({name}){of_machine}, firmware {firmware}, memory modules: {memory_modules}\n",
       "serial_number"_is(text_cell(id.serial_number)), "name"_is(text_cell(id.unit_name)),
       "firmware"_is(fmt::format("{}.{}", id.firmware_major, id.firmware_minor)),
       "protocol_version"_is(id.protocol_version), "axes"_is(axes), "memory_modules"_is(id.memory_modules),
       "capacity_values"_is(id.capacity_values),
-      "of_machine"_shown(id.machine.empty() ? "" : ", of machine " + id.machine), "machine"_is(text_cell(id.machine)),
+      "of_machine"_shown(id.machine.empty() ? "" : " on machine " + id.machine), "machine"_is(text_cell(id.machine)),
       "configuration"_is(id.configuration == 0 ? null_cell() : cell_of(fmt::format("{:08X}", id.configuration))));
 }
 

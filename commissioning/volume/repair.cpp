@@ -451,8 +451,9 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
 Cell repair_cell(const RepairAnswer& answer) {
   const bool has_circle = answer.diameter_mm > 0.0;
   std::string head = fmt::format(
-      "Remaining error [um] with one cause left as it is, compensated or repaired, and all others compensated as far "
-      "as the unit can; in brackets the 95 % bound. {} readings, each with a noise of {:.2f} um, {} positions of the "
+      "Remaining error [um]. Each row treats one cause in three ways (left as it is, compensated, repaired), while all "
+      "other causes are compensated as far as the unit can; in brackets the 95 % bound. {} readings, each with a noise "
+      "of {:.2f} um, {} positions of the "
       "volume "
       "in both approaches",
       answer.readings, answer.noise_um, answer.places);

@@ -97,7 +97,9 @@ Result<Curve> averaged(const MeasurementSet& set, const Group& group, std::optio
     const CurvePoint point = point_of(target, curve.approach_known);
     if (point.forward || point.reverse) curve.points.push_back(point);
   }
-  if (left_out > 0) curve.notes.push_back(fmt::format("{} readings of unknown approach are ignored", left_out));
+  if (left_out > 0)
+    curve.notes.push_back(fmt::format("{} reading{} of unknown approach {} ignored", left_out, left_out == 1 ? "" : "s",
+                                      left_out == 1 ? "is" : "are"));
   if (!curve.approach_known) curve.notes.emplace_back("approach unknown: forward and reverse are the same");
   return curve;
 }

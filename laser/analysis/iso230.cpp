@@ -112,7 +112,8 @@ void note_left_out(const Iso230& axis, std::vector<std::string>& notes) {
   const bool only_single = std::ranges::none_of(
       axis.targets, [](const Iso230Target& target) { return target.s_forward || target.s_reverse; });
   if (single > 0)
-    notes.push_back(fmt::format("single readings at a target: {}. They give no standard deviation{}", single,
+    notes.push_back(fmt::format("at {} target{} an approach has a single reading, which gives no standard deviation{}",
+                                single, single == 1 ? "" : "s",
                                 only_single ? ", so A, R and the 3 sigma band cannot be computed"
                                             : " and are not used for R, A and the 3 sigma band, so A can be smaller "
                                               "than E"));
@@ -136,7 +137,8 @@ std::vector<std::string> iso230_notes(const MeasurementSet& set, const Group& gr
   const auto undirected = std::ranges::count_if(
       group.readings, [&](std::size_t i) { return set.readings[i].approach == Approach::unknown; });
   if (undirected > 0 && has_known_approach(set, group))
-    notes.push_back(fmt::format("{} readings of unknown approach are ignored", undirected));
+    notes.push_back(fmt::format("{} reading{} of unknown approach {} ignored", undirected, undirected == 1 ? "" : "s",
+                                undirected == 1 ? "is" : "are"));
   return notes;
 }
 

@@ -174,7 +174,7 @@ Recognition recognises_assignments(const FileStart& file) {
 
 extern const FileFormat kIso230Assignments{
     .id = "iso230_assignments",
-    .title = "ISO 230-2 data as name = value (.dat)",
+    .title = "ISO 230-2 file of lines name = value (.dat)",
     .sample = "axis.dat",
     .recognises = recognises_assignments,
     .read = read_assignments,

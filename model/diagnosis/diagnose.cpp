@@ -65,6 +65,16 @@ bool explains_much(const Found& found) {
   return found.bad_run->gain >= kMuch * (found.solution.chi2_before - found.solution.space.chi2());
 }
 
+/// The column that explains why runs differ: what is left changes with it, and beside it not from run to run. "": none.
+std::string condition_of_runs(const std::vector<LeftProperty>& left) {
+  const auto is_of = [&](std::string_view property) {
+    const auto found = std::ranges::find(left, property, &LeftProperty::property);
+    return found == left.end() ? std::string() : found->is;
+  };
+  const std::string growth = is_of("growth");
+  return is_of("session") == "none" && growth != "none" ? growth : std::string();
+}
+
 /// The run that is bad, if one is: the headline begins with it.
 /// @param scaled  comes before all else  @param residual  of the model as given, um, a row a reading of `data`
 std::optional<DifferentRun> different_run(const Found& found, const std::optional<ScaledRun>& scaled,
@@ -624,6 +634,11 @@ Result<Diagnosis> reported(const ReportInput& in) {
     diagnosis.left = std::move(what.properties);
     diagnosis.formula = std::move(what.formula);
   }
+  if (in.found.noisy && !in.found.noisy->off_um && diagnosis.different_run)
+    if (const std::string condition = condition_of_runs(diagnosis.left); !condition.empty())
+      diagnosis.different_run->text =
+          fmt::format("R{}, because the residual changes with {} (see the properties of the residual).",
+                      words_for(*in.found.noisy).substr(1), condition);
   if (structure && std::ranges::any_of(data.paths, [](const Path& path) { return path.kind == PathKind::circle; })) {
     const std::string advice = advice_on(kReversalOnCircle);
     diagnosis.notes.push_back(fmt::format("friction at a reversal causes another spike than that of the library{}{}",

@@ -645,9 +645,9 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
   }
   if (data.rotary && !is_of_ball(data)) {
     next.notes.emplace_back(
-        "plans cover linear axes and sets of a ball only. Readings of a ball need --machine with its rotary axes and "
-        "X, Y, Z that follow the ball. For a rotary axis itself measure the turn again both ways, at targets displaced "
-        "from equal steps");
+        "measurements are proposed only for linear axes and for a ball. For readings of a ball give --machine with a "
+        "file that describes the rotary axes; X, Y and Z must follow the ball. To check a rotary axis itself, repeat "
+        "its turn both ways, at targets that are not equally spaced");
     return next;
   }
   MeasuringTimes own = times;

@@ -119,7 +119,7 @@ std::string sentence_of_circle(const MeasurementProposal& p) {
   for (const Axis axis : circle.plane)
     centre += fmt::format(" {}{:g}", letter_of(axis), circle.from_mm[index_of(axis)]);
   return fmt::format(
-      "Measure {}, by a ball bar: radius {:g} mm about{}, {} {} counter-clockwise and clockwise, a reading every {:g} "
+      "Measure {}, with a ball bar: radius {:g} mm about{}, {} {} in each direction, a reading every {:g} "
       "deg, feed {:g} mm/min.",
       p.condition, circle.radius_mm, centre, p.runs, p.runs == 1 ? "turn" : "turns", p.circle_step_deg, p.feed_mm_min);
 }

@@ -135,10 +135,10 @@ void add_at_feeds(std::vector<MeasurementProposal>& all, const MeasurementPropos
   add(all, now, how);
   MeasurementProposal slower = now, faster = now;
   slower.feed_mm_min = kSlowerFeed * now.feed_mm_min;
-  add(all, std::move(slower), fmt::format("{}, at a quarter of {}", how, feed));
+  add(all, std::move(slower), fmt::format("{}, but at a quarter of {}", how, feed));
   faster.feed_mm_min = kFasterFeed * now.feed_mm_min;
   if (faster.feed_mm_min <= times.greatest_feed_mm_min)
-    add(all, std::move(faster), fmt::format("{}, at twice {}", how, feed));
+    add(all, std::move(faster), fmt::format("{}, but at twice {}", how, feed));
 }
 
 /// The largest circle of a ball bar in the middle of both travels, of another radius than the present ones.

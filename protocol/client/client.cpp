@@ -126,6 +126,7 @@ std::string UnitClient::reason_of(UnitError error) const {
 Result<CommandResult> UnitClient::outcome_of(const Command& command, const CommandResult& result) const {
   const bool forgotten = result.error == UnitError::session_unknown;
   std::string reason = result.error == UnitError::none ? std::string() : reason_of(result.error);
+  if (result.error == UnitError::bad_argument && !result.text.empty()) reason.clear();  // the text says which
   if (!result.text.empty()) reason += (reason.empty() ? "" : ": ") + result.text;
   switch (forgotten ? CommandState::idle : result.state) {
     case CommandState::done:

@@ -34,7 +34,7 @@ constexpr std::array<std::string_view, kUnitErrorCount> kErrorTexts{
     "the command arrived too late, more than two seconds after it was given; it was not carried out",
     "everything was switched off after this command had been given; it was not carried out",
     "host and unit speak different versions of the protocol",
-    "this computer is not armed, so it may only read. Run `ecs unit arm --arm-code CODE`, or give --arm-code CODE to "
+    "this computer is not armed, so it may only read. Run `ecs unit arm --arm-code CODE`, or add --arm-code CODE to "
     "the command; the unit shows the code",
     "this is not the code shown by the unit",
     "a wrong code was given just before",

@@ -259,14 +259,17 @@ Cell outliers_cell(const MeasuredLine& line, std::size_t most, const ImportArgum
     const laser::Reading& reading = line.set.readings[i];
     const bool shown = list.json.size() < most;
     if (shown) named.push_back(i);
-    list.add(
-        record_cell(shown ? "  outlier: {reading} {unit} at {at}, run {run}, differs strongly from its repeats "
-                            "({file}:{line}, row {row})\n"
-                          : "",
-                    "file"_is(line.file_of(i)), "line"_is(reading.line), "row"_is(reading.row), "run"_is(reading.run),
-                    FieldKey(reading.rotary ? "position_deg" : "position_mm")(laser::target_of(reading)),
-                    "reading"_is(reading.error, shortest(reading.error)), "unit"_shown(laser::unit_of(reading.sense)),
-                    "at"_shown(fmt::format("{:g}", laser::target_of(reading)))));
+    list.add(record_cell(
+        shown ? "  outlier: {reading} {unit} at {at}, run {run}{approach}, differs strongly from its repeats "
+                "({file}:{line}, row {row})\n"
+              : "",
+        "file"_is(line.file_of(i)), "line"_is(reading.line), "row"_is(reading.row), "run"_is(reading.run),
+        FieldKey(reading.rotary ? "position_deg" : "position_mm")(laser::target_of(reading)),
+        "reading"_is(reading.error, shortest(reading.error)), "unit"_shown(laser::unit_of(reading.sense)),
+        "at"_shown(fmt::format("{:g} {}", laser::target_of(reading), laser::target_unit(reading.rotary))),
+        "approach"_shown(reading.approach == Approach::unknown
+                             ? std::string()
+                             : std::string(reading.approach == Approach::forward ? " forward" : " reverse"))));
   }
   if (list.json.size() > most)
     list.text += fmt::format("  and {} more outliers: --all shows them\n", list.json.size() - most);

@@ -88,12 +88,12 @@ Result<Outcome> write_bytes(VerbContext& context, const WriteRequest& request) {
   ECS_DO(within_space(address, bytes.size()));
   ECS_DO(memory_there(address, bytes.size()));
   ECS_DO(may_write(MemoryBytes::of_unit(kMostModules), address, bytes.size()));
-  ECS_DO(
-      confirmed(request.yes, fmt::format("{} bytes from {} will be overwritten", bytes.size(), hex_address(address))));
+  ECS_DO(confirmed(request.yes,
+                   fmt::format("{} bytes beginning at {} will be overwritten", bytes.size(), hex_address(address))));
   ECS_TRY(unit, open_unit(context));
   ECS_TRY(identity, unit.client().identity());
   ECS_DO(write_logged(unit.client(), identity.serial_number, address, bytes, progress_bar(context, "memory")));
-  return outcome_of(record_cell("{length} bytes written from {address}", "address"_is(hex_address(address)),
+  return outcome_of(record_cell("{length} bytes written, beginning at {address}", "address"_is(hex_address(address)),
                                 "length"_is(bytes.size())));
 }
 

@@ -96,7 +96,7 @@ Result<model::AddRequest> request_of(const AddRequest& request) {
     return wanted;
   }
   return problem(ProblemKind::usage,
-                 "--code: expected one of the 21 components, such as ECX or C0Y, or EA, EB, EC of set_up_rotation, XOC "
+                 "--code: expected one of the 21 components, such as ECX or C0Y; EA, EB or EC for set_up_rotation; XOC "
                  "… of location, got \"{}\"",
                  request.code);
 }

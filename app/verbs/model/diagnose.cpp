@@ -205,7 +205,7 @@ Result<std::string> written_for(const model::NextMeasurement& next, const std::o
     return problem(ProblemKind::usage, "--program needs --machine: all motion must stay within its travels");
   const auto place = static_cast<std::size_t>(request.proposal - 1);
   if (next.proposals.empty())
-    return problem(ProblemKind::refused, "no measurement is proposed, so no file was written: {}",
+    return problem(ProblemKind::refused, "no file was written, because no measurement is proposed. {}",
                    fmt::join(next.notes, "; "));
   if (place >= next.proposals.size())
     return problem(ProblemKind::refused, "there is no proposal {}, the last one is {}: no file was written",
@@ -265,14 +265,15 @@ Cell check_cell(const PlanCheck& check, double noise_um, bool noise_is_assumed, 
   for (const std::string& one : check.undetermined) undetermined += paragraph("undetermined: " + one, 0, 2);
   for (const std::string& one : check.assumed) assumed += paragraph("assumed: " + one, 0, 2);
   return record_cell(
-      "{determines}\n{readings} readings, noise {noise_um} um{noise_of}, condition number {condition}\n\n{effects}"
+      "{determines}\n{readings} readings, noise {noise_um} um{noise_of}{condition}\n\n{effects}"
       "{undetermined}{assumed}",
       "determines"_is(check.determines, "The plan determines every parameter of the model.",
                       "The plan does not determine the model."),
       "readings"_is(readings), "noise_um"_is(noise_um, 3),
       "noise_of"_shown(noise_is_assumed ? " (assumed: give DATA or --noise)" : ""),
-      "condition"_is(check.condition, few_digits(check.condition)), "undetermined"_is(check.undetermined, undetermined),
-      "effects"_is(std::move(effects)), "assumed"_shown(assumed));
+      "condition"_is(check.condition,
+                     check.determines ? ", condition number " + few_digits(check.condition) : std::string()),
+      "undetermined"_is(check.undetermined, undetermined), "effects"_is(std::move(effects)), "assumed"_shown(assumed));
 }
 
 Result<Outcome> check_planned(VerbContext& context, const NextRequest& request) {

@@ -302,8 +302,9 @@ Result<void> draw(Cell& answer, const ModelWork& work, const model::Fit& fit, co
   if (request.residual_plot.empty()) return {};
   const PlotFigure figure = residual_figure(fit, work.data);
   if (figure.panels.empty())
-    return problem(ProblemKind::refused,
-                   "--plot-residual: neither run nor time nor another variable changes along these lines");
+    return problem(
+        ProblemKind::refused,
+        "--plot-residual: apart from position and approach, no variable (run, time, ...) changes in these readings");
   answer.text += "\nplot of the residual written to " + request.residual_plot + "\n";
   return write_plot(request.residual_plot, figure);
 }

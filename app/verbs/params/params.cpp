@@ -53,7 +53,8 @@ Result<Outcome> show_unit(VerbContext& context) {
 
 Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
   if (request.unit == !request.file.empty())
-    return problem(ProblemKind::usage, "params show: give either a parameter file or the word `unit`");
+    return problem(ProblemKind::usage,
+                   "params show: expected either a parameter file or `unit` (`--unit`), and not both");
   if (request.unit || request.file == kUnitWord) return show_unit(context);
   ECS_TRY(file, params::read_parameters(request.file));
   const auto& [machine, serial_number] = file.identity;
@@ -137,7 +138,8 @@ Result<Outcome> set_values(VerbContext& context, const SetRequest& request) {
   Cell changed = list_cell(params::diff(before, file.parameters), changed_cell);
   add_identity_change(changed, "identity.machine", owner_before.machine, file.identity.machine);
   add_identity_change(changed, "identity.serial_number", owner_before.serial_number, file.identity.serial_number);
-  if (changed.json.empty()) changed.text = "unchanged: the file already has these values\n";
+  const bool same = changed.json.empty();
+  if (same) changed.text = "no value differs from that in the file\n";
   return outcome_of(record_cell("{changed}written to {file}", "file"_is(output), "changed"_is(changed)));
 }
 
@@ -292,8 +294,8 @@ Result<void> send_adjusted(VerbContext& context, UnitLink& unit, const UnitParam
   if (!sent) {
     if (compensated)
       sent.error().message +=
-          ". The unit no longer compensates: it is in integration mode. Correct the cause and repeat the command, or "
-          "run `ecs utility mode compensate`";
+          ". For the transfer the unit was put into integration mode, and compensation is off: correct the cause and "
+          "repeat the command, or run `ecs utility mode compensate`";
     return tl::unexpected(sent.error());
   }
   if (!compensated) return {};
@@ -315,12 +317,12 @@ struct Adjusted {
 Adjusted adjusted(const AdjustRequest& request, bool shows_nothing, bool tried, bool compensated) {
   if (shows_nothing && (request.trial || !tried))
     return {"{component}: {before} um/m stays: the indicator reads zero within {nothing_um} um\n{then}",
-            tried ? fmt::format("it is only tried: {} stores it\n", command_that_stores(request)) : ""};
+            tried ? fmt::format("it is in effect for a trial only: {} stores it\n", command_that_stores(request)) : ""};
   if (request.trial)
-    return {
-        "{component}: {before} -> {after} um/m, tried\n{then}",
-        fmt::format("the unit keeps compensating; measure again. When the indicator reads zero, {} stores the value\n",
-                    command_that_stores(request))};
+    return {"{component}: {before} -> {after} um/m, in effect for a trial, not stored\n{then}",
+            fmt::format("the unit keeps compensating; measure again. When the indicator reads zero, {} (no further "
+                        "change) stores the value on trial\n",
+                        command_that_stores(request))};
   return {"{component}: {before} -> {after} um/m, sent and verified\n{then}",
           compensated ? "the unit compensates again when every axis has been referenced; then measure again\n"
                       : "the unit is in integration mode\n",

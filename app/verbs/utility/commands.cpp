@@ -69,8 +69,9 @@ struct OutputRequest {
 Result<Outcome> output_value(VerbContext& context, const OutputRequest& request) {
   const bool given = !request.axis.empty() && request.output_um.has_value();
   if (request.off == given)
-    return problem(ProblemKind::usage,
-                   "utility output: give an axis and a compensation in um, as in `ecs utility output X 5`, or --off");
+    return problem(
+        ProblemKind::usage,
+        "utility output: expected an axis and a compensation in um, as in `ecs utility output X 5`, or --off alone");
   if (request.off)
     return simple(
         context, [](protocol::UnitClient& client) { return client.output_off(); },

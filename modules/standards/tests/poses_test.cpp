@@ -78,7 +78,7 @@ TEST_CASE("a body that arrives elsewhere is found with the sizes of its motions,
 }
 
 TEST_CASE("readings without the motion of their visit keep the errors of the points, and have no motion left") {
-  MeasurementSet set = visits({.shift_um = 60.0, .turn_um_per_m = 300.0, .noise_um = 0.01}, 4);
+  MeasurementSet set = visits({.shift_um = 60.0, .turn_um_per_m = 300.0, .noise_um = 0.5}, 4);
   for (Reading& r : set.readings) r.error += r.sense == Sense::EY ? 0.5 * r.position_mm[0] : 0.0;
   const PoseTest test = must(pose_test_of(set));
   const MeasurementSet rest = without_motions(set, test);
@@ -86,7 +86,7 @@ TEST_CASE("readings without the motion of their visit keep the errors of the poi
   CHECK(again.rms_um == Approx(test.rms_after_um).epsilon(1e-3));
   CHECK(again.shift_um < 1e-3);
   for (std::size_t p = 0; p < test.points.size(); ++p)
-    CHECK(must(again.points[p].off_mm)[1] == Approx(must(test.points[p].off_mm)[1]).epsilon(1e-6));
+    CHECK(must(again.points[p].off_mm)[1] == Approx(must(test.points[p].off_mm)[1]).epsilon(1e-5));
   CHECK(metadata_value(rest, "removed") == "the rigid motion of each visit (run)");
 }
 

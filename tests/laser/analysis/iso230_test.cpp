@@ -158,7 +158,7 @@ TEST_CASE("unknown approaches beside known ones are left out and counted") {
   set.readings.push_back(reading(Axis::X, Sense::EX, 0.0, 99.0));
   const Iso230 axis = evaluated(set);
   CHECK(*axis.E == Approx(1.0));
-  CHECK(says(axis.notes, "1 readings of unknown approach"));
+  CHECK(says(axis.notes, "1 reading of unknown approach is ignored"));
 }
 
 TEST_CASE("conditions of the standard that are not met are named") {
