@@ -2,7 +2,6 @@
 // Result comes back, and what was read is finite. ECS_FUZZ_READER in the environment is the id of a format, "any",
 // "map" or of a module's reader. The seeds of each are in corpus/<id>.
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -10,6 +9,7 @@
 #include <string_view>
 
 #include "laser/analysis/iso230.hpp"
+#include "laser/analysis/process.hpp"
 #include "laser/import/format.hpp"
 #include "laser/import/import.hpp"
 #include "laser/map/csv.hpp"
@@ -31,37 +31,42 @@ ImportOptions options_of(std::uint8_t choice) {
   options.table_holds_errors = (choice & 16u) != 0;
   if ((choice & 32u) != 0) options.target_unit = unit_named("in");
   if ((choice & 64u) != 0) options.reading_unit = unit_named("arcsec");
+  if ((choice & 96u) == 96u) options.encoding = Encoding::gbk;
   options.spread_environment = (choice & 128u) == 0;
   options.most_samples = 1000;
   return options;
 }
 
-/// What may follow reading.
+/// What may follow reading; a curve may be refused, never harm.
 void use(const MeasurementSet& set) {
-  for (const Reading& reading : set.readings)
-    if (!std::isfinite(reading.error) || !std::isfinite(reading.position_mm[0]) ||
-        !std::isfinite(reading.position_mm[1]) || !std::isfinite(reading.position_mm[2]))
-      std::abort();
+  for (const Reading& reading : set.readings) {
+    fuzz::check_finite(reading.error);
+    fuzz::all_finite(reading.position_mm);
+  }
   if (set.readings.size() > 2000) return;
   const auto groups = groups_of(set);
   if (groups.size() > 50) return;
-  for (const Group& group : groups) static_cast<void>(iso230_of(set, group));
+  for (const Group& group : groups) {
+    static_cast<void>(iso230_of(set, group));
+    const auto curve = averaged(set, group);
+    if (!curve) continue;
+    Smoothing five;
+    five.window_points = 5;
+    static_cast<void>(smoothed(*curve, five));
+    static_cast<void>(levelled(*curve, SlopeMethod::least_squares));
+    static_cast<void>(zeroed_at(*curve, 0.0));
+    static_cast<void>(squareness_of(*curve));
+    static_cast<void>(rotation_from(*curve, *curve));
+  }
   if (!set.readings.empty()) static_cast<void>(to_csv(set));
 }
 
-void use(const Result<MeasurementSet>& set) {
-  if (set)
-    use(*set);
-  else if (set.error().message.empty())
-    std::abort();
-}
+/// One message, and of very many faults the first.
+void use(const Problem& problem) { fuzz::check(!problem.message.empty() && problem.also.size() <= 20); }
 
 void any(std::string_view bytes, const ImportOptions& options) {
   const auto imported = parse_any(bytes, "fuzz", options);
-  if (imported)
-    use(imported->set);
-  else if (imported.error().message.empty())
-    std::abort();
+  imported ? use(imported->set) : use(imported.error());
 }
 
 /// The layout is the first line, the matrix below.
@@ -75,10 +80,12 @@ void mapped_matrix(std::string_view bytes, const ImportOptions& options) {
 }
 
 void file(const FileFormat& format, std::string_view bytes, const ImportOptions& options) {
-  if (format.read_environment)
+  if (format.read_environment) {
     static_cast<void>(format.read_environment(bytes, "fuzz"));
-  else
-    use(format.read(bytes, "fuzz", options));
+    return;
+  }
+  const auto set = format.read(bytes, "fuzz", options);
+  set ? use(*set) : use(set.error());
 }
 
 /// The mapping is the first line, the table below: of numbers, or of a log's channels with lines that state targets.
@@ -100,12 +107,9 @@ void mapped_columns(std::string_view bytes, const ImportOptions& options) {
 /// A map that was read is written and read again as the same tables.
 void map(std::string_view bytes) {
   const auto read = parse_map_csv(bytes, "map.csv");
-  if (!read) {
-    if (read.error().message.empty()) std::abort();
-    return;
-  }
+  if (!read) return use(read.error());
   const auto again = parse_map_csv(to_map_csv(*read), "map.csv");
-  if (!again || again->tables != read->tables) std::abort();
+  fuzz::check(again && again->tables == read->tables);
 }
 
 }  // namespace
