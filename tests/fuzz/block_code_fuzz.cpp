@@ -24,7 +24,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::size_t history = 4 * std::size_t{data[0]}, room = 1 + 8 * std::size_t{data[1]};
   std::vector<std::uint8_t> memory(history + room);
   for (std::size_t i = 0; i < history; ++i) memory[i] = static_cast<std::uint8_t>(i * 7);
-  if (!ecs::decode_blocks({data + 2, size - 2}, memory, history, kBlock)) return 0;
+  const bool decoded = ecs::decode_blocks({data + 2, size - 2}, memory, history, kBlock);
+  for (std::size_t i = 0; i < history; ++i) check(memory[i] == static_cast<std::uint8_t>(i * 7));
+  if (!decoded) return 0;
   ecs::protocol::BitWriter code;
   for (std::size_t at = history; at < memory.size(); at += kBlock)
     code.append(ecs::protocol::coded_block(memory, at, std::min(at + kBlock, memory.size())));

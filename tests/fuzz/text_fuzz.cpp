@@ -225,6 +225,7 @@ void snapshot(std::string_view text) {
   if (!was_read(read)) return;
   for (const auto& value : read->selected)
     if (value) check_finite(value->value);
+  check(json_in(one_line(commissioning::status_cell(*read).json)).is_object());
   const std::string written =
       commissioning::json_with_registers(*read).dump(1, ' ', false, Json::error_handler_t::replace);
   const auto again = commissioning::parse_snapshot(written, kFile);

@@ -174,18 +174,6 @@ TEST_CASE("tables where values belong, and values where tables belong, are refus
     CHECK_MESSAGE(!parsed(text).has_value(), text);
 }
 
-TEST_CASE("no text, however corrupted, makes the reader throw") {
-  const std::string sound = parameters_toml(UnitParameters{});
-  CHECK(rc::check([&] {
-    std::string spoilt = sound;
-    const auto cuts = *rc::gen::inRange(1, 6);
-    for (int i = 0; i < cuts; ++i)
-      spoilt[*rc::gen::inRange<std::size_t>(0, spoilt.size())] = *rc::gen::arbitrary<char>();
-    const auto file = parsed(spoilt);
-    if (!file) RC_ASSERT(!file.error().message.empty());
-  }));
-}
-
 TEST_CASE("a key nested without end is refused at its line instead of exhausting the stack") {
   for (const std::string part : {"a.", "[", "{a="}) {
     std::string text = "\nx";

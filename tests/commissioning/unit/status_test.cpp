@@ -1,8 +1,6 @@
 // Status files: what was saved is what is decoded, without a unit.
 #include "commissioning/unit/status.hpp"
 
-#include <rapidcheck.h>
-
 #include "base/answer_table.hpp"
 #include "protocol/registers/unit_registers.hpp"
 #include "tests/support/verb_run.hpp"
@@ -162,18 +160,6 @@ TEST_CASE("files that hold no status are refused, saying what was expected") {
     CHECK(r.code == 3);
     CHECK(contains(r.json()["error"]["message"].get<std::string>(), "expected"));
   }
-}
-
-TEST_CASE("registers of any content are decoded or refused") {
-  const Json whole = json_with_registers(faulty_unit());
-  CHECK(rc::check([&] {
-    Json object = whole;
-    const char* block = *rc::gen::element("identity", "status", "pointers");
-    const auto at = *rc::gen::inRange<std::size_t>(0, object["raw"][block].size());
-    object["raw"][block][at] = *rc::gen::arbitrary<std::uint16_t>();
-    const auto read = parse_snapshot(object.dump(), "s");
-    if (read) RC_ASSERT(Json::parse(one_line(status_cell(*read).json), nullptr, false).is_object());
-  }));
 }
 
 }  // namespace

@@ -96,18 +96,6 @@ TEST_CASE("a digest takes half of its characters, the second of two equal lines 
   CHECK(coded_block(of(line + line), line.size(), 2 * line.size()).bytes().size() <= 5);
 }
 
-TEST_CASE("any code is decoded or refused, and never writes beyond its room") {
-  CHECK(rc::check([] {
-    const Memory code = any_bytes(300);
-    const std::size_t history = *rc::gen::inRange<std::size_t>(0, 50);
-    const std::size_t room = *rc::gen::inRange<std::size_t>(1, 400);
-    Memory memory(history + room + 8, 0x5A);
-    static_cast<void>(decode_blocks(code, Bytes(memory).first(history + room), history, 120));
-    for (std::size_t i = 0; i < history; ++i) RC_ASSERT(memory[i] == 0x5A);
-    for (std::size_t i = history + room; i < memory.size(); ++i) RC_ASSERT(memory[i] == 0x5A);
-  }));
-}
-
 TEST_CASE("a code that is cut, or longer than its blocks, is refused") {
   const Memory bytes = smooth(120);
   auto code = coded(bytes, 0, 120).bytes();
