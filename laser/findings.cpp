@@ -1,7 +1,5 @@
 #include "laser/findings.hpp"
 
-#include <fmt/format.h>
-
 namespace ecs::laser {
 
 void Findings::add(int line, int column, std::string message) {

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
-#include <map>
-#include <optional>
 #include <set>
 #include <tuple>
 
@@ -14,7 +11,6 @@
 #include "base/file_kind.hpp"
 #include "base/text.hpp"
 #include "laser/csv_columns.hpp"
-#include "laser/csv_table.hpp"
 #include "laser/findings.hpp"
 #include "laser/text_decoding.hpp"
 

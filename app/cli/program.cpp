@@ -7,7 +7,6 @@
 #include <csignal>
 #include <cstring>
 #include <exception>
-#include <string>
 #include <string_view>
 #include <utility>
 
@@ -15,7 +14,6 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
 #include "base/json.hpp"
 #include "base/process.hpp"

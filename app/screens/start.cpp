@@ -22,7 +22,6 @@
 #include "base/outcome.hpp"
 #include "base/text.hpp"
 #include "commissioning/files/known_files.hpp"
-#include "commissioning/link/unit_connection.hpp"
 #include "commissioning/session/message.hpp"
 #include "commissioning/session/records.hpp"
 #include "commissioning/session/remembered.hpp"

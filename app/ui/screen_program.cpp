@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "app/ui/cells.hpp"
-#include "app/ui/screen.hpp"
-#include "app/ui/widgets.hpp"
 #include "base/process.hpp"
 #include "base/text.hpp"
 #include "commissioning/session/message.hpp"

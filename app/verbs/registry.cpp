@@ -7,7 +7,6 @@
 
 #include "app/cli/linear.hpp"
 #include "app/cli/module.hpp"
-#include "app/cli/program.hpp"
 #include "base/file_kind.hpp"
 
 namespace ecs::app {

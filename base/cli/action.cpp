@@ -1,7 +1,5 @@
 #include "base/cli/action.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "base/file.hpp"

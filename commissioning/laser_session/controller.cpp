@@ -12,7 +12,6 @@
 #include "base/json.hpp"
 #include "commissioning/link/not_armed.hpp"
 #include "commissioning/link/unit_connection.hpp"
-#include "commissioning/maps/unit_work.hpp"
 #include "laser/measurement_set.hpp"
 
 namespace ecs::commissioning {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -14,7 +13,6 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "commissioning/laser_session/work.hpp"
-#include "commissioning/measurements/files.hpp"
 #include "commissioning/measurements/mapped_table.hpp"
 #include "commissioning/session/commands.hpp"
 #include "laser/analysis/pipeline.hpp"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <sstream>
-#include <vector>
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -20,7 +20,6 @@
 
 #include "base/answer_table.hpp"
 #include "base/file.hpp"
-#include "base/process.hpp"
 #include "base/text.hpp"
 #include "commissioning/link/unit_link.hpp"
 #include "commissioning/unit/status.hpp"

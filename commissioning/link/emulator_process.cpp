@@ -6,7 +6,6 @@
 #include <csignal>
 #include <cstring>
 #include <mutex>
-#include <optional>
 #include <random>
 #include <string_view>
 #include <thread>
@@ -22,7 +21,6 @@
 #include <unistd.h>
 
 #include "base/file.hpp"
-#include "base/json.hpp"
 #include "base/process.hpp"
 #include "base/text.hpp"
 #include "commissioning/session/commands.hpp"

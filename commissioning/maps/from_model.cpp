@@ -20,8 +20,6 @@
 #include "model/effects/artefact_place.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
-#include "model/fit/compiled_model.hpp"
-#include "params/parameters_toml.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 
 #include <fmt/format.h>
 
@@ -10,11 +9,8 @@
 #include "base/file.hpp"
 #include "base/text.hpp"
 #include "commissioning/maps/findings.hpp"
-#include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/csv.hpp"
-#include "laser/map/image.hpp"
-#include "params/parameters_toml.hpp"
 
 namespace ecs::commissioning {
 

@@ -4,12 +4,10 @@
 #include <fmt/ranges.h>
 
 #include "commissioning/link/emulator_process.hpp"
-#include "commissioning/link/unit_connection.hpp"
 #include "commissioning/maps/findings.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"
 #include "laser/map/error_map.hpp"
-#include "params/parameters_toml.hpp"
 
 namespace ecs::commissioning {
 namespace {

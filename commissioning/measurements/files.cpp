@@ -1,8 +1,6 @@
 #include "commissioning/measurements/files.hpp"
 
 #include <algorithm>
-#include <filesystem>
-#include <map>
 #include <type_traits>
 #include <utility>
 #include <variant>

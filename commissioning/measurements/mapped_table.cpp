@@ -1,7 +1,6 @@
 #include "commissioning/measurements/mapped_table.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string_view>
 #include <utility>

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <optional>
-#include <string>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

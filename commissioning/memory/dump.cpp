@@ -10,7 +10,6 @@
 #include "base/file_kind.hpp"
 #include "base/json.hpp"
 #include "commissioning/memory/bytes.hpp"
-#include "commissioning/unit/status.hpp"
 #include "commissioning/unit/transfer.hpp"
 #include "core/memory_image.hpp"
 

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "commissioning/memory/decode.hpp"
 #include "core/axis.hpp"
 #include "params/fields.hpp"
 

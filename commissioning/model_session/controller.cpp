@@ -12,11 +12,7 @@
 #include "base/text.hpp"
 #include "commissioning/link/unit_connection.hpp"
 #include "commissioning/maps/findings.hpp"
-#include "commissioning/maps/from_model.hpp"
-#include "commissioning/maps/unit_work.hpp"
-#include "commissioning/model_session/commands.hpp"
 #include "commissioning/models/plots.hpp"
-#include "commissioning/models/view.hpp"
 #include "commissioning/models/what_if.hpp"
 
 namespace ecs::commissioning {

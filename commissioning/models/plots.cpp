@@ -4,12 +4,10 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "commissioning/models/view.hpp"
 #include "model/data/motions.hpp"
 #include "model/effects/definition.hpp"
 

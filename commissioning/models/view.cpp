@@ -8,9 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/answer_table.hpp"
 #include "base/text.hpp"
-#include "model/effects/definition.hpp"
 
 namespace ecs::commissioning {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,8 +10,6 @@
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
 #include "base/text.hpp"
-#include "commissioning/measurements/files.hpp"
-#include "laser/measurement_set.hpp"
 #include "laser/standards/circle.hpp"
 #include "laser/standards/diagonals.hpp"
 #include "laser/standards/gauge_blocks.hpp"

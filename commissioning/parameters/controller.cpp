@@ -7,7 +7,6 @@
 
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
-#include "commissioning/parameters/set.hpp"
 #include "commissioning/session/commands.hpp"
 #include "commissioning/session/records.hpp"
 #include "core/memory_image.hpp"

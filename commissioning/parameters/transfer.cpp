@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include "commissioning/link/not_armed.hpp"
-#include "commissioning/link/unit_connection.hpp"
 #include "commissioning/parameters/controller.hpp"
-#include "commissioning/unit/transfer.hpp"
 #include "core/mode_word.hpp"
 
 namespace ecs::commissioning {

@@ -3,8 +3,6 @@
 #include <atomic>
 #include <utility>
 
-#include "base/file.hpp"
-
 namespace ecs::commissioning {
 namespace {
 

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <filesystem>
 #include <mutex>
-#include <vector>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

@@ -1,7 +1,5 @@
 #include "commissioning/unit/status.hpp"
 
-#include <array>
-
 #include <fmt/format.h>
 
 #include "base/answer_table.hpp"
@@ -14,7 +12,6 @@
 #include "core/memory_image.hpp"
 #include "core/mode_word.hpp"
 #include "laser/map/error_map.hpp"
-#include "params/fields.hpp"
 #include "protocol/registers/register_map.hpp"
 #include "protocol/registers/unit_registers.hpp"
 

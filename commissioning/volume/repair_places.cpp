@@ -6,9 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <optional>
 #include <random>
-#include <string>
 #include <utility>
 
 #include "base/random.hpp"

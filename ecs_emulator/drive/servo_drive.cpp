@@ -1,8 +1,5 @@
 #include "ecs_emulator/drive/servo_drive.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/units.hpp"
 
 namespace ecs::emulator {

@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include "base/result.hpp"
 #include "base/units.hpp"
 #include "ecs_emulator/instruments/interferometer.hpp"
-#include "ecs_emulator/random/random.hpp"
 
 namespace ecs::emulator {
 namespace {

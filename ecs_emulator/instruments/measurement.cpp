@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "ecs_emulator/instruments/measuring_post.hpp"
 
 namespace ecs::emulator {
 namespace {

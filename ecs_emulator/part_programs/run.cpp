@@ -3,7 +3,6 @@
 
 #include <cctype>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <map>
 

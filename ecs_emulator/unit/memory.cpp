@@ -1,7 +1,6 @@
 #include "ecs_emulator/unit/memory.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -17,7 +16,6 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
-#include "core/address_map.hpp"
 
 namespace ecs::emulator {
 namespace {

@@ -11,8 +11,6 @@
 #include <fmt/format.h>
 #include <unicorn/unicorn.h>
 
-#include "ecs_emulator/unit/memory.hpp"
-
 namespace ecs::emulator {
 /// Functions of libunicorn by the names of its header, without "uc_".
 #define ECS_PROCESSOR_FUNCTIONS(F) \

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "base/file.hpp"
-#include "ecs_emulator/instruments/arguments.hpp"
 #include "ecs_emulator/instruments/files.hpp"
 #include "ecs_emulator/part_programs/run.hpp"
 #include "laser/writers/writers.hpp"

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <vector>
 
 namespace ecs::laser {
 namespace {

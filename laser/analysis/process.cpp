@@ -11,7 +11,6 @@
 
 #include "base/linear/decompositions.hpp"
 #include "base/units.hpp"
-#include "laser/analysis/curve.hpp"
 #include "laser/groups.hpp"
 
 namespace ecs::laser {

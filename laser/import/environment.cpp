@@ -3,7 +3,6 @@
 #include "laser/import/environment.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <vector>
 
 #include <fmt/format.h>

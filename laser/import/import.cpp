@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <utility>
@@ -18,10 +17,8 @@
 #include "base/units.hpp"
 #include "laser/groups.hpp"
 #include "laser/import/fields.hpp"
-#include "laser/import/format.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/set_up.hpp"
-#include "laser/measurement_set.hpp"
 #include "laser/writers/writers.hpp"
 
 namespace ecs::laser {

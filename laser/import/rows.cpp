@@ -14,7 +14,6 @@
 #include "base/units.hpp"
 #include "base/words.hpp"
 #include "laser/csv_columns.hpp"
-#include "laser/findings.hpp"
 #include "laser/import/readers.hpp"
 #include "laser/import/time.hpp"
 #include "laser/measurement_set.hpp"

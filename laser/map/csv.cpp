@@ -13,7 +13,6 @@
 #include "base/text.hpp"
 #include "laser/csv_table.hpp"
 #include "laser/findings.hpp"
-#include "laser/map/error_map.hpp"
 #include "laser/map/rotary_map.hpp"
 #include "laser/text_decoding.hpp"
 

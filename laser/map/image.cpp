@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "core/address_map.hpp"
-#include "core/memory_image.hpp"
 #include "laser/map/rotary_map.hpp"
 
 namespace ecs::laser {

@@ -2,7 +2,6 @@
 #include "model/planning/run.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>

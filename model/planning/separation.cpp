@@ -11,10 +11,8 @@
 #include "model/data/motions.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/compare.hpp"
-#include "model/fit/core.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
-#include "model/planning/run.hpp"
 #include "model/regression/user_formula.hpp"
 
 namespace ecs::model {

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <ctime>
 #include <filesystem>
-#include <memory>
 #include <thread>
 
 #include <fmt/format.h>

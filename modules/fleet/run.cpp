@@ -1,15 +1,12 @@
 #include "modules/fleet/run.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <ctime>
 #include <exception>
-#include <filesystem>
 #include <list>
 #include <mutex>
-#include <optional>
 #include <thread>
 #include <utility>
 
@@ -22,7 +19,6 @@
 #include "commissioning/models/work.hpp"
 #include "laser/csv_table.hpp"
 #include "model/diagnosis/diagnose.hpp"
-#include "modules/fleet/result.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -1,7 +1,6 @@
 #include "modules/hidden_cases/scene.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>

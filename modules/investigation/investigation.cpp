@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <iterator>
 #include <set>
 #include <tuple>
-#include <utility>
 
 #include <fmt/format.h>
 

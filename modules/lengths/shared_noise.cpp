@@ -7,7 +7,6 @@
 #include <numeric>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "base/linear/decompositions.hpp"
 #include "base/units.hpp"

@@ -5,12 +5,10 @@
 #include <mutex>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "base/clock.hpp"
-#include "base/file.hpp"
 #include "base/json.hpp"
 #include "base/settings.hpp"
 #include "base/text.hpp"

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/clock.hpp"
-#include "base/file.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "commissioning/session/commands.hpp"

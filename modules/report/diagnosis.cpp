@@ -10,7 +10,6 @@
 #include "base/file.hpp"
 #include "base/file_kind.hpp"
 #include "base/json.hpp"
-#include "commissioning/models/view.hpp"
 #include "model/effects/definition.hpp"
 #include "modules/report/markup.hpp"
 

@@ -1,8 +1,6 @@
 // A report as one page: its style, on a screen, light or dark, and on A4; its head, its sections.
 #include "modules/report/page.hpp"
 
-#include <string>
-
 #include <fmt/format.h>
 
 #include "base/version.hpp"

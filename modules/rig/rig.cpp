@@ -1,7 +1,5 @@
 #include "modules/rig/rig.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <numbers>
 

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "base/file_kind.hpp"
-#include "laser/standards/circle.hpp"
 
 namespace ecs::commissioning {
 namespace {

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "base/units.hpp"
 #include "laser/findings.hpp"
-#include "laser/import/set_up.hpp"
 #include "model/fit/statistics.hpp"
 
 namespace ecs::laser {

@@ -4,12 +4,10 @@
 #include "modules/traces/simulation.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <compare>
 #include <map>
 #include <numbers>
 #include <string>
-#include <vector>
 
 #include "base/file.hpp"
 #include "base/text.hpp"

@@ -4,13 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 
 #include <modbus.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-#include "protocol/registers/register_map.hpp"
 
 namespace ecs::protocol {
 

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <vector>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,6 @@
 #include "protocol/registers/fields.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <vector>
 

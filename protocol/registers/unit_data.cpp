@@ -2,7 +2,6 @@
 #include "protocol/registers/unit_data.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>

@@ -3,19 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "core/axis.hpp"
 #include "protocol/registers/fields.hpp"
-#include "protocol/registers/register_map.hpp"
 
 namespace ecs::protocol {
 

@@ -2,9 +2,6 @@
 #include "protocol/server/register_server.hpp"
 
 #include <algorithm>
-#include <array>
-#include <optional>
-#include <utility>
 #include <vector>
 
 #include "base/file.hpp"

@@ -10,13 +10,9 @@
 #include <cstring>
 #include <fstream>
 #include <map>
-#include <memory>
-#include <optional>
 #include <span>
-#include <string>
 #include <unordered_map>
 #include <utility>
-#include <vector>
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -29,9 +25,7 @@
 #include <unistd.h>
 
 #include "base/process.hpp"
-#include "protocol/line/faults.hpp"
 #include "protocol/line/frame_codec.hpp"
-#include "protocol/registers/register_map.hpp"
 #include "protocol/registers/unit_registers.hpp"
 
 namespace ecs::protocol {

@@ -5,8 +5,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "app/ui/widgets.hpp"
-
 namespace ecs::app {
 
 const LaserStepRow kLaserStepRows[kLaserSteps] = {

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <memory>
-#include <string>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,7 +11,6 @@
 #include "app/cli/catalogue.hpp"
 #include "app/screens/files/prompt.hpp"
 #include "app/screens/model/screen.hpp"
-#include "app/ui/screen.hpp"
 #include "app/ui/widgets.hpp"
 #include "base/file.hpp"
 #include "commissioning/files/known_files.hpp"

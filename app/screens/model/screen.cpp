@@ -9,7 +9,6 @@
 #include "app/cli/catalogue.hpp"
 #include "app/cli/module.hpp"
 #include "app/plot/gnuplot.hpp"
-#include "app/ui/widgets.hpp"
 #include "commissioning/files/known_files.hpp"
 #include "model/effects/definition.hpp"
 

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "app/cli/verb.hpp"
 #include "app/cli/verb_unit.hpp"
 #include "app/plot/gnuplot.hpp"
 #include "base/answer_table.hpp"
@@ -15,7 +14,6 @@
 #include "base/file_kind.hpp"
 #include "commissioning/maps/compare.hpp"
 #include "commissioning/maps/findings.hpp"
-#include "commissioning/maps/map_in_unit.hpp"
 #include "commissioning/measurements/files.hpp"
 #include "commissioning/plot/curves.hpp"
 #include "commissioning/unit/status.hpp"

@@ -1,7 +1,6 @@
 #include "tests/support/fake_devices/fake_hid.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
