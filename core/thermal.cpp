@@ -1,7 +1,6 @@
 #include "core/thermal.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include <zlib.h>

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "app/cli/console.hpp"
 #include "base/cli/action.hpp"

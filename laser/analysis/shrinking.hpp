@@ -5,7 +5,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "laser/analysis/curve.hpp"
 #include "laser/groups.hpp"

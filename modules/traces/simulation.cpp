@@ -4,7 +4,6 @@
 #include "modules/traces/simulation.hpp"
 
 #include <algorithm>
-#include <compare>
 #include <map>
 #include <numbers>
 #include <string>

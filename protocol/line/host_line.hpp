@@ -8,7 +8,6 @@
 #include <ctime>
 #include <functional>
 #include <span>
-#include <string>
 #include <thread>
 #include <vector>
 

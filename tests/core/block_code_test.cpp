@@ -1,9 +1,6 @@
 // Codes written by hand: what each mode means, and what no encoder writes.
 #include "core/block_code.hpp"
 
-#include <array>
-#include <initializer_list>
-
 #include "tests/support/test.hpp"
 
 using namespace ecs;

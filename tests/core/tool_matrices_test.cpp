@@ -1,7 +1,6 @@
 // Another tool in the running loop, against the product of the exact matrices of the chain with the tool at its end
 // (tests/core/support/measured_machine.hpp).
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>

@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "app/screens/files/keyed_screen.hpp"
 #include "app/ui/screen.hpp"

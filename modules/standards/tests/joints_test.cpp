@@ -6,7 +6,6 @@
 #include <random>
 
 #include <Eigen/Geometry>
-#include <fmt/format.h>
 
 #include "base/random.hpp"
 #include "tests/support/test.hpp"

@@ -1,8 +1,6 @@
 // A unit at its machine, as the tests of the unit set it up.
 #pragma once
 
-#include <memory>
-
 #include "base/file.hpp"
 #include "ecs_emulator/unit/unit.hpp"
 #include "ecs_emulator/workshop/procedures.hpp"

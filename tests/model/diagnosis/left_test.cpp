@@ -1,7 +1,6 @@
 // What is told of what is left: each class by made data that show it, and withheld where they cannot.
 #include "model/diagnosis/left.hpp"
 
-#include <map>
 #include <numbers>
 
 #include "model/diagnosis/ladder.hpp"

@@ -1,7 +1,6 @@
 // Real measurements as sets of readings, and what the diagnosis says of them.
 #pragma once
 
-#include <array>
 #include <sstream>
 
 #include "base/file.hpp"
