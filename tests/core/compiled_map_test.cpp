@@ -127,18 +127,6 @@ TEST_CASE("the compiled map is the definition, term by term, for any map, chain,
   }));
 }
 
-TEST_CASE("linear interpolation is exact at the points, a straight line between them, and holds beyond both ends") {
-  const auto map = compiled(
-      image_of(one_axis(Interpolation::linear), {{Component::EXX, Approach::unknown, -40.0, 20.0, 0.5, {10, -6, 8}}}));
-  CHECK(x_at(*map, -40.0) == Approx(5.0));
-  CHECK(x_at(*map, -20.0) == Approx(-3.0));
-  CHECK(x_at(*map, 0.0) == Approx(4.0));
-  CHECK(x_at(*map, -30.0) == Approx(1.0));
-  CHECK(x_at(*map, -5.0) == Approx(2.25));
-  CHECK(x_at(*map, -1e9) == Approx(5.0));
-  CHECK(x_at(*map, 1e9) == Approx(4.0));
-}
-
 TEST_CASE("the nearest value acts for less than half an increment to either side, in both directions") {
   const auto map = compiled(
       image_of(one_axis(Interpolation::nearest), {{Component::EXX, Approach::unknown, -40.0, 20.0, 1.0, {10, -6, 8}}}));
@@ -152,23 +140,6 @@ TEST_CASE("the nearest value acts for less than half an increment to either side
   }
 }
 
-TEST_CASE("each approach has its own table: start, increment and length may differ") {
-  const auto map = compiled(image_of(one_axis(Interpolation::linear),
-                                     {{Component::EXX, Approach::forward, 0.0, 10.0, 1.0, {0, 10, 20}},
-                                      {Component::EXX, Approach::reverse, 5.0, 2.0, 0.5, {2, 4, 6, 8, 20}}}));
-  CHECK(x_at(*map, 7.5, kForward) == Approx(7.5));
-  CHECK(x_at(*map, 12.0, kReverse) == Approx(7.0));
-  CHECK(x_at(*map, 0.0, kReverse) == Approx(1.0));
-}
-
-TEST_CASE("a table of one value is that value everywhere") {
-  for (const auto interpolation : {Interpolation::linear, Interpolation::nearest}) {
-    const auto map =
-        compiled(image_of(one_axis(interpolation), {{Component::EXX, Approach::unknown, 3.0, 1.0, 1.0, {7}}}));
-    for (const double p_mm : {-100.0, 3.0, 100.0}) CHECK(x_at(*map, p_mm) == 7.0);
-  }
-}
-
 TEST_CASE("parameters hold squareness errors, the output compensates them") {
   UnitParameters p{.C0Y_um_per_m = 16.0, .B0Z_um_per_m = -38.8, .A0Z_um_per_m = -66.93};
   const auto map = compiled(image_of(p, with_zeros({})));
@@ -177,25 +148,6 @@ TEST_CASE("parameters hold squareness errors, the output compensates them") {
   CHECK(compensation_um[0] == Approx(-61.2));
   CHECK(compensation_um[1] == Approx(66.93));
   CHECK(compensation_um[2] == 0.0);
-}
-
-TEST_CASE("the angular scale multiplies every angular term and nothing else") {
-  UnitParameters p{.angular_scale = 0.5, .C0Y_um_per_m = 10.0};
-  const auto map = compiled(image_of(p, with_zeros({{Component::ECX, Approach::unknown, 0.0, 1.0, 1.0, {40}},
-                                                    {Component::EXX, Approach::unknown, 0.0, 1.0, 1.0, {3}}})));
-  // +3 − 0.5·40·(−1 m) and squareness −(−10·(−1 m))
-  CHECK(compensation_um_at(*map, {0.0, -1000.0, 0.0}, kForward)[0] == Approx(3.0 + 20.0 - 10.0));
-}
-
-TEST_CASE("a curve that the scope does not use has no effect, though the map holds it") {
-  UnitParameters p;
-  p.scope = Scope::linear;
-  std::vector<PlannedTable> tables;
-  for (std::size_t c = 0; c < kCurves; ++c)
-    tables.push_back({static_cast<Component>(c), Approach::unknown, 0.0, 1.0, 1.0, {static_cast<std::int16_t>(c + 1)}});
-  const auto map = compiled(image_of(p, tables));
-  const Vector3 expected{1.0, 8.0, 15.0};  // EXX, EYY, EZZ: places 0, 7 and 14
-  CHECK(compensation_um_at(*map, {500.0, 500.0, 500.0}, kForward) == expected);
 }
 
 TEST_CASE("a map that lacks a needed component is refused, and the component named") {
