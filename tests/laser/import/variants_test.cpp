@@ -139,19 +139,6 @@ TEST_CASE("what a table writer writes, the reader reads back") {
   CHECK(same);
 }
 
-TEST_CASE("environment records come back through a log") {
-  const std::vector<EnvironmentRecord> records{{{1.5, -2.0, 3.0}, {20.1, 20.2, 20.3}, 991.2, 45.0, 20.5},
-                                               {{0.0, 0.0, 0.0}, {19.9, 20.0, 20.1}, 1013.25, 60.0, 19.0}};
-  const auto text = must(to_sios_environment(records));
-  const auto back = must(parse_any(text, "e.pos", {}));
-  REQUIRE(back.environment.rows.size() == 2);
-  for (std::size_t i = 0; i < 2; ++i) {
-    CHECK(back.environment.value(i, "pressure_hPa").value() == Approx(records[i].pressure_hPa));
-    CHECK(back.environment.value(i, "y_mm").value() == Approx(records[i].stage_mm[1]));
-    CHECK(back.environment.value(i, "t_material_degC").value() == Approx(records[i].sample_degC));
-  }
-}
-
 TEST_CASE("a plate gives two readings for each hole, at its nominal place") {
   const auto set = read(sample_text("plate.txt"), "plate.txt");
   REQUIRE(set.readings.size() == 4);
