@@ -90,6 +90,9 @@ TEST_CASE("an image has its numbers at the offsets of docs/core.md") {
   CHECK(image[641] == 1);
   CHECK(number_at(image, 644) == 0);
   CHECK(number_at(image, 648) == 2);
+  CHECK(load_double(image, 656) == -100.0);
+  CHECK(load_double(image, 664) == 12.5);
+  CHECK(load_double(image, 672) == 0.02);
   CHECK(load_big<std::int16_t>(image, 680) == 5);
   CHECK(std::memcmp(image.data() + 684, "words", 5) == 0);
   CHECK(kImageFormat == 2);

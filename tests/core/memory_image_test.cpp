@@ -56,20 +56,6 @@ std::uint64_t bits_of(double value) { return std::bit_cast<std::uint64_t>(value)
 
 }  // namespace
 
-TEST_CASE("parameters come back bit for bit") {
-  CHECK(rc::check([] {
-    const UnitParameters before = random_parameters();
-    std::array<std::uint8_t, kParameterBytes> block{};
-    encode_parameters(before, block);
-    const auto after = decode_parameters(block);
-    RC_ASSERT(after.has_value());
-    RC_ASSERT(*after == before);
-    std::array<std::uint8_t, kParameterBytes> again{};
-    encode_parameters(*after, again);
-    RC_ASSERT(again == block);
-  }));
-}
-
 TEST_CASE("a negative zero keeps its sign on the way through the block") {
   UnitParameters p;
   p.C0Y_um_per_m = -0.0;
@@ -168,21 +154,6 @@ TEST_CASE("an image gives back its parameters, tables, values and header") {
         RC_ASSERT(view.value_counts(entry.first_value + k) == tables[i].counts[k]);
     }
   }));
-}
-
-TEST_CASE("the bytes of an image are where the layout says, big-endian") {
-  const Image image = small_image();
-  CHECK(std::memcmp(image.data(), "ECSI\0\2", 6) == 0);
-  CHECK(load_big<std::uint32_t>(image, 8) == image.size());
-  CHECK(std::memcmp(image.data() + 64, "TX\0\0\0", 5) == 0);  // parameters
-  CHECK(image[576] == 0);                                     // EXX
-  CHECK(image[641] == 1);                                     // forward
-  CHECK(image[640 + 40 + 1] == 0xFF);                         // reverse
-  CHECK(load_double(image, 640 + 16) == -100.0);
-  CHECK(load_big<std::uint16_t>(image, 640 + 80 + 4) == 700);     // third value
-  CHECK(load_big<std::uint16_t>(image, 640 + 80 + 2) == 0xFFFA);  // −6
-  CHECK(std::string(image.end() - 17, image.end()) == "customer: Müller");
-  CHECK(ImageView(image).value_offset(2) == 640 + 80 + 4);
 }
 
 TEST_CASE("the checksum is the CRC-32 of the whole image with its own four bytes zero") {
