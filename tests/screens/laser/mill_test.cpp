@@ -78,12 +78,6 @@ TEST_CASE("the mill commissioned on the screen gives the same map that the verb 
   CHECK(driver.controller().unsaved().empty());
   CHECK(content_of(folder / "out/screen.csv") == content_of(folder / "verb.csv"));
   CHECK(content_of(folder / "out/screen-parameters.toml") == content_of(folder / "verb.toml"));
-  SUBCASE("and the recipe saved beside it makes it again") {
-    REQUIRE(ran({"map", "build", (folder.path / "out/screen-recipe.toml").string(), "--params",
-                 "samples/mill/parameters.toml", "-o", (folder.path / "again.csv").string()})
-                .code == 0);
-    CHECK(content_of(folder / "again.csv") == content_of(folder / "verb.csv"));
-  }
 }
 
 TEST_CASE("a map without a reading or with answers names a prepared file, and its recipe makes it again") {
