@@ -72,97 +72,70 @@ TEST_CASE("values that no file could hold, as from a corrupt unit, are found wit
   }
 }
 
-TEST_CASE("an axis without a letter in the chain is an error, a letter without its axis a warning") {
-  expect(kError, {{"configuration.chain", "TXY"}}, "configuration.chain", "has no letter Z");
-  expect(kWarning, {{"configuration.axes", "YZ"}, {"compensation.scope", "linear"}}, "configuration.axes",
-         "X is in the kinematic chain");
-}
-
-TEST_CASE("a scope that the axes cannot have is an error") {
-  expect(kError, {{"configuration.chain", "TXY"}, {"configuration.axes", "XY"}}, "compensation.scope", "choose planar");
-  expect(kError, {{"configuration.chain", "TX"}, {"configuration.axes", "X"}}, "compensation.scope", "choose linear");
-  expect(kError, {{"configuration.chain", "TX"}, {"configuration.axes", "X"}, {"compensation.scope", "planar"}},
-         "compensation.scope", "planar scope needs two axes");
-  expect(kError,
-         {{"configuration.chain", "TXZ"},
-          {"configuration.axes", "XZ"},
-          {"compensation.scope", "planar"},
-          {"compensation.plane", "XY"}},
-         "compensation.plane", "axis Y, which is not present");
-}
-
-TEST_CASE("the printed equations are refused for chains they do not know") {
-  expect(kError, {{"configuration.chain", "XYZT"}, {"compensation.convention", "as_printed"}},
-         "compensation.convention", "choose iso");
-  for (const char* chain : {"TXYZ", "XTYZ", "XYTZ"})
-    CHECK_FALSE(finding_on(with({{"configuration.chain", chain}, {"compensation.convention", "as_printed"}}),
-                           "compensation.convention"));
-}
-
-TEST_CASE("a deadband below one position count is an error, above 1 mm a warning") {
-  expect(kError, {{"axis.Y.position_scale_um_per_count", "-6"}}, "axis.Y.deadband_um", "less than one position count");
-  expect(kWarning, {{"axis.Y.deadband_um", "1000.5"}}, "axis.Y.deadband_um", "more than 1 mm");
-}
-
-TEST_CASE("an output limit beyond a 16-bit D/A converter is an error") {
-  expect(kError, {{"axis.X.output_limit_um", "3276.71"}}, "axis.X.output_limit_um", "3276 um or less");
-  CHECK_FALSE(finding_on(with({{"axis.X.output_limit_um", "3276.7"}}), "axis.X.output_limit_um"));
-}
-
-TEST_CASE("a limit that lets nothing out is found") {
-  expect(kWarning, {{"axis.X.output_limit_um", "0"}}, "axis.X.output_limit_um", "disables the compensation");
-  expect(kError, {{"axis.X.output_limit_um", "0.09"}}, "axis.X.output_limit_um", "less than one D/A count");
-}
-
-TEST_CASE("a slew that cannot follow the axis, or limits nothing, is a warning") {
-  // 10,000 mm/min = 166.67 mm/s; at 1 um per mm the output must change by 166.67 um/s.
-  expect(kWarning, {{"axis.Z.output_slew_um_per_s", "166"}}, "axis.Z.output_slew_um_per_s", "at least 167 um/s");
-  CHECK_FALSE(finding_on(with({{"axis.Z.output_slew_um_per_s", "167"}}), "axis.Z.output_slew_um_per_s"));
-  expect(kWarning, {{"axis.Z.output_slew_um_per_s", "2000000"}}, "axis.Z.output_slew_um_per_s", "has no effect");
-}
-
-TEST_CASE("a loop period shorter than the unit's processor can work is a warning") {
-  expect(kWarning, {{"compensation.loop_period_us", "100"}}, "compensation.loop_period_us", "too short");
-}
-
-TEST_CASE("squareness beyond 1 mm in 1 m, or in a scope that does not use it, is found") {
-  const char* key = "compensation.squareness.B0Z_um_per_m";
-  expect(kError, {{key, "-1000.5"}}, key, "wrong unit");
-  expect(kWarning, {{key, "10"}, {"compensation.scope", "linear"}}, key, "does not use B0Z");
-  expect(kWarning, {{key, "10"}, {"compensation.scope", "planar"}}, key, "does not use B0Z");
-  CHECK_FALSE(finding_on(with({{key, "10"}, {"compensation.scope", "planar"}, {"compensation.plane", "XZ"}}), key));
-}
-
-TEST_CASE("an angular scale that switches off or turns signs is a warning") {
-  expect(kWarning, {{"compensation.angular_scale", "0"}}, "compensation.angular_scale", "switches every angular");
-  expect(kWarning, {{"compensation.angular_scale", "-1"}}, "compensation.angular_scale", "inverts the sign");
-}
-
-TEST_CASE("a measurement line for an absent axis is a warning") {
-  const Settings two_axes{
-      {"configuration.chain", "TXY"}, {"configuration.axes", "XY"}, {"compensation.scope", "planar"}};
-  for (const char* key : {"axis.Z.measurement_line_mm.x", "axis.X.measurement_line_mm.z"}) {
-    Settings settings = two_axes;
-    settings.emplace_back(key, "5");
-    expect(kWarning, settings, key, "not present");
+TEST_CASE("each finding names its key, how grave it is and what is wrong") {
+  const Settings only_x{{"configuration.chain", "TX"}, {"configuration.axes", "X"}};
+  const Settings no_z{{"configuration.chain", "TXY"}, {"configuration.axes", "XY"}, {"compensation.scope", "planar"}};
+  struct Expected {
+    Severity severity;
+    const char* key;
+    const char* words;
+    Settings settings;  ///< beside those of the key itself
+    const char* value = nullptr;
+  };
+  const Expected all[] = {
+      {kError, "configuration.chain", "has no letter Z", {}, "TXY"},
+      {kWarning, "configuration.axes", "X is in the kinematic chain", {{"compensation.scope", "linear"}}, "YZ"},
+      {kError, "compensation.scope", "choose planar", {{"configuration.chain", "TXY"}, {"configuration.axes", "XY"}}},
+      {kError, "compensation.scope", "choose linear", only_x},
+      {kError, "compensation.scope", "planar scope needs two axes", only_x, "planar"},
+      {kError,
+       "compensation.plane",
+       "axis Y, which is not present",
+       {{"configuration.chain", "TXZ"}, {"configuration.axes", "XZ"}, {"compensation.scope", "planar"}},
+       "XY"},
+      {kError, "compensation.convention", "choose iso", {{"configuration.chain", "XYZT"}}, "as_printed"},
+      {kError, "axis.Y.deadband_um", "less than one position count", {{"axis.Y.position_scale_um_per_count", "-6"}}},
+      {kWarning, "axis.Y.deadband_um", "more than 1 mm", {}, "1000.5"},
+      {kError, "axis.X.output_limit_um", "3276 um or less", {}, "3276.71"},
+      {kWarning, "axis.X.output_limit_um", "disables the compensation", {}, "0"},
+      {kError, "axis.X.output_limit_um", "less than one D/A count", {}, "0.09"},
+      // 10,000 mm/min = 166.67 mm/s; at 1 um per mm the output must change by 166.67 um/s
+      {kWarning, "axis.Z.output_slew_um_per_s", "at least 167 um/s", {}, "166"},
+      {kWarning, "axis.Z.output_slew_um_per_s", "has no effect", {}, "2000000"},
+      {kWarning, "compensation.loop_period_us", "too short", {}, "100"},
+      {kError, "compensation.squareness.B0Z_um_per_m", "wrong unit", {}, "-1000.5"},
+      {kWarning, "compensation.squareness.B0Z_um_per_m", "does not use B0Z", {{"compensation.scope", "linear"}}, "10"},
+      {kWarning, "compensation.squareness.B0Z_um_per_m", "does not use B0Z", {{"compensation.scope", "planar"}}, "10"},
+      {kWarning, "compensation.angular_scale", "switches every angular", {}, "0"},
+      {kWarning, "compensation.angular_scale", "inverts the sign", {}, "-1"},
+      {kWarning, "axis.Z.measurement_line_mm.x", "not present", no_z, "5"},
+      {kWarning, "axis.X.measurement_line_mm.z", "not present", no_z, "5"},
+      {kError, "axis.X.datum.switch_finally_active", "leaving the switch", {}, "true"},
+      {kError, "axis.X.datum.switch_finally_active", "backing off", {{"axis.X.datum.kind", "allen_bradley"}}, "true"},
+      {kError, "axis.X.datum.switch_finally_active", "still on the switch", {{"axis.X.datum.kind", "siemens"}}},
+      {kWarning,
+       "axis.X.datum.switch_initially_active",
+       "switch_polarity = -1",
+       {{"axis.X.datum.switch_finally_active", "true"}},
+       "true"},
+      {kWarning, "axis.X.datum.approach_speed_mm_min", "rapid", {}, "8000"},
+  };
+  for (Expected one : all) {
+    if (one.value != nullptr) one.settings.emplace_back(one.key, one.value);
+    expect(one.severity, one.settings, one.key, one.words);
   }
 }
 
-TEST_CASE("each datum kind wants its own final state of the switch") {
-  const char* final_key = "axis.X.datum.switch_finally_active";
-  expect(kError, {{final_key, "true"}}, final_key, "leaving the switch");
-  expect(kError, {{"axis.X.datum.kind", "allen_bradley"}, {final_key, "true"}}, final_key, "backing off");
-  expect(kError, {{"axis.X.datum.kind", "siemens"}}, final_key, "still on the switch");
-  CHECK_FALSE(finding_on(with({{"axis.X.datum.kind", "siemens"}, {final_key, "true"}}), final_key));
-}
-
-TEST_CASE("a switch that is active before it is reached hints at its polarity") {
-  expect(kWarning, {{"axis.X.datum.switch_initially_active", "true"}, {"axis.X.datum.switch_finally_active", "true"}},
-         "axis.X.datum.switch_initially_active", "switch_polarity = -1");
-}
-
-TEST_CASE("a rapid onto the switch is a warning") {
-  expect(kWarning, {{"axis.X.datum.approach_speed_mm_min", "8000"}}, "axis.X.datum.approach_speed_mm_min", "rapid");
+TEST_CASE("what is just within a limit is not found") {
+  for (const char* chain : {"TXYZ", "XTYZ", "XYTZ"})
+    CHECK_FALSE(finding_on(with({{"configuration.chain", chain}, {"compensation.convention", "as_printed"}}),
+                           "compensation.convention"));
+  CHECK_FALSE(finding_on(with({{"axis.X.output_limit_um", "3276.7"}}), "axis.X.output_limit_um"));
+  CHECK_FALSE(finding_on(with({{"axis.Z.output_slew_um_per_s", "167"}}), "axis.Z.output_slew_um_per_s"));
+  const char* const key = "compensation.squareness.B0Z_um_per_m";
+  CHECK_FALSE(finding_on(with({{key, "10"}, {"compensation.scope", "planar"}, {"compensation.plane", "XZ"}}), key));
+  const char* const last = "axis.X.datum.switch_finally_active";
+  CHECK_FALSE(finding_on(with({{"axis.X.datum.kind", "siemens"}, {last, "true"}}), last));
 }
 
 TEST_CASE("parameters that contradict the machine they are meant for are found") {
