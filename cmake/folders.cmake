@@ -43,8 +43,8 @@ ecs_folder(ecs_emulator/errors base core ecs_emulator/effects ecs_emulator/rando
            ecs_emulator/thermal params PkgConfig::Eigen3 PkgConfig::muparser fmt::fmt)
 ecs_folder(ecs_emulator/instruments base core ecs_emulator/errors ecs_emulator/machine ecs_emulator/random
            ecs_emulator/settings ecs_emulator/thermal laser laser/writers fmt::fmt nlohmann_json::nlohmann_json)
-ecs_folder(ecs_emulator/machine core ecs_emulator/drive ecs_emulator/errors ecs_emulator/random ecs_emulator/settings
-           ecs_emulator/thermal params)
+ecs_folder(ecs_emulator/machine base core ecs_emulator/drive ecs_emulator/errors ecs_emulator/random
+           ecs_emulator/settings ecs_emulator/thermal params)
 ecs_folder(ecs_emulator/part_programs base core ecs_emulator/instruments ecs_emulator/machine fmt::fmt
            nlohmann_json::nlohmann_json)
 ecs_folder(ecs_emulator/random)

@@ -11,13 +11,6 @@ using kinematics::Angles;
 
 constexpr double kWholeTurn_deg = 360.0;
 
-Vector3 along_axes(const std::array<Vector3, kAxes>& along, const Vector3& v) {
-  Vector3 out{};
-  for (std::size_t d = 0; d < kAxes; ++d)
-    for (std::size_t l = 0; l < kAxes; ++l) out[d] += along[l][d] * v[l];
-  return out;
-}
-
 Vector3 mean_at_reference(const Field& field) {
   const Vector3 a = field.at_reference(0), b = field.at_reference(1);
   return {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), 0.5 * (a[2] + b[2])};
@@ -55,6 +48,13 @@ Vector3 bent(const std::array<double, 6>& sizes, double tilt_deg) {
 }
 
 }  // namespace
+
+Vector3 along_axes(const std::array<Vector3, kAxes>& along, const Vector3& v) {
+  Vector3 out{};
+  for (std::size_t d = 0; d < kAxes; ++d)
+    for (std::size_t l = 0; l < kAxes; ++l) out[d] += along[l][d] * v[l];
+  return out;
+}
 
 std::vector<Angles> settings_over(const RotaryAxes& rotary, std::size_t on_each) {
   std::vector<Angles> settings{reference_angles(rotary)};

@@ -18,6 +18,9 @@ namespace ecs::volume {
 /// Where errors count from: 0, or the end of the travel nearest to it.
 [[nodiscard]] kinematics::Angles reference_angles(const RotaryAxes& rotary);
 
+/// A vector of the machine's frame, given along X, Y, Z as the rotary axes turn them.
+[[nodiscard]] Vector3 along_axes(const std::array<Vector3, kAxes>& along, const Vector3& v);
+
 /// Values of linear and rotary axes as the chain carries them to the tool, for any angles. Those of the linear axes
 /// count from the reference position in the machine's frame, as pivots are measured there; the sum counts from the
 /// reference angles.

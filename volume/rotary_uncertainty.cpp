@@ -57,13 +57,6 @@ Vector3 gain_at(const kinematics::Gain& gain, const Vector3& position_mm) {
 
 Vector3 less(const Vector3& a, const Vector3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
-Vector3 turned_by_axes(const std::array<Vector3, kAxes>& along, const Vector3& v) {
-  Vector3 out{};
-  for (std::size_t d = 0; d < kAxes; ++d)
-    for (std::size_t l = 0; l < kAxes; ++l) out[d] += along[l][d] * v[l];
-  return out;
-}
-
 kinematics::JointMachine joints_of(const CompensatedMachine& machine) {
   kinematics::JointMachine joints = machine.rotary->machine;
   joints.lines_mm = machine.errors.kinematics.lines_mm;
@@ -157,7 +150,7 @@ Covariance covariance_at(const CompensatedMachine& machine, const UncertaintyBud
   Covariance sum{};
   // of the linear axes: E = G(here) δ(p) − [ R(here) g + G(there) − R(there) g ] δ(reference)
   const auto at_reference = [&](std::size_t c) {
-    const Vector3 turned = turned_by_axes(here.along, linear[c]), straight = turned_by_axes(there.along, linear[c]);
+    const Vector3 turned = along_axes(here.along, linear[c]), straight = along_axes(there.along, linear[c]);
     const Vector3 gain = gain_of(there, c, reference_mm);
     return Vector3{turned[0] + gain[0] - straight[0], turned[1] + gain[1] - straight[1],
                    turned[2] + gain[2] - straight[2]};

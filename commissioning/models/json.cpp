@@ -14,11 +14,6 @@ namespace {
 using model::EffectInstance;
 using model::ParameterEstimate;
 
-std::string word_in(const Json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
 }  // namespace
 
 std::string axis_json(Axis axis, bool rotary) { return std::string(1, laser::letter_of(axis, rotary)); }
@@ -63,20 +58,20 @@ Json effect_json(const EffectInstance& effect) {
 }
 
 std::optional<EffectInstance> effect_in(const Json& object) {
-  const model::EffectId id = model::effect_named(word_in(object, "effect"));
+  const model::EffectId id = model::effect_named(text_at(object, "effect"));
   if (!id) return std::nullopt;
   EffectInstance effect;
   effect.id = id;
-  if (const auto named = laser::axis_named(word_in(object, "axis"))) {
+  if (const auto named = laser::axis_named(text_at(object, "axis"))) {
     effect.axis = named->axis;
     effect.rotary = named->rotary;
   }
-  effect.sense = sense_named(word_in(object, "sense"));
-  static_cast<void>(set_code(effect, word_in(object, "code")));
+  effect.sense = sense_named(text_at(object, "sense"));
+  static_cast<void>(set_code(effect, text_at(object, "code")));
   if (id->place == model::Place::artefact) effect.rotary = true;
-  effect.approach = model::approach_mode_named(word_in(object, "approach")).value_or(model::ApproachMode::both);
-  effect.sensor = word_in(object, "sensor");
-  effect.sensor2 = word_in(object, "sensor2");
+  effect.approach = model::approach_mode_named(text_at(object, "approach")).value_or(model::ApproachMode::both);
+  effect.sensor = text_at(object, "sensor");
+  effect.sensor2 = text_at(object, "sensor2");
   const auto number = [&](const char* name, int otherwise) {
     const auto found = object.find(name);
     return found != object.end() && found->is_number_integer() ? std::max(otherwise, found->get<int>()) : otherwise;
@@ -85,7 +80,7 @@ std::optional<EffectInstance> effect_in(const Json& object) {
   effect.line = number("line", 0);
   effect.from_run = number("run", 0);
   if (effect.is_user()) {
-    const std::string name = word_in(object, "name");
+    const std::string name = text_at(object, "name");
     effect.name = name.starts_with("user:") ? name.substr(5) : name;
   }
   return effect;

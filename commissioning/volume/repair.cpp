@@ -18,6 +18,7 @@
 #include "commissioning/models/view.hpp"
 #include "commissioning/volume/repair_places.hpp"
 #include "model/effects/definition.hpp"
+#include "model/fit/statistics.hpp"
 
 namespace ecs::commissioning {
 namespace {
@@ -70,12 +71,6 @@ double circular_deviation_um(const Circle& circle, const Vectors& vectors) {
   return *greatest - *least;
 }
 
-double rms_of(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value * value;
-  return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
-}
-
 /// What one effect, or what is left of all, gives everywhere.
 struct Contribution {
   std::vector<double> readings;
@@ -96,7 +91,7 @@ using QuantitySizes = std::array<double, std::size(kQuantities)>;
 
 QuantitySizes sizes_left(const Contribution& rest, const std::vector<double>& weight, const Circle& circle) {
   const Sizes volume = sizes_of(rest.volume, weight);
-  return {rms_of(rest.readings), volume.largest_um, volume.rms_um, circular_deviation_um(circle, rest.circle)};
+  return {model::rms_of(rest.readings), volume.largest_um, volume.rms_um, circular_deviation_um(circle, rest.circle)};
 }
 
 /// Two sizes are as good as one another within this share of the true one, or so little.

@@ -92,6 +92,11 @@ struct ToolPose {
   Vector3 error_um{};           ///< of the tool point, along X, Y, Z
   Vector3 rotation_um_per_m{};  ///< of the tool, about X, Y, Z (rotation vector)
 };
+/// The error in that sense, um or um/m.
+[[nodiscard]] inline double seen(const ToolPose& pose, Sense sense) {
+  const std::size_t direction = index_of(direction_of(sense));
+  return is_rotation(sense) ? pose.rotation_um_per_m[direction] : pose.error_um[direction];
+}
 
 /// Tool side, carriage a:       T_a(v) = u_a·p_a + δ_a + R(ε_a)(v − c_a) + c_a
 /// Workpiece side, carriage a:  M_a(v) = δ_a + R(ε_a)(v + u_a·p_a − c_a) + c_a

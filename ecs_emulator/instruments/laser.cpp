@@ -12,12 +12,6 @@
 namespace ecs::emulator {
 namespace {
 
-/// The error in that sense, um or um/m.
-double seen(const ToolPose& pose, Sense sense) {
-  const std::size_t direction = index_of(direction_of(sense));
-  return is_rotation(sense) ? pose.rotation_um_per_m[direction] : pose.error_um[direction];
-}
-
 /// Noise that remembers itself for a while (Ornstein-Uhlenbeck): moving air in a beam, standard deviation 1.
 class CorrelatedNoise {
  public:

@@ -6,6 +6,7 @@
 
 #include <sched.h>
 
+#include "base/clock.hpp"
 #include "core/thermal.hpp"
 
 namespace ecs::emulator {
@@ -56,10 +57,6 @@ constexpr int kSteady = 20;              ///< periods without a change of the ou
 constexpr double kSettle_s = 2.0;        ///< the longest time that an axis gets to settle
 constexpr double kPauseEvery_s = 0.004;  ///< real time
 constexpr std::uint64_t kTicksBetweenLooks = 64;
-
-double real_time_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 WorkshopMachine seeded(WorkshopMachine description, std::uint64_t seed) {
   description.settings.seed = seed;
@@ -164,10 +161,10 @@ bool Simulation::pause() {
   if (!pause_) return true;
   if (real_time_) return pause_();
   if (ticks_ % kTicksBetweenLooks != 0) return true;
-  const double now_s = real_time_s();
+  const double now_s = steady_s();
   if (now_s < next_pause_s_) return true;
   const bool go_on = pause_();
-  next_pause_s_ = real_time_s() + kPauseEvery_s;
+  next_pause_s_ = steady_s() + kPauseEvery_s;
   return go_on;
 }
 

@@ -78,11 +78,6 @@ constexpr double kThermometer_degC = 0.004;
 /// From one run to the next a zero keeps this part of itself, and a walk makes the size of its share in this many rows.
 constexpr double kMemoryOfRuns = 0.6, kRowsOfWalk = 30.0;
 
-double seen(const ToolPose& pose, Sense sense) {
-  const std::size_t direction = index_of(direction_of(sense));
-  return is_rotation(sense) ? pose.rotation_um_per_m[direction] : pose.error_um[direction];
-}
-
 /// What the map was made to take away: the machine errs by its negative.
 void add_mapped_errors(const Scene& scene, const Stop& stop, ComponentValues& errors) {
   for (const UnitTable& table : scene.map) {
