@@ -2,7 +2,6 @@
 #include <set>
 #include <string>
 
-#include "model/regression/candidates.hpp"
 #include "tests/model/support/real_sets.hpp"
 
 using namespace ecs;
@@ -150,8 +149,7 @@ TEST_CASE(
   options.mapping->most_rows = 20;  // before a correction was made
   const auto set = must(laser::read_any(real_data("five-axis-sphere/b90_c_quadrant_2026-05.csv"), options)).set;
   REQUIRE(set.readings.size() == 60);
-  Model model;
-  model.effects = usual_effects(observations_of(set, model, head));
+  const Model model = usual_model(set, head);
   // distances in space: three readings a pose; least squares in NumPy, outside the project (SOURCE.md): 341, 224.5, 149
   // and 99 um
   const auto distance_um = [&] {
@@ -185,8 +183,7 @@ TEST_CASE("a resolver that distorts: a wave of a quarter turn with its harmonic,
   const auto all = std::exchange(set.readings, {});
   for (std::size_t k = 0; k < all.size(); k += 5) set.readings.push_back(all[k]);
   for (std::size_t k = 0; k < set.readings.size(); ++k) set.readings[k].row = static_cast<int>(k) + 1;
-  Model model;
-  model.effects = usual_effects(observations_of(set, model, std::nullopt));
+  const Model model = usual_model(set);
   const Diagnosis found = diagnosed_real("resolver", model, set);
   REQUIRE_FALSE(found.candidates.empty());
   const Candidate& first = found.candidates.front();

@@ -80,7 +80,7 @@ FoundUnderHead found_with(laser::MeasurementSet set, const Errors& errors, Turni
   for (std::size_t k = 0; k < plan.size(); ++k)
     set.readings[plan.file_order[k]].error = errors(plan, k) + normal(random);
   FoundUnderHead found;
-  found.model = first_model(set, made);
+  found.model = usual_model(set, made.machine);
   found.data = observations_of(set, found.model, made.machine);
   found.diagnosis = must(diagnose(found.model, found.data));
   for (const Candidate& one : found.diagnosis.candidates)

@@ -66,12 +66,6 @@ Set scan(const Made& made) {
   return must(laser::parse_any(text, "scan.csv", options)).set;
 }
 
-Diagnosis diagnosed(const Set& set) {
-  Model model;
-  model.effects = usual_effects(observations_of(set, model, std::nullopt));
-  return must(diagnose(model, observations_of(set, model, std::nullopt)));
-}
-
 const Candidate* in_answer(const Diagnosis& found, const std::string& name) {
   for (const Candidate& one : found.candidates)
     if (one.in_answer() && to_text(one.effect) == name) return &one;
@@ -88,7 +82,7 @@ bool says_reversal(const Diagnosis& found) {
 TEST_CASE(
     "readings 33 ms late in a scan are a delay of that size, beside a wave and its harmonic; nothing of reversal") {
   for (const unsigned seed : {21U, 22U, 23U}) {
-    const Diagnosis found = diagnosed(scan({.delay_ms = 33.0, .seed = seed}));
+    const Diagnosis found = diagnosed_as_new(scan({.delay_ms = 33.0, .seed = seed}));
     INFO(summary_of(found));
     const Candidate* const late = in_answer(found, "delay:C:EC");
     REQUIRE(late);
@@ -103,8 +97,8 @@ TEST_CASE(
 
 TEST_CASE("lost motion in a scan is an error of reversal and no delay, because slower readings show it in full") {
   for (const unsigned seed : {31U, 32U}) {
-    const Diagnosis found =
-        diagnosed(scan({.lost_motion_deg = 1.2, .wave_deg = 0.0, .harmonic_deg = 0.0, .cycles = 2, .seed = seed}));
+    const Diagnosis found = diagnosed_as_new(
+        scan({.lost_motion_deg = 1.2, .wave_deg = 0.0, .harmonic_deg = 0.0, .cycles = 2, .seed = seed}));
     INFO(summary_of(found));
     const Candidate* const lost = in_answer(found, "backlash:C:EC");
     REQUIRE(lost);
@@ -117,7 +111,7 @@ TEST_CASE(
     "lost motion beside large waves of the reading is lost motion of that size, and neither a delay nor a curve") {
   for (const unsigned seed : {51U, 52U})
     for (const double lost_deg : {-1.9, -1.2, 1.2}) {
-      const Diagnosis found = diagnosed(scan({.lost_motion_deg = lost_deg, .seed = seed}));
+      const Diagnosis found = diagnosed_as_new(scan({.lost_motion_deg = lost_deg, .seed = seed}));
       INFO(summary_of(found));
       const Candidate* const lost = in_answer(found, "backlash:C:EC");
       REQUIRE(lost);
@@ -132,7 +126,7 @@ TEST_CASE("at one constant speed a delay and lost motion are rivals, and another
   for (const Made& made : {Made{.delay_ms = 23.0, .acceleration_deg_s2 = 0.0, .seed = 41},
                            Made{.delay_ms = -23.0, .acceleration_deg_s2 = 0.0, .seed = 42},
                            Made{.lost_motion_deg = 0.8, .acceleration_deg_s2 = 0.0, .seed = 43}}) {
-    const Diagnosis found = diagnosed(scan(made));
+    const Diagnosis found = diagnosed_as_new(scan(made));
     INFO(summary_of(found));
     CHECK(contains(found.headline, "delay:C:EC"));
     CHECK(contains(found.headline, "backlash:C:EC"));

@@ -2,7 +2,6 @@
 // names the worm.
 #include <fmt/format.h>
 
-#include "model/regression/candidates.hpp"
 #include "tests/model/support/real_sets.hpp"
 
 using namespace ecs;
@@ -95,12 +94,6 @@ double rms_from_truth_arcsec(const Set& set, const std::vector<double>& true_arc
   return std::sqrt(squares / count - sum * sum / count / count);
 }
 
-Diagnosis diagnosed_night(const Set& set) {
-  Model model;
-  model.effects = usual_effects(observations_of(set, model, std::nullopt));
-  return must(diagnose(model, observations_of(set, model, std::nullopt)));
-}
-
 }  // namespace
 
 TEST_CASE("the pulses of a guide log summed give the true error of the axis, within the seeing") {
@@ -118,7 +111,7 @@ TEST_CASE("the pulses of a guide log summed give the true error of the axis, wit
 
 TEST_CASE("a guide log shows the worm of the telescope as a wave of its period, beside the drift") {
   const Set set = read_log(guided({.hours = 1.5, .dither_every = 75}).log);
-  const Diagnosis found = diagnosed_night(set);
+  const Diagnosis found = diagnosed_as_new(set);
   INFO(summary_of(found));
   CHECK(contains(found.headline, "+-39 um/m in C positioning, period 2.000 deg, 1/180 turn (cyclic:C:EC)"));
   CHECK(contains(found.headline, "time_drift:C:EC"));
@@ -128,7 +121,7 @@ TEST_CASE("sections at stars of other declinations give one worm, with a zero fo
   const Night other{.declination_deg = -20.0, .hour_angle_h = 1.0, .seed = 2};
   const Set set = read_log(guided({}).log + guided(other).log);
   REQUIRE(set.readings.back().run == 2);
-  const Diagnosis found = diagnosed_night(set);
+  const Diagnosis found = diagnosed_as_new(set);
   INFO(summary_of(found));
   CHECK(contains(found.headline, "+-39 um/m in C positioning, period 2.000 deg, 1/180 turn (cyclic:C:EC)"));
 }

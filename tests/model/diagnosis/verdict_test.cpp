@@ -19,11 +19,6 @@ Truth with_value_of_target(double size_um, const Truth& truth, unsigned seed) {
   };
 }
 
-std::size_t named_causes(const Diagnosis& found) {
-  return static_cast<std::size_t>(
-      std::count_if(found.candidates.begin(), found.candidates.end(), [](const Candidate& c) { return c.named; }));
-}
-
 }  // namespace
 
 TEST_CASE("where the structure outweighs the cause the verdict is the structure, and the cause is listed as proved") {
@@ -45,7 +40,7 @@ TEST_CASE("a proved cause is named beside structure that nothing explains: partl
                                        with_value_of_target(
                                            1.0, [](const Reading& r) { return 5.0 * d(r); }, seed)));
     CHECK(found.verdict == Verdict::partly_explained);
-    REQUIRE(named_causes(found) == 1);
+    REQUIRE(count_named(found) == 1);
     const Candidate& first = found.candidates.front();
     CHECK(first.named);
     CHECK(to_text(first.effect) == "backlash:X:EX");
@@ -61,7 +56,7 @@ TEST_CASE("of a square wave the first waves are proved, but they are a shape tha
     const auto square = measured({.step_mm = 11.0, .targets = 90, .runs = 3}, noise_um,
                                  [](const Reading& r) { return std::fmod(p(r), 210.0) < 105.0 ? 4.0 : -4.0; });
     const Diagnosis diagnosis = diagnosed(straight(), square);
-    CHECK_MESSAGE(named_causes(diagnosis) * (diagnosis.verdict == Verdict::missing_effect) < 2, diagnosis.headline);
+    CHECK_MESSAGE(count_named(diagnosis) * (diagnosis.verdict == Verdict::missing_effect) < 2, diagnosis.headline);
     if (contains(diagnosis.headline, "waves are only the first terms of another shape")) ++told;
   }
   CHECK(told >= 3);
@@ -76,12 +71,12 @@ TEST_CASE("a wave whose size changes a little along the travel is named, one tha
   };
   const Diagnosis steady = found_with(0.3);
   CHECK(steady.verdict == Verdict::partly_explained);
-  REQUIRE(named_causes(steady) == 1);
+  REQUIRE(count_named(steady) == 1);
   CHECK(to_text(steady.candidates.front().effect) == "cyclic:X:EX");
   CHECK(steady.candidates.front().parameters.front().value == Approx(90.0).epsilon(0.01));
   const Diagnosis growing = found_with(1.0);
   CHECK(growing.verdict == Verdict::unexplained_structure);
-  CHECK(named_causes(growing) == 0);
+  CHECK(count_named(growing) == 0);
 }
 
 TEST_CASE("readings of unknown approach at the beginning of runs judge no lost motion") {
@@ -91,7 +86,7 @@ TEST_CASE("readings of unknown approach at the beginning of runs judge no lost m
     if (r.run != std::exchange(run, r.run)) r.approach = Approach::unknown;
   const Diagnosis found = diagnosed(straight(), set);
   CHECK(found.verdict == Verdict::missing_effect);
-  REQUIRE(named_causes(found) == 1);
+  REQUIRE(count_named(found) == 1);
   CHECK(to_text(found.candidates.front().effect) == "backlash:X:EX");
   CHECK(found.candidates.front().parameters.front().value == Approx(6.0).epsilon(0.02));
   CHECK(found.outliers.empty());
@@ -101,7 +96,7 @@ TEST_CASE("a jump of all readings between two of four runs is no drift, and no r
   const Diagnosis found =
       diagnosed(straight(), measured({.runs = 4}, kNoise_um, [](const Reading& r) { return r.run >= 3 ? 9.0 : 0.0; }));
   CHECK(found.verdict == Verdict::unexplained_structure);
-  CHECK(named_causes(found) == 0);
+  CHECK(count_named(found) == 0);
   CHECK_MESSAGE(found.headline.starts_with("All readings rise by 9 um between runs 2 and 3"), found.headline);
 }
 
@@ -110,7 +105,7 @@ TEST_CASE("an adequate model lists the closest candidates with their probability
     const Diagnosis found = diagnosed(straight(), measured({}, kNoise_um, nothing, seed));
     CHECK(found.verdict == Verdict::adequate);
     CHECK_FALSE(found.candidates.empty());
-    CHECK(named_causes(found) == 0);
+    CHECK(count_named(found) == 0);
     double sum = 0.0;
     for (const Candidate& candidate : found.candidates) {
       CHECK(candidate.probability > 0.0);
@@ -133,7 +128,7 @@ TEST_CASE("a slope that is missing beside a wave of free period is reported as t
                                                  seed));
     CHECK(found.verdict == Verdict::missing_effect);
     REQUIRE_FALSE(found.candidates.empty());
-    CHECK(named_causes(found) == 1);
+    CHECK(count_named(found) == 1);
     const Candidate& first = found.candidates.front();
     CHECK(to_text(first.effect) == "scale:X:EX");
     REQUIRE(first.parameters.front().sigma);
@@ -205,7 +200,7 @@ TEST_CASE("an angle that acts through one lever is one cause, and a note says th
   level.effects = {effect(effects::offset, Axis::X, Sense::EX)};
   const Diagnosis found = diagnosed(level, set);
   CHECK(found.verdict == Verdict::missing_effect);
-  REQUIRE(named_causes(found) == 1);
+  REQUIRE(count_named(found) == 1);
   CHECK(found.candidates.front().effect.traits().keeps_slope);
   CHECK(std::ranges::count_if(found.notes, [](const std::string& note) {
           return contains(note, "a scale error and a smooth error");
@@ -228,7 +223,7 @@ TEST_CASE("a curve that explains as much alone as beside a wave is one cause") {
       return sum;
     };
     const Diagnosis found = diagnosed(level, measured({}, kNoise_um, truth));
-    REQUIRE_MESSAGE(named_causes(found) == 1, found.headline);
+    REQUIRE_MESSAGE(count_named(found) == 1, found.headline);
     CHECK(to_text(found.candidates.front().effect) == "progressive:X:EX");
   }
 }

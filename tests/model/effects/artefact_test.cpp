@@ -37,11 +37,6 @@ const Candidate* named(const Diagnosis& diagnosis, const std::string& name) {
   return nullptr;
 }
 
-std::size_t count_named(const Diagnosis& diagnosis) {
-  return static_cast<std::size_t>(std::count_if(diagnosis.candidates.begin(), diagnosis.candidates.end(),
-                                                [](const Candidate& candidate) { return candidate.named; }));
-}
-
 }  // namespace
 
 TEST_CASE("a square that was turned over shows its own angle error beside the machine's") {

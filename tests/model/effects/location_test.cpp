@@ -55,7 +55,7 @@ TEST_CASE("every error of the rotary axes reaches a reading as exact matrices sa
 TEST_CASE("a ball off its place turns with the workpiece") {
   const TurningMachine made = trunnion();
   const laser::MeasurementSet set = ball_set(made, {{12.0, -7.0, 5.0}});
-  const Model model = first_model(set, made);
+  const Model model = usual_model(set, made.machine);
   const auto fitted = must(fit(model, observations_of(set, model, made.machine)));
   CHECK(fitted.rms_um < 1e-6);
   const auto& place = fitted.effects.front().parameters;
@@ -77,7 +77,7 @@ TEST_CASE("a hidden location error is named, fitted, and what looks like it is s
     TurningMachine made = trunnion();
     made.exact.location[one.axis][one.letter] = one.size;
     const laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.6}, 11);
-    const Diagnosis found = found_in(set, made, without_locations(first_model(set, made)));
+    const Diagnosis found = found_in(set, made, without_locations(usual_model(set, made.machine)));
     CHECK(found.verdict == Verdict::missing_effect);
     const Candidate* named = named_candidate(found);
     REQUIRE(named != nullptr);
@@ -92,7 +92,7 @@ TEST_CASE("at one angle of the other axis, places of both axis lines and the zer
   made.exact.location[2][1] = 7.0;  // YOC
   laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.5}, 12);
   std::erase_if(set.readings, [](const Reading& r) { return r.axis != Axis::Z || r.angle_deg[0] != 0.0; });
-  const Diagnosis found = found_in(set, made, without_locations(first_model(set, made)));
+  const Diagnosis found = found_in(set, made, without_locations(usual_model(set, made.machine)));
   const Candidate* named = named_candidate(found);
   REQUIRE(named != nullptr);
   CHECK(to_text(named->effect) == "location:C:YOC");
@@ -106,7 +106,7 @@ TEST_CASE("at one angle of the other axis, places of both axis lines and the zer
 TEST_CASE("a sound machine with a ball off its place is adequate") {
   const TurningMachine made = trunnion();
   const laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.6}, 13);
-  CHECK(found_in(set, made, first_model(set, made)).verdict == Verdict::adequate);
+  CHECK(found_in(set, made, usual_model(set, made.machine)).verdict == Verdict::adequate);
 }
 
 TEST_CASE("a model begins with the location errors that the readings show, and fits all of them at once") {
@@ -117,7 +117,7 @@ TEST_CASE("a model begins with the location errors that the readings show, and f
   for (const auto& [name, size] : true_errors)
     made.exact.location[static_cast<std::size_t>(name[9] - 'A')][std::string("XYZABC").find(name[11])] = size;
   const laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.6}, 15);
-  const Model model = first_model(set, made);
+  const Model model = usual_model(set, made.machine);
   CHECK(found_in(set, made, model).verdict == Verdict::adequate);
   const auto fitted = must(fit(model, observations_of(set, model, made.machine)));
   for (const auto& true_error : true_errors) {
@@ -137,7 +137,7 @@ TEST_CASE("a model begins with the location errors that the readings show, and f
 TEST_CASE("what does the same as a location error of the model is kept as its alternative") {
   const TurningMachine made = trunnion();
   const auto alternatives_of = [&](const laser::MeasurementSet& set, const std::string& name) {
-    const Model model = first_model(set, made);
+    const Model model = usual_model(set, made.machine);
     for (const EffectInstance& one : model.effects)
       if (to_text(one) == name) return one.tied_with;
     return std::string("not in the model");
@@ -161,7 +161,7 @@ TEST_CASE("each of two balls has a place of its own, and the errors of the axes 
     r.row += static_cast<int>(set.readings.size());
     set.readings.push_back(r);
   }
-  const Model model = first_model(set, made);
+  const Model model = usual_model(set, made.machine);
   CHECK(to_text(model.effects[0]) == "ball_on_table");
   CHECK(to_text(model.effects[1]) == "ball_on_table:2");
   CHECK(found_in(set, made, model).verdict == Verdict::adequate);
@@ -187,9 +187,9 @@ TEST_CASE("a ball that was set up again has a position of its own in each set-up
     r.row += static_cast<int>(first);
     set.readings.push_back(r);
   }
-  CHECK(found_in(set, made, first_model(set, made)).verdict != Verdict::adequate);
+  CHECK(found_in(set, made, usual_model(set, made.machine)).verdict != Verdict::adequate);
   for (std::size_t i = 0; i < set.readings.size(); ++i) set.readings[i].extras["set_up"] = i < first ? 1.0 : 2.0;
-  const Model model = first_model(set, made);
+  const Model model = usual_model(set, made.machine);
   CHECK(found_in(set, made, model).verdict == Verdict::adequate);
   const Observations data = observations_of(set, model, made.machine);
   const auto fitted = must(fit(model, data));
@@ -238,9 +238,10 @@ TEST_CASE("of a location error that the readings do not tell from another, the s
   TurningMachine made = trunnion();
   made.exact.location[2][1] = 7.0;  // YOC
   laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.3}, 20);
-  CHECK(exchangeable_locations(observations_of(set, Model{}, made.machine), first_model(set, made).effects).empty());
+  CHECK(exchangeable_locations(observations_of(set, Model{}, made.machine), usual_model(set, made.machine).effects)
+            .empty());
   std::erase_if(set.readings, [](const Reading& r) { return r.axis != Axis::Z || r.angle_deg[0] != 0.0; });
-  const Model model = first_model(set, made);
+  const Model model = usual_model(set, made.machine);
   const Observations data = observations_of(set, model, made.machine);
   const auto fitted = must(fit(model, data));
   double stands_for_um = 0.0;
@@ -254,7 +255,7 @@ TEST_CASE("an axis that stands at several angles has lost motion in the model to
   const TurningMachine made = trunnion();
   laser::MeasurementSet set = ball_set(made, {{14.0, -9.0, 3.0}, 0.3}, 21);
   std::erase_if(set.readings, [](const Reading& r) { return r.axis != Axis::Z; });
-  const Model model = first_model(set, made);
+  const Model model = usual_model(set, made.machine);
   CHECK(std::any_of(model.effects.begin(), model.effects.end(),
                     [](const EffectInstance& one) { return to_text(one) == "backlash:A:EA"; }));
 }
@@ -272,7 +273,7 @@ TEST_CASE("no wave of a rotary axis is longer than a turn") {
   const Observations data = observations_of(set, Model{}, made.machine);
   for (std::size_t k = 0; k < data.size(); ++k)
     set.readings[data.file_order[k]].error += 0.5 * data.position_mm[k][0] * data.share_of(k, Axis::X, Sense::EA);
-  const Diagnosis found = found_in(set, made, first_model(set, made));
+  const Diagnosis found = found_in(set, made, usual_model(set, made.machine));
   bool any = false;
   for (const Candidate& one : found.candidates)
     for (const ParameterEstimate& parameter : one.parameters)
@@ -298,7 +299,7 @@ TEST_CASE("a standing axis keeps the lost motion with which it came to its angle
   for (std::size_t k = 0; k < data.size(); ++k)
     set.readings[data.file_order[k]].error +=
         20.0 / 2.0 * data.approach_of(k, Axis::X) * data.share_of(k, Axis::X, Sense::EA);
-  const Model model = first_model(set, made);
+  const Model model = usual_model(set, made.machine);
   data = observations_of(set, model, made.machine);
   const auto fitted = must(fit(model, data));
   CHECK(fitted.rms_um == Approx(0.3).epsilon(0.15));
@@ -314,7 +315,7 @@ TEST_CASE("an eccentric encoder is a wave of one turn in the positioning, seen t
     const double wave = 40.0 * std::sin(data.position_mm[k][2] * std::numbers::pi / 180.0 + 0.7);
     set.readings[data.file_order[k]].error += wave * data.share_of(k, Axis::Z, Sense::EC);
   }
-  const Diagnosis found = found_in(set, made, first_model(set, made));
+  const Diagnosis found = found_in(set, made, usual_model(set, made.machine));
   const Candidate* named = named_candidate(found);
   REQUIRE(named != nullptr);
   CHECK(to_text(named->effect) == "cyclic:C:EC");
@@ -500,7 +501,7 @@ TEST_CASE("squareness on a machine of table C and head B is found as that, not a
                                 .approach = Approach::forward,
                                 .time_s = 5.0 * run});
     }
-  const Diagnosis found = found_in(set, made, first_model(set, made));
+  const Diagnosis found = found_in(set, made, usual_model(set, made.machine));
   REQUIRE_FALSE(found.candidates.empty());
   const Candidate& first = found.candidates.front();
   INFO(found.headline);
@@ -513,7 +514,7 @@ TEST_CASE(
     "a tilting axis whose scale is wrong is found as that; of an axis read over less than its turn there is none") {
   TurningMachine made = head();
   laser::MeasurementSet set = head_set({}, true, 1.0);
-  Model model = first_model(set, made);
+  Model model = usual_model(set, made.machine);
   const Observations data = observations_of(set, model, made.machine);
   const auto all = candidate_instances(data);
   const auto names = [&](const char* name) {
@@ -549,8 +550,7 @@ TEST_CASE("an angle that is not the same again after a whole turn is a wrong rat
                .approach = forward ? Approach::forward : Approach::reverse,
                .run = run});
         }
-    Model model;
-    model.effects = usual_effects(observations_of(set, model, std::nullopt));
+    const Model model = usual_model(set);
     const Diagnosis found = must(diagnose(model, observations_of(set, model, std::nullopt)));
     std::map<std::string, double> named;
     for (const Candidate& one : found.candidates)

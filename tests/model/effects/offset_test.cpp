@@ -44,10 +44,8 @@ std::vector<std::string> names_of(const std::vector<EffectInstance>& effects) {
 }
 
 std::vector<std::string> answer_to(const laser::MeasurementSet& set) {
-  Model model;
-  model.effects = usual_effects(observations_of(set, model, mill()));
   std::vector<std::string> names;
-  for (const Candidate& one : diagnosed(model, set).candidates)
+  for (const Candidate& one : diagnosed(usual_model(set, mill()), set).candidates)
     if (one.in_answer()) names.push_back(to_text(one.effect));
   return names;
 }
@@ -85,8 +83,7 @@ TEST_CASE("two lines at unlike zeros are a shift of the second one or a squarene
   measure(set, {.targets = 21}, kNoise_um, nothing, 3);
   measure(
       set, {.targets = 21, .parked_mm = {0.0, 400.0, 0.0}}, kNoise_um, [](const Reading&) { return 8.0; }, 4);
-  Model model;
-  model.effects = usual_effects(observations_of(set, model, mill()));
+  const Model model = usual_model(set, mill());
   CHECK(std::ranges::count(names_of(model.effects), "offset:X:EX:2") == 0);  // one set-up, as far as the file says
   const Diagnosis found = diagnosed(model, set);
   REQUIRE_FALSE(found.candidates.empty());
@@ -96,8 +93,7 @@ TEST_CASE("two lines at unlike zeros are a shift of the second one or a squarene
   CHECK(group.contains("squareness:Y:C0Y"));
 
   for (Reading& r : set.readings) r.extras["set_up"] = r.position_mm[1] > 0.0 ? 2.0 : 1.0;
-  Model own_zeros;
-  own_zeros.effects = usual_effects(observations_of(set, own_zeros, mill()));
+  const Model own_zeros = usual_model(set, mill());
   CHECK(std::ranges::count(names_of(own_zeros.effects), "offset:X:EX:2") == 1);
   CHECK(diagnosed(own_zeros, set).verdict == Verdict::adequate);
 }
@@ -141,9 +137,7 @@ laser::MeasurementSet two_sessions(double pause_s, double zero_um, const Truth& 
 constexpr double kLongPause_s = 14400.0, kShortPause_s = 200.0;
 
 std::set<std::string> first_group(const laser::MeasurementSet& set) {
-  Model model;
-  model.effects = usual_effects(observations_of(set, model, mill()));
-  const Diagnosis found = diagnosed(model, set);
+  const Diagnosis found = diagnosed(usual_model(set, mill()), set);
   std::set<std::string> names;
   if (found.candidates.empty() || !found.candidates.front().in_answer()) return names;
   names.insert(to_text(found.candidates.front().effect));

@@ -40,12 +40,6 @@ Diagnosis answer(const Model& model, const Set& set) {
   return result;
 }
 
-/// A named cause and those it cannot be separated from.
-bool names(const Candidate& candidate, const std::string& place) {
-  const auto& group = candidate.indistinguishable_from;
-  return to_text(candidate.effect) == place || std::find(group.begin(), group.end(), place) != group.end();
-}
-
 void check_nothing_named(const Diagnosis& found) {
   CHECK(found.verdict != missing_effect);
   for (const Candidate& c : found.candidates) CHECK_FALSE(c.named);
@@ -55,7 +49,8 @@ void check_nothing_named(const Diagnosis& found) {
 void check_only(const Diagnosis& found, const std::vector<std::string>& true_places) {
   for (const Candidate& c : found.candidates) {
     if (!c.in_answer()) continue;
-    const bool right = std::any_of(true_places.begin(), true_places.end(), [&](const auto& t) { return names(c, t); });
+    const bool right =
+        std::any_of(true_places.begin(), true_places.end(), [&](const auto& t) { return stands_for(c, t); });
     CHECK_MESSAGE(right, "named ", to_text(c.effect));
   }
 }
@@ -154,7 +149,7 @@ TEST_CASE("columns that never change explain nothing and change nothing") {
   for (unsigned seed = 1; seed <= 2; ++seed) {
     const Diagnosis found = answer(straight(), constant(measured(plan(31, 3), kNoise_um, lost_motion_of_two, seed)));
     check_found(found, "backlash:X:EX");
-    CHECK(names(found.candidates.front(), "servo_lag:X:EX"));  // at one feed nobody can tell
+    CHECK(stands_for(found.candidates.front(), "servo_lag:X:EX"));  // at one feed nobody can tell
   }
 }
 
@@ -166,7 +161,7 @@ TEST_CASE("with all temperatures equal an expansion is one group with a scale") 
                               [](Reading& r) { r.sensors_degC["t_material_degC"] = 23.0; });
     const Diagnosis found = answer(model, set);
     check_found(found, "scale:X:EX");
-    CHECK(names(found.candidates.front(), "thermal_scale:X:EX"));
+    CHECK(stands_for(found.candidates.front(), "thermal_scale:X:EX"));
   }
   noise_alone([](unsigned seed) {
     return with_each(measured(plan(31, 3), kNoise_um, ramp, seed),

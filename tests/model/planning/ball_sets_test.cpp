@@ -64,7 +64,7 @@ struct Asked {
 
 Asked asked(const laser::MeasurementSet& set, const TurningMachine& made) {
   Asked all;
-  all.model = first_model(set, made);
+  all.model = usual_model(set, made.machine);
   all.data = observations_of(set, all.model, made.machine);
   all.found = must(diagnose(all.model, all.data));
   all.next = planned_next(all.model, all.data, all.found);
@@ -220,7 +220,7 @@ TEST_CASE("each tool in the spindle is off by a vector of its own, and two tools
     set.readings[planned.file_order[k]].error =
         (chain.tool == 2 ? 25.0 * chain.of_tool[2] : -30.0 * chain.of_tool[0]) + 0.5 * normal(random);
   }
-  const Model model = first_model(set, made);
+  const Model model = usual_model(set, made.machine);
   CHECK(std::ranges::any_of(model.effects, [](const auto& one) { return to_text(one) == "ball_in_spindle:2"; }));
   const Observations data = observations_of(set, model, made.machine);
   const auto fitted = must(fit(model, data));

@@ -1,6 +1,7 @@
 // Small measurement sets made by hand for the tests of model/: one or more lines, runs both ways, known noise.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <random>
 
@@ -8,8 +9,42 @@
 #include "laser/measurement_set.hpp"
 #include "model/diagnosis/diagnose.hpp"
 #include "model/effects/quantities.hpp"
+#include "model/regression/candidates.hpp"
 #include "params/machine.hpp"
-#include "tests/model/support/effect_names.hpp"
+
+/// The effects of the library by the names that tests use.
+namespace ecs::model::test::effects {
+
+inline const EffectId offset = effect_named("offset");
+inline const EffectId scale = effect_named("scale");
+inline const EffectId progressive = effect_named("progressive");
+inline const EffectId cyclic = effect_named("cyclic");
+inline const EffectId backlash = effect_named("backlash");
+inline const EffectId reversal_curve = effect_named("reversal_curve");
+inline const EffectId step = effect_named("step");
+inline const EffectId sag = effect_named("sag");
+inline const EffectId angular = effect_named("angular");
+inline const EffectId squareness = effect_named("squareness");
+inline const EffectId measurement_line = effect_named("measurement_line");
+inline const EffectId thermal_scale = effect_named("thermal_scale");
+inline const EffectId thermal_drift = effect_named("thermal_drift");
+inline const EffectId warm_up = effect_named("warm_up");
+inline const EffectId time_drift = effect_named("time_drift");
+inline const EffectId air_refraction = effect_named("air_refraction");
+inline const EffectId dead_path = effect_named("dead_path");
+inline const EffectId cosine = effect_named("cosine");
+inline const EffectId servo_lag = effect_named("servo_lag");
+inline const EffectId delay = effect_named("delay");
+inline const EffectId load = effect_named("load");
+inline const EffectId reversal_spike = effect_named("reversal_spike");
+inline const EffectId friction = effect_named("friction");
+inline const EffectId map_polarity = effect_named("map_polarity");
+inline const EffectId map_gain = effect_named("map_gain");
+inline const EffectId map_shift = effect_named("map_shift");
+inline const EffectId map_direction_swap = effect_named("map_direction_swap");
+inline const EffectId user = effect_named("user");
+
+}  // namespace ecs::model::test::effects
 
 namespace ecs::model::test {
 
@@ -109,6 +144,24 @@ inline double d(const Reading& r) { return static_cast<double>(static_cast<int>(
 inline Diagnosis diagnosed(const Model& model, const laser::MeasurementSet& set) {
   auto result = diagnose(model, observations_of(set, model, mill()));
   return result ? *result : Diagnosis{};
+}
+
+/// As `ecs model new` makes it of these readings.
+inline Model usual_model(const laser::MeasurementSet& set, const std::optional<params::Machine>& machine = {}) {
+  Model model;
+  model.effects = usual_effects(observations_of(set, model, machine));
+  return model;
+}
+
+/// The cause, or one that these data cannot separate from it.
+inline bool stands_for(const Candidate& candidate, const std::string& place) {
+  const auto& group = candidate.indistinguishable_from;
+  return to_text(candidate.effect) == place || std::find(group.begin(), group.end(), place) != group.end();
+}
+
+inline std::size_t count_named(const Diagnosis& diagnosis) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(diagnosis.candidates, [](const Candidate& candidate) { return candidate.named; }));
 }
 
 }  // namespace ecs::model::test

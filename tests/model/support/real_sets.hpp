@@ -44,15 +44,14 @@ inline Reading& added(Set& set, Axis axis, Sense sense, const Vector3& position_
   return set.readings.emplace_back(r);
 }
 
+inline Diagnosis diagnosed_as_new(const Set& set) {
+  return must(diagnose(usual_model(set), observations_of(set, usual_model(set), std::nullopt)));
+}
+
 inline Model offsets(const std::vector<std::pair<Axis, Sense>>& places) {
   Model model;
   for (const auto& [axis, sense] : places) model.effects.push_back(effect(effects::offset, axis, sense));
   return model;
-}
-
-inline bool stands_for(const Candidate& candidate, const std::string& place) {
-  const auto& group = candidate.indistinguishable_from;
-  return to_text(candidate.effect) == place || std::find(group.begin(), group.end(), place) != group.end();
 }
 
 inline std::string summary_of(const Diagnosis& found) {

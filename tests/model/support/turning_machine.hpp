@@ -1,7 +1,6 @@
 // A machine with rotary axes for the model and for exact matrices, and readings of a ball on it by those matrices.
 #pragma once
 
-#include "model/regression/candidates.hpp"
 #include "tests/model/support/measured_lines.hpp"
 #include "tests/support/exact_joints.hpp"
 #include "tests/support/test.hpp"
@@ -108,12 +107,6 @@ inline laser::MeasurementSet ball_set(const TurningMachine& made, const Ball& ba
         for (int i = 0; i < 10; ++i)
           take(Axis::X, {-96.0 + 14.0 * (approach == Approach::forward ? i : 9 - i), 0.0, parked}, approach, run);
   return set;
-}
-
-inline Model first_model(const laser::MeasurementSet& set, const TurningMachine& made) {
-  Model model;
-  model.effects = usual_effects(observations_of(set, model, made.machine));
-  return model;
 }
 
 }  // namespace ecs::model::test
