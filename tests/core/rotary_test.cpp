@@ -77,15 +77,7 @@ struct FiveAxisUnit {
 
   explicit FiveAxisUnit(const MeasuredMachine& m, double deg_per_count = kDegEachCount)
       : machine(m), rotary_map(m, deg_per_count) {
-    std::vector<PlannedTable> tables;
-    for (std::size_t c = 0; c < kCurves; ++c)
-      for (const Approach approach : {Approach::reverse, Approach::forward}) {
-        const ShownCurve& curve = m.curves[c][side_of(approach)];
-        PlannedTable t{static_cast<Component>(c), approach, curve.start_mm, curve.increment_mm, 0.01, {}};
-        for (const std::int16_t value : curve.hundredths) t.counts.push_back(static_cast<std::int16_t>(-value));
-        tables.push_back(t);
-      }
-    const auto image = image_of(m.parameters, tables, "", m.rows, {.stuck_s = 0.0}, &rotary_map.machine);
+    const auto image = image_of(m.parameters, map_of(m), "", m.rows, {.stuck_s = 0.0}, &rotary_map.machine);
     REQUIRE(check_image(image).fault == ImageFault::none);
     const CompileVerdict verdict = compile(ImageView(image), *map);
     REQUIRE(text_of(verdict.rotary) == text_of(RotaryFault::none));
@@ -117,24 +109,6 @@ struct FiveAxisUnit {
   void period(const Standing& at) {
     tick(*map, state, counts_at(at.position_mm, 1e-3), thermal.acting, rotary,
          by_place(counts_at(at.angle_deg, kDegEachCount)));
-  }
-};
-
-/// Largest differences from the matrices, um.
-struct Difference {
-  double whole_um = 0.0;
-  double first_order_um = 0.0;
-  double second_order_um = 0.0;  ///< of the matrices themselves
-  double error_um = 0.0;
-  void note(const FiveAxisUnit& unit, const Standing& at, const Vector3& tool_mm) {
-    const Eigen::Vector3d error_um_now = matrix_error_um(unit.machine, at, tool_mm);
-    const Eigen::Vector3d negated_um = matrix_error_um(unit.machine, at, tool_mm, -1.0);
-    const Eigen::Vector3d compensation_um = eigen_of(unit.state.compensation_um);
-    REQUIRE(compensation_um.allFinite());
-    whole_um = std::max(whole_um, largest(error_um_now + compensation_um));
-    first_order_um = std::max(first_order_um, largest((error_um_now - negated_um) / 2.0 + compensation_um));
-    second_order_um = std::max(second_order_um, largest((error_um_now + negated_um) / 2.0));
-    error_um = std::max(error_um, largest(error_um_now));
   }
 };
 
@@ -182,13 +156,13 @@ class RotaryDraws : public Draws {
 };
 
 /// A thousand places with random angles.
-Difference thousand_angles(RotaryDraws& draws, const MeasuredMachine& m) {
+FromMatrices thousand_angles(RotaryDraws& draws, const MeasuredMachine& m) {
   FiveAxisUnit unit(m);
-  Difference seen;
+  FromMatrices seen;
   for (int place = 0; place < 1000; ++place) {
     const Standing at = draws.five_axis_standing(m.chain);
     unit.begin(at);
-    seen.note(unit, at, m.parameters.tool_offset_mm);
+    seen.note(unit.state.compensation_um, m, at, m.parameters.tool_offset_mm);
   }
   return seen;
 }
@@ -206,12 +180,12 @@ TEST_CASE("the output at any angles is the error of the exact matrices negated, 
     for (const bool oblique : {false, true}) {
       CAPTURE(chain);
       CAPTURE(oblique);
-      const Difference small = thousand_angles(draws, draws.five_axis_machine(chain, kSmall_um_per_m, 8.0, oblique));
+      const FromMatrices small = thousand_angles(draws, draws.five_axis_machine(chain, kSmall_um_per_m, 8.0, oblique));
       CHECK(small.whole_um <= kAllowed_um);
       CHECK(small.first_order_um <= kFirstOrderOfSmall_um);
       CHECK(small.second_order_um <= kSecondOrderOfSmall_um);
       CHECK(small.error_um > 20.0);
-      const Difference large = thousand_angles(draws, draws.five_axis_machine(chain, kLarge_um_per_m, 40.0, oblique));
+      const FromMatrices large = thousand_angles(draws, draws.five_axis_machine(chain, kLarge_um_per_m, 40.0, oblique));
       CHECK(large.first_order_um <= kFirstOrderOfLarge_um);
       CHECK(large.second_order_um <= kSecondOrderOfLarge_um);
     }
@@ -229,11 +203,11 @@ TEST_CASE("a head that bends is compensated at any angles and tool lengths as th
         for (int tool = 0; tool < 4; ++tool) {
           m.parameters.tool_offset_mm = tool == 0 ? Vector3{} : draws.vector(kLongestTool_mm);
           FiveAxisUnit unit(m);
-          Difference seen;
+          FromMatrices seen;
           for (int place = 0; place < 250; ++place) {
             const Standing at = draws.five_axis_standing(m.chain);
             unit.begin(at);
-            seen.note(unit, at, m.parameters.tool_offset_mm);
+            seen.note(unit.state.compensation_um, m, at, m.parameters.tool_offset_mm);
           }
           CHECK(seen.whole_um <= kAllowed_um);
           CHECK(seen.first_order_um <= kFirstOrderOfBending_um);
@@ -274,7 +248,7 @@ TEST_CASE("another tool at a turned head is reached within the limit of every pe
     const bool is_head = chain.find_last_of("ABC") > chain.find('T');
     const MeasuredMachine m = draws.bending_machine(chain, is_head, is_head, false);
     FiveAxisUnit unit(m);
-    Difference seen;
+    FromMatrices seen;
     for (int change = 0; change < 100; ++change) {
       const Standing at = draws.five_axis_standing(m.chain);
       unit.begin(at);
@@ -287,7 +261,7 @@ TEST_CASE("another tool at a turned head is reached within the limit of every pe
         CHECK(largest(eigen_of(unit.state.compensation_um) - eigen_of(before_um)) <= 0.1 + 1e-9);
       }
       REQUIRE(reached);
-      seen.note(unit, at, tool_mm);
+      seen.note(unit.state.compensation_um, m, at, tool_mm);
     }
     CHECK(seen.whole_um <= kAllowed_um);
     CHECK(seen.first_order_um <= (is_head ? kFirstOrderOfBending_um : kFirstOrderOfSmall_um));

@@ -31,26 +31,6 @@ constexpr double kSecondOrderOfSmallAngles_um = 0.003;
 constexpr double kThirdOrderOfSmallAngles_um = 2e-7;
 constexpr double kThirdOrderOfLargeAngles_um = 3e-5;
 
-/// Largest differences from the matrices, um.
-struct FromMatrices {
-  double whole_um = 0.0;
-  double first_order_um = 0.0;   ///< from half the difference between the errors and the same negated
-  double second_order_um = 0.0;  ///< of the matrices themselves
-  void note(const Vector3& compensation_um, const MeasuredMachine& m, const Standing& at, const Vector3& tool_mm) {
-    REQUIRE(eigen_of(compensation_um).allFinite());
-    const Eigen::Vector3d error_um = matrix_error_um(m, at, tool_mm);
-    const Eigen::Vector3d negated_um = matrix_error_um(m, at, tool_mm, -1.0);
-    const auto largest = [&](double& so_far, const Eigen::Vector3d& v) {
-      for (const Axis a : kAllAxes)
-        if (contains(m.chain, letter_of(a)))  // no axis, no direction to correct in
-          so_far = std::max(so_far, std::abs(v[static_cast<Eigen::Index>(index_of(a))]));
-    };
-    largest(whole_um, error_um + eigen_of(compensation_um));
-    largest(first_order_um, (error_um - negated_um) / 2.0 + eigen_of(compensation_um));
-    largest(second_order_um, (error_um + negated_um) / 2.0);
-  }
-};
-
 /// The unit with the map that was measured on this machine.
 struct UnitOnMachine {
   const MeasuredMachine& machine;
@@ -61,15 +41,7 @@ struct UnitOnMachine {
   PerAxis<std::int64_t> counts{};
 
   explicit UnitOnMachine(const MeasuredMachine& m) : machine(m) {
-    std::vector<PlannedTable> tables;
-    for (std::size_t c = 0; c < kCurves; ++c)
-      for (const Approach approach : {Approach::reverse, Approach::forward}) {
-        const ShownCurve& curve = m.curves[c][side_of(approach)];
-        PlannedTable t{static_cast<Component>(c), approach, curve.start_mm, curve.increment_mm, 0.01, {}};
-        for (const std::int16_t value : curve.hundredths) t.counts.push_back(static_cast<std::int16_t>(-value));
-        tables.push_back(t);
-      }
-    const auto image = image_of(m.parameters, tables, "", m.rows, {.stuck_s = 0.0});  // inputs here stay as they are
+    const auto image = image_of(m.parameters, map_of(m), "", m.rows, {.stuck_s = 0.0});  // inputs here stay as they are
     REQUIRE(check_image(image).fault == ImageFault::none);
     REQUIRE(compile(ImageView(image), *map).fault == Fault::none);
   }

@@ -8,15 +8,11 @@
 namespace ecs::commissioning {
 namespace {
 
+using protocol::forge;
 using protocol::ModbusServer;
 using protocol::UnitModel;
 using protocol::Workshop;
 using Bytes = std::vector<std::uint8_t>;
-
-/// Another content with the same CRC-32: the generator of that CRC is added to it, 33 bits from byte `at` on.
-void forge(Bytes& image, std::size_t at) {
-  for (const std::uint8_t bits : std::initializer_list<std::uint8_t>{0x41, 0x06, 0x71, 0xDB, 0x01}) image[at++] ^= bits;
-}
 
 /// A place where that changes a value and leaves a sound image.
 std::size_t place_in(const Bytes& image) {

@@ -18,6 +18,7 @@
 #include "core/tick.hpp"
 #include "tests/core/support/image_of.hpp"
 #include "tests/support/random_values.hpp"
+#include "tests/support/test.hpp"
 
 namespace ecs::test {
 
@@ -315,6 +316,41 @@ class Draws {
     return rows;
   }
   std::mt19937_64 random_;
+};
+
+/// The tables of the map that was measured: the compensation is the error negated.
+inline std::vector<PlannedTable> map_of(const MeasuredMachine& m) {
+  std::vector<PlannedTable> tables;
+  for (std::size_t c = 0; c < kCurves; ++c)
+    for (const Approach approach : {Approach::reverse, Approach::forward}) {
+      const ShownCurve& curve = m.curves[c][side_of(approach)];
+      PlannedTable t{static_cast<Component>(c), approach, curve.start_mm, curve.increment_mm, 0.01, {}};
+      for (const std::int16_t value : curve.hundredths) t.counts.push_back(static_cast<std::int16_t>(-value));
+      tables.push_back(t);
+    }
+  return tables;
+}
+
+/// Largest differences from the matrices, um.
+struct FromMatrices {
+  double whole_um = 0.0;
+  double first_order_um = 0.0;   ///< from half the difference between the errors and the same negated
+  double second_order_um = 0.0;  ///< of the matrices themselves
+  double error_um = 0.0;
+  void note(const Vector3& compensation_um, const MeasuredMachine& m, const Standing& at, const Vector3& tool_mm) {
+    REQUIRE(eigen_of(compensation_um).allFinite());
+    const Eigen::Vector3d error_now_um = matrix_error_um(m, at, tool_mm);
+    const Eigen::Vector3d negated_um = matrix_error_um(m, at, tool_mm, -1.0);
+    const auto largest = [&](double& so_far, const Eigen::Vector3d& v) {
+      for (const Axis a : kAllAxes)
+        if (contains(m.chain, letter_of(a)))  // no axis, no direction to correct in
+          so_far = std::max(so_far, std::abs(v[static_cast<Eigen::Index>(index_of(a))]));
+    };
+    largest(whole_um, error_now_um + eigen_of(compensation_um));
+    largest(first_order_um, (error_now_um - negated_um) / 2.0 + eigen_of(compensation_um));
+    largest(second_order_um, (error_now_um + negated_um) / 2.0);
+    largest(error_um, error_now_um);
+  }
 };
 
 }  // namespace ecs::test
