@@ -66,9 +66,7 @@ std::string answer_words(const laser::ThermalTest& test) {
 
 Result<Outcome> thermal(VerbContext& context, const ThermalRequest& request) {
   ECS_TRY(imported, read_with_notes(context.console, request.file, request.import));
-  laser::MeasurementSet set = imported.set;
-  set.source = request.file;
-  ECS_TRY(test, laser::thermal_test_of(set));
+  ECS_TRY(test, laser::thermal_test_of(imported.set));
   std::vector<std::size_t> runs(test.runs.size());
   for (std::size_t r = 0; r < runs.size(); ++r) runs[r] = r;
   return outcome_of(

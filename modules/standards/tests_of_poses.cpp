@@ -95,11 +95,9 @@ Result<Outcome> poses(VerbContext& context, const PosesRequest& request) {
   std::vector<laser::PoseTest> tests;
   for (const std::string& file : request.files) {
     ECS_TRY(imported, read_with_notes(context.console, file, request.import));
-    laser::MeasurementSet set = imported.set;
-    set.source = file;
-    ECS_TRY(test, laser::pose_test_of(set));
+    ECS_TRY(test, laser::pose_test_of(imported.set));
     if (!request.output.empty())
-      ECS_DO(laser::write_measurement_set(request.output, laser::without_motions(set, test)));
+      ECS_DO(laser::write_measurement_set(request.output, laser::without_motions(imported.set, test)));
     tests.push_back(std::move(test));
   }
   std::vector<Compared> compared;

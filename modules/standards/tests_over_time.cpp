@@ -64,10 +64,8 @@ PlotFigure drift_figure(const laser::DriftTest& test) {
 
 Result<Outcome> drift(VerbContext& context, const DriftRequest& request) {
   ECS_TRY(imported, read_with_notes(context.console, request.file, request.import));
-  laser::MeasurementSet set = imported.set;
-  set.source = request.file;
-  if (set.readings.empty()) return problem_at(request.file, 0, 0, "expected readings, found none");
-  ECS_TRY(test, laser::drift_test_of(set, request.window_h));
+  if (imported.set.readings.empty()) return problem_at(request.file, 0, 0, "expected readings, found none");
+  ECS_TRY(test, laser::drift_test_of(imported.set, request.window_h));
   if (!request.plot.empty()) ECS_DO(write_plot(request.plot, drift_figure(test)));
   const std::string window = fmt::format("{:g} h", request.window_h);
   const std::string heading = fmt::format("  {:<4} {:>9} {:>9} {:>9} {:>9}\n", "", "whole", "largest", "from", "last") +
@@ -267,9 +265,7 @@ PlotFigure warm_up_figure(const laser::WarmUpTest& test) {
 
 Result<Outcome> warm_up(VerbContext& context, const WarmUpRequest& request) {
   ECS_TRY(imported, read_with_notes(context.console, request.file, request.import));
-  laser::MeasurementSet set = imported.set;
-  set.source = request.file;
-  ECS_TRY(test, laser::warm_up_test_of(set, request.window_h));
+  ECS_TRY(test, laser::warm_up_test_of(imported.set, request.window_h));
   if (!request.plot.empty()) ECS_DO(write_plot(request.plot, warm_up_figure(test)));
   const std::string heading = fmt::format("  {:<2} {:>9} {:<8} {:>8} {:>8} {:>8}\n", "", "mm", "", "whole",
                                           fmt::format("first {:g} h", request.window_h), "last");

@@ -66,9 +66,7 @@ struct WarmUpPlan {
 /// The longest time in which the exponential of a curve or difference comes near enough to its end.
 Result<double> minutes_of(VerbContext& context, const WarmUpProgramRequest& request) {
   ECS_TRY(imported, read_with_notes(context.console, request.readings, request.import));
-  laser::MeasurementSet set = imported.set;
-  set.source = request.readings;
-  ECS_TRY(test, laser::warm_up_test_of(set, request.window_h));
+  ECS_TRY(test, laser::warm_up_test_of(imported.set, request.window_h));
   double longest_h = 0.0;
   const auto take = [&](const laser::WarmUpCurve& curve) {
     if (curve.settling) longest_h = std::max(longest_h, curve.settling->time_constant_h);

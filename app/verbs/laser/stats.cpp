@@ -449,7 +449,6 @@ Result<Outcome> stats(VerbContext& context, const StatsRequest& request) {
     ECS_TRY(imported, read_with_notes(context.console, file, request.import));
     if (imported.set.readings.empty()) return problem_at(file, 0, 0, "expected readings, found none");
     if (auto refused = laser::paths_refused(imported.set, file)) return tl::unexpected(std::move(*refused));
-    imported.set.source = file;
     imported.set.notes.clear();
     sets.push_back(std::move(imported.set));
   }
