@@ -307,15 +307,9 @@ TEST_CASE("the order of the rows and of the model's effects does not change the 
 
 TEST_CASE("a map applied with the wrong sign is named before a wrong gain") {
   Model model = straight();
-  laser::ErrorMap map;
-  map.tables.push_back({Component::EXX, Approach::unknown, {}, {}});
-  for (int i = 0; i <= 40; ++i) {
-    map.tables[0].position_mm.push_back(25.0 * i);
-    map.tables[0].compensation.push_back(3.0 * std::sin(0.17 * i) + 0.2 * i);
-  }
-  model.map = map;
+  model.map = wavy_map();
   const auto set =
-      measured({}, 0.3, [&](const Reading& r) { return -2.0 * laser::compensation_at(map.tables[0], p(r)); });
+      measured({}, 0.3, [&](const Reading& r) { return -2.0 * laser::compensation_at(model.map->tables[0], p(r)); });
   const Diagnosis found = diagnosed(model, set);
   REQUIRE_FALSE(found.candidates.empty());
   CHECK(found.candidates[0].effect.id == map_polarity);

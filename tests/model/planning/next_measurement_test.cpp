@@ -35,15 +35,9 @@ AfterBacklash after_backlash(bool even_targets) {
 
 TEST_CASE("a polarity of the map and a gain of minus one are the same: reported, not measured") {
   Model model = straight();
-  laser::ErrorMap map;
-  map.tables.push_back({Component::EXX, Approach::unknown, {}, {}});
-  for (int i = 0; i <= 40; ++i) {
-    map.tables[0].position_mm.push_back(25.0 * i);
-    map.tables[0].compensation.push_back(3.0 * std::sin(0.17 * i) + 0.2 * i);
-  }
-  model.map = map;
-  auto set =
-      measured({}, kNoise_um, [&](const Reading& r) { return -2.0 * laser::compensation_at(map.tables[0], p(r)); });
+  model.map = wavy_map();
+  auto set = measured({}, kNoise_um,
+                      [&](const Reading& r) { return -2.0 * laser::compensation_at(model.map->tables[0], p(r)); });
   const Observations data = observations_of(set, model, mill());
   auto found = must(diagnose(model, data));
   std::erase_if(found.candidates,

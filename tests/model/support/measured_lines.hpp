@@ -153,6 +153,15 @@ inline Model usual_model(const laser::MeasurementSet& set, const std::optional<p
   return model;
 }
 
+inline laser::ErrorMap wavy_map() {
+  laser::MapTable table{Component::EXX, Approach::unknown, {}, {}};
+  for (int i = 0; i <= 40; ++i) {
+    table.position_mm.push_back(25.0 * i);
+    table.compensation.push_back(3.0 * std::sin(0.17 * i) + 0.2 * i);
+  }
+  return {{}, {table}};
+}
+
 /// The cause, or one that these data cannot separate from it.
 inline bool stands_for(const Candidate& candidate, const std::string& place) {
   const auto& group = candidate.indistinguishable_from;
