@@ -266,3 +266,14 @@ TEST_CASE("a serial line given as a file is refused; it is not waited for") {
   CHECK(contains(to_text(must_fail(read_file(::ptsname(master)))), "expected a file, found a serial line or terminal"));
   ::close(master);
 }
+
+TEST_CASE("would_overwrite() spares nothing but regular files with content that are not one's own") {
+  const Folder folder;
+  const std::string file = folder.with("a.csv", "x");
+  CHECK(would_overwrite(file));
+  CHECK_FALSE(would_overwrite(file, {file}));
+  CHECK_FALSE(would_overwrite(folder.with("empty.csv", "")));
+  CHECK_FALSE(would_overwrite((folder.path / "none.csv").string()));
+  CHECK_FALSE(would_overwrite("/dev/null"));
+  CHECK_FALSE(would_overwrite(folder.path.string()));
+}

@@ -2,6 +2,7 @@
 #include <csignal>
 #include <thread>
 
+#include "commissioning/link/choice.hpp"
 #include "tests/support/emulator.hpp"
 #include "tests/support/verb_run.hpp"
 
@@ -65,6 +66,18 @@ TEST_CASE("a killed monitor leaves its record in FILE.part, and the former file 
   const std::string replaced = content_of(record);
   CHECK(std::count(replaced.begin(), replaced.end(), '\n') == 7);
   CHECK_FALSE(std::filesystem::exists(record + ".part"));
+}
+
+TEST_CASE("a stored link is used where none is given, and --link goes before it") {
+  const Folder folder;
+  ::setenv("XDG_CONFIG_HOME", (folder / "config").c_str(), 1);
+  CHECK(chosen_link("").value().origin == "default");
+  REQUIRE(store_link("tcp:mill:502"));
+  CHECK(to_text(must(chosen_link(""))) == "tcp:mill:502:1");
+  CHECK(chosen_link("tcp:lathe:502")->origin == "--link");
+  static_cast<void>(folder.with("config/ecs/config.toml", "link = 7\n"));
+  CHECK(ran({"monitor", "--count", "1"}).code == 3);
+  ::unsetenv("XDG_CONFIG_HOME");
 }
 
 }  // namespace

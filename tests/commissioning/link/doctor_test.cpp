@@ -84,3 +84,12 @@ TEST_CASE("an examination that is cancelled ends without a working link") {
 }
 
 }  // namespace ecs::commissioning
+
+TEST_CASE("a link that returns what is sent is recognised as an echo") {
+  const PortAnswer silence{{1, 2, 3}, {}};
+  const PortAnswer echo{{1, 2, 3}, {1, 2, 3, 9}};
+  const PortAnswer other{{1, 2, 3}, {1, 2, 4}};
+  CHECK_FALSE(silence.is_echo());
+  CHECK(echo.is_echo());
+  CHECK_FALSE(other.is_echo());
+}
