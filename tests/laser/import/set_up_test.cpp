@@ -27,6 +27,19 @@ std::vector<Vector3> cube() {
   return points;
 }
 
+MeasurementSet scan_by(const std::string& text, const std::string& columns) {
+  ImportOptions options = by_columns(columns, 1);
+  options.mapping->values = TableValues::actual_positions;
+  options.takes_rotary = true;
+  return must(parse_any(text, "scan.csv", options)).set;
+}
+
+MeasurementSet scan_as_suggested(const std::string& text, const std::string& columns) {
+  const Problem why = must_fail(parse_any(text, "scan.csv", {}));
+  CHECK_MESSAGE(contains(why.message, "--columns \"" + columns + "\" --values actual --skip 1"), why.message);
+  return scan_by(text, columns);
+}
+
 }  // namespace
 
 TEST_CASE("shift and rotation of a rigid body are found") {
@@ -163,13 +176,7 @@ TEST_CASE("a scan of a poor encoder over one turn is suggested in degrees, and r
   for (int i = 1; i <= 90; ++i) add(4.0 * i, 40.0);
   for (int i = 0; i < 30; ++i) add(360.0, 0.0);
   for (int i = 89; i >= 0; --i) add(4.0 * i, -40.0);
-  const Problem why = must_fail(parse_any(text, "scan.csv", {}));
-  const std::string columns = "c_deg=2[deg],reading=4[deg],approach=motion,run=motion,rows=in_motion";
-  CHECK_MESSAGE(contains(why.message, "--columns \"" + columns + "\" --values actual --skip 1"), why.message);
-  ImportOptions options = by_columns(columns, 1);
-  options.mapping->values = TableValues::actual_positions;
-  options.takes_rotary = true;
-  const auto set = must(parse_any(text, "scan.csv", options)).set;
+  const auto set = scan_as_suggested(text, "c_deg=2[deg],reading=4[deg],approach=motion,run=motion,rows=in_motion");
   CHECK(set.readings.size() == moving);
   CHECK(says(set.notes, "60 readings at rest or below half the usual speed are ignored"));
   CHECK(set.readings.front().approach == Approach::forward);
@@ -190,13 +197,7 @@ TEST_CASE("of a scan with times slower readings are kept too, each with the spee
   for (const double step : steps) add(step);
   for (int i = 0; i < 88; ++i) add(4.0);
   for (int i = 0; i < 30; ++i) add(0.4 * static_cast<double>(i == 0));
-  const Problem why = must_fail(parse_any(text, "scan.csv", {}));
-  const std::string columns = "c_deg=2[deg],reading=3[deg],rows=in_motion,time_s=1*1e-7-13290008148.425";
-  CHECK_MESSAGE(contains(why.message, "--columns \"" + columns + "\" --values actual --skip 1"), why.message);
-  ImportOptions options = by_columns(columns, 1);
-  options.mapping->values = TableValues::actual_positions;
-  options.takes_rotary = true;
-  const auto set = must(parse_any(text, "scan.csv", options)).set;
+  const auto set = scan_as_suggested(text, "c_deg=2[deg],reading=3[deg],rows=in_motion,time_s=1*1e-7-13290008148.425");
   // the first 3.7 deg, in which lost motion is taken up, and the last readings, for the axis stops within an interval
   CHECK(set.readings.size() == 5 + 86);
   CHECK(says(set.notes,
@@ -215,11 +216,8 @@ TEST_CASE("the slope of a reading is that of the wave up to both ends of a strok
     text += fmt::format("{};{};{:.7f}\n", 132900081483250000 + 200000LL * i, angle_deg(i),
                         seen + 8.0 * std::sin(4.0 * seen / 57.29578));
   }
-  ImportOptions options = by_columns(
-      "c_deg=2[deg],reading=3[deg],approach=motion,run=motion,rows=in_motion,time_s=1*1e-7-13290008148.325", 1);
-  options.mapping->values = TableValues::actual_positions;
-  options.takes_rotary = true;
-  const auto set = must(parse_any(text, "scan.csv", options)).set;
+  const auto set = scan_by(
+      text, "c_deg=2[deg],reading=3[deg],approach=motion,run=motion,rows=in_motion,time_s=1*1e-7-13290008148.325");
   REQUIRE(set.readings.size() > 700);
   for (const Reading& r : set.readings) {
     const double seen = r.angle_deg[2] + (r.approach == Approach::forward ? 0.6 : -0.6);

@@ -27,6 +27,11 @@ std::string hex_of(const FrameBytes& bytes) {
   return text;
 }
 
+void append_crc(FrameBytes& frame) {
+  const auto crc = crc16_of(frame);
+  frame.insert(frame.end(), {static_cast<std::uint8_t>(crc & 0xFF), static_cast<std::uint8_t>(crc >> 8)});
+}
+
 // The frames of docs/protocol.md; CRCs from pymodbus.utilities.computeCRC.
 const FrameBytes kAskIdentity{0x01, 0x17, 0x01, 0x00, 0x00, 0x04, 0x00, 0x00, 0x00, 0x01, 0x02, 0x12, 0x34, 0x9D, 0x1A};
 const FrameBytes kIdentityReply{0x01, 0x17, 0x08, 0x12, 0x34, 0x00, 0x03, 0x00, 0x02, 0x00, 0x07, 0x84, 0x83};
@@ -96,9 +101,7 @@ TEST_CASE_FIXTURE(FrameUnit, "every function but 3, 4, 6, 16, 22 and 23 gets exc
     CHECK(tcp.answer(FrameBytes{0, 1, 0, 0, 0, 6, 1, code, 0, 0, 0, 1}, server) ==
           FrameBytes{0, 1, 0, 0, 0, 3, 1, refused, 1});
     FrameBytes frame{1, code, 0, 0, 0, 1};
-    const auto crc = crc16_of(frame);
-    frame.push_back(static_cast<std::uint8_t>(crc & 0xFF));
-    frame.push_back(static_cast<std::uint8_t>(crc >> 8));
+    append_crc(frame);
     const auto reply = rtu.answer(frame, server);
     REQUIRE(reply.size() == 5);
     CHECK(crc_agrees(reply));
@@ -124,9 +127,7 @@ TEST_CASE_FIXTURE(FrameUnit, "no frame, however wrong, disturbs the next good on
     pdu.insert(pdu.begin(), function);
     FrameBytes frame{1};
     frame.insert(frame.end(), pdu.begin(), pdu.end());
-    const auto crc = crc16_of(frame);
-    frame.push_back(static_cast<std::uint8_t>(crc & 0xFF));
-    frame.push_back(static_cast<std::uint8_t>(crc >> 8));
+    append_crc(frame);
     const auto reply = rtu.answer(frame, server);
     RC_ASSERT(reply.empty() || crc_agrees(reply));
     RC_ASSERT(rtu.answer(kAskIdentity, server) == kIdentityReply);
@@ -177,9 +178,7 @@ TEST_CASE_FIXTURE(FrameUnit, "a broadcast acts on nothing and gets no reply") {
     frame.push_back(static_cast<std::uint8_t>(word >> 8));
     frame.push_back(static_cast<std::uint8_t>(word & 0xFF));
   }
-  const auto crc = crc16_of(frame);
-  frame.push_back(static_cast<std::uint8_t>(crc & 0xFF));
-  frame.push_back(static_cast<std::uint8_t>(crc >> 8));
+  append_crc(frame);
   CHECK(codec.answer(frame, server).empty());
   CHECK(model.commands_begun == 0);
   frame[0] = 1;  // the same to this unit alone

@@ -12,6 +12,11 @@ struct MemoryCase : StateFolder {
   std::shared_ptr<UnitConnection> unit = std::make_shared<UnitConnection>("emulator");
   MemoryScreen screen{unit};
 
+  MemoryCase() = default;
+  explicit MemoryCase(const std::string& where) {
+    REQUIRE(shows(screen, "unit MCM-0107"));
+    go(where);
+  }
   /// Goes there and waits until the bytes are read.
   void go(const std::string& where) {
     REQUIRE(until(screen, [&] {  // names are there when they are read
@@ -65,9 +70,7 @@ TEST_CASE("the screen opens at the active bank, whichever of the two that is") {
 }
 
 TEST_CASE("writing asks with old and new bytes, is read back, and is undone by undo") {
-  MemoryCase one;
-  REQUIRE(shows(one.screen, "unit MCM-0107"));
-  one.go("48000");
+  MemoryCase one("48000");
   const auto before = one.bytes_of_unit(0x48000, 4);
   type(one.screen, "w");
   replace_line(one.screen, "DE AD BE EF");
@@ -87,9 +90,7 @@ TEST_CASE("writing asks with old and new bytes, is read back, and is undone by u
 }
 
 TEST_CASE("bytes that changed since they were shown are not overwritten") {
-  MemoryCase one;
-  REQUIRE(shows(one.screen, "unit MCM-0107"));
-  one.go("48000");
+  MemoryCase one("48000");
   type(one.screen, "w");
   replace_line(one.screen, "01");
   JobControl control;
@@ -188,18 +189,14 @@ TEST_CASE("a search reads through the unit until it finds, and can be cancelled"
 }
 
 TEST_CASE("the screen reports a killed emulator, and reads again when it is back") {
-  MemoryCase one;
-  REQUIRE(shows(one.screen, "unit MCM-0107"));
-  one.go("48000");
+  MemoryCase one("48000");
   REQUIRE(kill_emulators() == 1);
   REQUIRE(shows(one.screen, "reopened"));
   REQUIRE(until(one.screen, [&] { return !contains(picture(one.screen), " .. "); }));
 }
 
 TEST_CASE("a write while the unit dies either is confirmed or is in the list as not confirmed") {
-  MemoryCase one;
-  REQUIRE(shows(one.screen, "unit MCM-0107"));
-  one.go("48000");
+  MemoryCase one("48000");
   type(one.screen, "w");
   replace_line(one.screen, "01 02");
   REQUIRE(kill_emulators() == 1);
