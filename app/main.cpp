@@ -1,11 +1,17 @@
 // The program `ecs`.
 #include <iostream>
 
+#include <malloc.h>
+
 #include "app/screens/start.hpp"
 #include "app/verbs/registry.hpp"
 #include "base/process.hpp"
 
 int main(int argc, char** argv) {
+#ifdef M_MMAP_THRESHOLD  // of glibc: matrices come and go, and memory fetched anew costs a sixth of a diagnosis
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+#endif
   ecs::catch_signals();
   ecs::app::begin_modules();
   const std::vector<std::string> words(argv + 1, argv + argc);
