@@ -131,6 +131,14 @@ Spectrum spectrum_of(const MatrixXd& symmetric) {
 }
 
 VectorXd beyond_those_before(const MatrixXd& columns) {
+  // products have all digits of what keeps this share of its square but six (Golub and Van Loan 2013, 5.3)
+  constexpr double kKept = 1e-6;
+  MatrixXd products = MatrixXd::Zero(columns.cols(), columns.cols());
+  add_gram(products, columns);
+  const Eigen::LLT<MatrixXd> cholesky(products);
+  const VectorXd own = cholesky.matrixLLT().diagonal();
+  if (cholesky.info() == Eigen::Success && (own.array().square() > kKept * products.diagonal().array()).all())
+    return own;
   return Eigen::HouseholderQR<MatrixXd>(columns).matrixQR().diagonal().cwiseAbs();
 }
 
