@@ -72,10 +72,6 @@ std::vector<Passes> passes_of_lines(const Observations& data, const Eigen::Vecto
   return enough;
 }
 
-}  // namespace
-
-namespace {
-
 /// Offset of one run of a channel, and slope along its axis.
 Eigen::MatrixXd columns_of_run(const Observations& data, Channel channel, int run) {
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(data.size()), 2);

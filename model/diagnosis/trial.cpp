@@ -10,12 +10,9 @@
 #include "model/regression/candidates.hpp"
 
 namespace ecs::model {
-namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-
-}  // namespace
 
 std::vector<EffectInstance> all_candidates(const Model& model, const Regressors& regressors) {
   std::vector<EffectInstance> all = candidate_instances(regressors.data());

@@ -338,10 +338,6 @@ MatrixXd covariance_of(Assembly& assembly, const Regressors& regressors, const W
   return norm.cwiseInverse().asDiagonal() * inverse * norm.cwiseInverse().asDiagonal();
 }
 
-}  // namespace
-
-namespace {
-
 bool varies(const Observations& data, const std::vector<std::size_t>& rows, Axis a) {
   return std::ranges::any_of(
       rows, [&](std::size_t k) { return std::abs(data.p_mm(k, a) - data.p_mm(rows.front(), a)) > kSamePlace_mm; });

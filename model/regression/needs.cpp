@@ -185,20 +185,12 @@ void add_tied_to_runs(const Observations& data, std::vector<std::string>& notes)
                     columns, kFewestLevels, fmt::join(effects, " and ")));
 }
 
-}  // namespace
-
-namespace {
-
 /// Readings that an artefact gives: a translation across the axis that moves.
 bool has_readings_across(const Observations& data) {
   for (std::size_t k = 0; k < data.size(); ++k)
     if (!is_rotation(data.sense[k]) && direction_of(data.sense[k]) != data.axis[k]) return true;
   return false;
 }
-
-}  // namespace
-
-namespace {
 
 bool has_circle(const Observations& all) {
   return std::ranges::any_of(all.paths, [](const Path& path) { return path.kind == PathKind::circle; });
