@@ -37,9 +37,8 @@ Structure::Structure(const Observations& data, const Whitener& whitener, double 
 }
 
 Structure::Beyond Structure::beyond(const Space& space, std::size_t variable) const {
-  Space more = space;
-  absorb(more, white_[variable]);
-  return {more.q.rightCols(more.q.cols() - space.q.cols()), more.chi2()};
+  Space added = added_by(space, white_[variable]);
+  return {std::move(added.q), added.chi2()};
 }
 
 const std::vector<Structure::Beyond>& Structure::all_beyond(const Space& space) const {

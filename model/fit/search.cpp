@@ -145,6 +145,12 @@ void absorb(Space& space, const MatrixXd& white_columns) {
   absorb_left(space, left_beside_basis(space.q, white_columns), white_columns.colwise().squaredNorm());
 }
 
+Space added_by(const Space& space, const MatrixXd& white_columns) {
+  Space added{MatrixXd(space.y.size(), 0), space.y};
+  absorb_left(added, left_beside_basis(space.q, white_columns), white_columns.colwise().squaredNorm());
+  return added;
+}
+
 Search::Search(const Regressors& regressors, const Whitener& whitener, const MatrixXd& base, const VectorXd& residual,
                const std::vector<EffectInstance>& candidates, const std::vector<EffectInstance>& own,
                const std::atomic<bool>* cancelled)

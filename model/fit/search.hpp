@@ -33,6 +33,9 @@ struct Space {
 /// Adds whitened columns to what is absorbed; columns that are (nearly) absorbed already do not count.
 void absorb(Space& space, const Eigen::MatrixXd& white_columns);
 
+/// The same apart: the directions that are added, and what is left beside all.
+[[nodiscard]] Space added_by(const Space& space, const Eigen::MatrixXd& white_columns);
+
 /// Price of free coefficients and of having chosen where they are.
 struct Price {
   double each = 0.0, once = 0.0;

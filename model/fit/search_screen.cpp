@@ -322,13 +322,12 @@ std::vector<std::pair<Choice, Choice>> Search::hidden_pairs(const Space& space, 
     const std::size_t step = (values.size() + kValuesOfPair - 1) / kValuesOfPair;
     for (std::size_t v = 0; v < values.size(); v += step)
       for (const std::vector<Index>& variant : banks_[f].variants) {
-        Space alone{space.q, space.y};
         One one{{f, values[v], variant}, width};
-        absorb(alone, whitener_(columns_of(one.choice).of));
-        one.count = alone.q.cols() - space.q.cols();
+        MatrixXd directions = added_by(space, whitener_(columns_of(one.choice).of)).q;
+        one.count = directions.cols();
         if (one.count == 0) continue;
         one.choice.cost = price_of(family, values[v]).of(static_cast<std::size_t>(one.count));
-        columns.emplace_back(alone.q.rightCols(one.count));
+        columns.push_back(std::move(directions));
         width += one.count;
         ones.push_back(std::move(one));
       }
