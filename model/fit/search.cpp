@@ -261,8 +261,8 @@ Choice Search::refined_choice(const Space& space, std::size_t f, double nonlinea
   const Family& family = families_[f];
   const EffectDefinition& definition = family.effect.definition();
   const bool places = has_places(f);
-  const View view = places ? view_of(space, f) : View{};
-  const auto exactly = [&](double v) { return places ? choice_in(view, f, v) : choice_at(space, f, v); };
+  const View* view = places ? &view_of(space, f) : nullptr;
+  const auto exactly = [&](double v) { return places ? choice_in(*view, f, v) : choice_at(space, f, v); };
   Choice best = exactly(nonlinear);
   if (definition.searched_parameter().empty() || family.grid.size() + family.facts.size() <= 1 ||
       !definition.search.has_slope)

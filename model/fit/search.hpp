@@ -208,7 +208,9 @@ class Search {
   [[nodiscard]] bool has_places(std::size_t family) const {
     return !banks_[family].shapes->place_mm.empty() && banks_[banks_[family].like].weight.size() > 0;
   }
-  [[nodiscard]] View view_of(const Space& space, std::size_t family) const;
+  /// Of the space that was looked at last; until another one is.
+  [[nodiscard]] const View& latest_view(std::size_t family) const;
+  [[nodiscard]] const View& view_of(const Space& space, std::size_t family) const;
   [[nodiscard]] Choice choice_in(const View& view, std::size_t family, double nonlinear) const;
   /// Raises the best score of every blank (column of z: products with this item) by what this item scores there.
   void raise_by(const Item& item, const Eigen::Ref<const Eigen::MatrixXf>& z, double dearer,
@@ -216,8 +218,7 @@ class Search {
   [[nodiscard]] Price price_of(const Family& family, double nonlinear) const;
   [[nodiscard]] Choice completed(Choice choice, std::size_t family, double nonlinear) const;
   /// Scores of all values of a family, best first, at most this many; those that gain nothing left out.
-  /// @param seen  at_motions() of a space
-  [[nodiscard]] std::vector<Choice> scores_of(std::size_t family, const Space& seen, std::size_t most) const;
+  [[nodiscard]] std::vector<Choice> scores_of(std::size_t family, const View& seen, std::size_t most) const;
   /// At a limit of its range: it is another effect under its name.
   [[nodiscard]] bool at_limit(std::size_t family, double nonlinear) const;
   [[nodiscard]] bool too_steep(const Space& space, const Choice& choice) const;
@@ -242,8 +243,8 @@ class Search {
   /// Columns of beside_base() less what `space` has absorbed since.
   [[nodiscard]] Eigen::MatrixXd left_beside(const Space& space, Eigen::MatrixXd beside_base) const;
   void absorb_choice(Space& space, const Choice& choice) const;
-  /// What a space has absorbed beyond the base, and what is left there, for products with motions; the latest is kept.
-  [[nodiscard]] const Space& at_motions(const Space& space) const;
+  /// What a space has absorbed beyond the base, and what is left there, is then seen for products with motions.
+  void look_at(const Space& space) const;
 
   const Regressors& regressors_;
   const Whitener& whitener_;
@@ -257,7 +258,8 @@ class Search {
   std::vector<Item> items_;
   std::vector<double> grams_;
   mutable std::map<std::pair<std::size_t, double>, BesideBase> beside_base_;
-  mutable Space seen_, seen_at_motions_;  ///< of at_motions(): the space beyond the base, and the answer
+  mutable Space seen_, seen_at_motions_;       ///< looked at last: beyond the base, and for motions
+  mutable std::map<std::size_t, View> views_;  ///< of it, by the first family of the same nodes
 };
 
 /// Sets of columns of an effect that may be used, cheapest first; curves: see the implementation.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/linear/decompositions.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/search.hpp"
 #include "model/regression/candidates.hpp"
@@ -50,15 +51,14 @@ MatrixXd Search::at_motions(const MatrixXd& white) const {
   return regressors_.motions_from(whitener_.transposed(white));
 }
 
-const Space& Search::at_motions(const Space& space) const {
+void Search::look_at(const Space& space) const {
   const auto more = space.q.rightCols(space.q.cols() - base_.q.cols());
   const bool is_known =
       seen_.y.size() == space.y.size() && seen_.q.cols() == more.cols() && seen_.y == space.y && seen_.q == more;
-  if (!is_known) {
-    seen_ = {more, space.y};
-    seen_at_motions_ = {at_motions(seen_.q), at_motions(MatrixXd(space.y))};
-  }
-  return seen_at_motions_;
+  if (is_known) return;
+  seen_ = {more, space.y};
+  seen_at_motions_ = {at_motions(seen_.q), at_motions(MatrixXd(space.y))};
+  views_.clear();
 }
 
 MatrixXd Search::gathered(std::size_t f, const MatrixXd& rows) const {
@@ -230,14 +230,17 @@ void Search::build_bank() {
   }
 }
 
-Search::View Search::view_of(const Space& space, std::size_t f) const {
-  const FamilyBank& bank = banks_[f];
-  const Space& seen = at_motions(space);
-  View view;
-  view.y = gathered(f, seen.y).col(0);
-  view.q.resize(bank.nodes, space.q.cols());
-  view.q << banks_[bank.like].base_q, gathered(f, seen.q);
-  return view;
+const Search::View& Search::latest_view(std::size_t f) const {
+  const auto [at, is_new] = views_.try_emplace(banks_[f].like);
+  const MatrixXd& base_q = banks_[banks_[f].like].base_q;
+  if (is_new) at->second = {gathered(f, seen_at_motions_.q), gathered(f, seen_at_motions_.y)};
+  if (is_new && base_q.size() > 0) at->second.q = beside(base_q, at->second.q);
+  return at->second;
+}
+
+const Search::View& Search::view_of(const Space& space, std::size_t f) const {
+  look_at(space);
+  return latest_view(f);
 }
 
 Choice Search::choice_in(const View& view, std::size_t f, double nonlinear) const {

@@ -178,13 +178,13 @@ double score_of(const Choice& choice) { return choice.score(); }
 
 }  // namespace
 
-std::vector<Choice> Search::scores_of(std::size_t f, const Space& seen, std::size_t most) const {
+std::vector<Choice> Search::scores_of(std::size_t f, const View& seen, std::size_t most) const {
   const Family& family = families_[f];
   const FamilyBank& bank = banks_[f];
   const MatrixXf& columns = bank.shapes->columns;
-  const VectorXd z = (columns.transpose() * gathered(f, seen.y).cast<float>()).cast<double>();
+  const VectorXd z = (columns.transpose() * seen.y.cast<float>()).cast<double>();
   MatrixXd lost;
-  if (seen.q.cols() > 0) lost = (gathered(f, seen.q).cast<float>().transpose() * columns).cast<double>();
+  if (seen_.q.cols() > 0) lost = (seen.q.rightCols(seen_.q.cols()).cast<float>().transpose() * columns).cast<double>();
   struct Scored {
     Gain gain;
     std::size_t item = 0;
@@ -279,16 +279,16 @@ bool Search::beats_free_values(const Space& space, const Choice& choice) const {
 }
 
 std::vector<Choice> Search::peaks_of(const Space& space, std::size_t f, std::size_t most) const {
-  return scores_of(f, at_motions(space), most);
+  return scores_of(f, view_of(space, f), most);
 }
 
 std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const {
-  const Space& seen = at_motions(space);
+  look_at(space);
   std::vector<std::vector<Choice>> peaks(candidates_);
   std::vector<Choice> list;
   for (std::size_t f = 0; f < candidates_; ++f) {
     heed_cancel();
-    peaks[f] = scores_of(f, seen, kMostPeaks);
+    peaks[f] = scores_of(f, latest_view(f), kMostPeaks);
     if (!peaks[f].empty()) list.push_back(peaks[f].front());
   }
   sort_greatest_first(list, score_of);
