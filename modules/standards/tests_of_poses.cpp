@@ -26,7 +26,7 @@ struct PosesRequest {
         {"FILES", &R::files, "files of one pose, each reached in another way: EX, EY, EZ of each point in each run",
          Need::required},
         &R::import,
-        {"-o,--output", &R::output, "file for the readings of FILE less the motion of their visit (CSV)", Is::output}};
+        {"-o,--output", &R::output, "file for the readings of FILE without the motion of their visit (CSV)", Is::output}};
   }
 };
 
