@@ -149,7 +149,7 @@ TEST_CASE(
   options.mapping->most_rows = 20;  // before a correction was made
   const auto set = must(laser::read_any(real_data("five-axis-sphere/b90_c_quadrant_2026-05.csv"), options)).set;
   REQUIRE(set.readings.size() == 60);
-  const Model model = usual_model(set, head);
+  Model model = usual_model(set, head);
   // distances in space: three readings a pose; least squares in NumPy, outside the project (SOURCE.md): 341, 224.5, 149
   // and 99 um
   const auto distance_um = [&] {
