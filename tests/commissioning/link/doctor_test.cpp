@@ -83,8 +83,6 @@ TEST_CASE("an examination that is cancelled ends without a working link") {
   CHECK_FALSE(diagnosis.works);
 }
 
-}  // namespace ecs::commissioning
-
 TEST_CASE("a link that returns what is sent is recognised as an echo") {
   const PortAnswer silence{{1, 2, 3}, {}};
   const PortAnswer echo{{1, 2, 3}, {1, 2, 3, 9}};
@@ -93,3 +91,5 @@ TEST_CASE("a link that returns what is sent is recognised as an echo") {
   CHECK(echo.is_echo());
   CHECK_FALSE(other.is_echo());
 }
+
+}  // namespace ecs::commissioning

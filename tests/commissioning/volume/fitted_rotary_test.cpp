@@ -41,7 +41,7 @@ Made made_machine(const Sizes& sizes, std::uint64_t seed) {
 }
 
 FittedRotary found_by_fit(const Made& made) {
-  const model::Model model = first_model(made.set, made.truth);
+  const model::Model model = model::test::usual_model(made.set, made.truth.machine);
   const model::Observations data = observations_of(made.set, model, made.truth.machine);
   return must(fitted_rotary(model, must(fit(model, data)), made.truth.machine, data));
 }
