@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/answer_table.hpp"
 #include "base/json.hpp"
 #include "commissioning/measurements/table.hpp"
 #include "commissioning/unit/datum_recording.hpp"
