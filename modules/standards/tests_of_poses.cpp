@@ -22,11 +22,11 @@ struct PosesRequest {
   std::string output;
   static Fields<PosesRequest> fields() {
     using R = PosesRequest;
-    return {
-        {"FILES", &R::files, "files of one pose, each reached in another way: EX, EY, EZ of each point in each run",
-         Need::required},
-        &R::import,
-        {"-o,--output", &R::output, "file for the readings of FILE without the motion of their visit (CSV)", Is::output}};
+    return {{"FILES", &R::files, "files of one pose, each reached in another way: EX, EY, EZ of each point in each run",
+             Need::required},
+            &R::import,
+            {"-o,--output", &R::output, "file for the readings of FILE without the motion of their visit (CSV)",
+             Is::output}};
   }
 };
 

@@ -76,7 +76,8 @@ TEST_CASE(
 TEST_CASE("rotary axes without an input, without a machine file or of another machine are refused with the reason") {
   CHECK(contains(to_text(must_fail(part_of("XOC,,,8\n", ""))), "--rotary needs --machine"));
   CHECK(contains(to_text(must_fail(part_of("XOC,,,8\n", table_machine("")))),
-                 "[axis.C]: expected resolution_deg, the angle for each count at the unit, found none"));
+                 "[axis.C]: expected resolution_deg, the angle for each count of the encoder input of "
+                 "the unit, found none"));
   CHECK(contains(to_text(must_fail(part_of("XOB,,,8\n"))), "which has no B"));
   CHECK(contains(to_text(must_fail(part_of("XOC,,,8\n", "configuration = \"TX\"\n[axis.X]\ntravel_mm = [0, 1]\n"))),
                  "an axis of the machine"));

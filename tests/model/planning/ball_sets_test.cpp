@@ -203,7 +203,7 @@ TEST_CASE("readings that do not follow a ball get no plan, and a note says that 
   const Observations without_machine = observations_of(set, Model{}, std::nullopt);
   const NextMeasurement next = next_measurement(Model{}, without_machine, Diagnosis{});
   CHECK(next.proposals.empty());
-  check_holds(only(next.notes), {"Readings of a ball need --machine"});
+  check_holds(only(next.notes), {"For readings of a ball give --machine"});
 }
 
 TEST_CASE("each tool in the spindle is off by a vector of its own, and two tools at one pose are not repeats") {

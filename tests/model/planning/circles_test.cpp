@@ -64,7 +64,7 @@ TEST_CASE("without a ball bar lines are proposed alone, with one circles that te
   REQUIRE(circle != nullptr);
   CHECK(circle->separation_sigma > 3.0);
   CHECK(circle->minutes > 15.0);
-  CHECK(contains(circle->sentence, "by a ball bar: radius"));
+  CHECK(contains(circle->sentence, "with a ball bar: radius"));
   CHECK(contains(circle->tells, "distinguishes "));
 }
 
