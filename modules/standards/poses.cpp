@@ -146,7 +146,7 @@ MeasurementSet without_motions(MeasurementSet set, const PoseTest& test) {
   for (Reading& reading : set.readings)
     reading.error -=
         set_up_error_um(test.motions.at(reading.run), reading.position_mm)[index_of(direction_of(reading.sense))];
-  set.metadata.emplace_back("removed", "the rigid motion of each visit (run)");
+  set.metadata.push_back({"removed", "the rigid motion of each visit (run)"});
   return set;
 }
 
