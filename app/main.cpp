@@ -8,7 +8,7 @@
 #include "base/process.hpp"
 
 int main(int argc, char** argv) {
-#ifdef M_MMAP_THRESHOLD  // of glibc: matrices come and go, and memory fetched anew costs a sixth of a diagnosis
+#ifdef M_MMAP_THRESHOLD  // of glibc: matrices come and go, and memory fetched again costs a sixth of a diagnosis
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
 #endif

@@ -96,8 +96,10 @@ Result<Outcome> poses(VerbContext& context, const PosesRequest& request) {
   for (const std::string& file : request.files) {
     ECS_TRY(imported, read_with_notes(context.console, file, request.import));
     ECS_TRY(test, laser::pose_test_of(imported.set));
-    if (!request.output.empty())
+    if (!request.output.empty()) {
       ECS_DO(laser::write_measurement_set(request.output, laser::without_motions(imported.set, test)));
+      context.console.note("readings without the motion of their visit written to " + request.output);
+    }
     tests.push_back(std::move(test));
   }
   std::vector<Compared> compared;

@@ -247,11 +247,11 @@ TEST_CASE(
   const auto set = measured({}, 0.3, [](const Reading& r) {
     return 8.0 + 0.01 * p(r) + 1.2 * d(r) + 1.5 * std::sin(2.0 * std::numbers::pi * p(r) / 70.0);
   });
-  const Model begun = usual_model(set);
+  const Model fresh = usual_model(set);
   std::vector<std::string> names;
-  for (const EffectInstance& effect : begun.effects) names.push_back(to_text(effect));
+  for (const EffectInstance& effect : fresh.effects) names.push_back(to_text(effect));
   CHECK(names == std::vector<std::string>{"offset:X:EX", "scale:X:EX", "backlash:X:EX"});
-  const Diagnosis found = diagnosed(begun, set);
+  const Diagnosis found = diagnosed(fresh, set);
   REQUIRE_FALSE(found.candidates.empty());
   CHECK(stands_for(found.candidates[0], "cyclic:X:EX"));
 }
