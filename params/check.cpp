@@ -254,11 +254,11 @@ struct SwitchRule {
 std::optional<SwitchRule> rule_of(DatumKind kind) {
   switch (kind) {
     case DatumKind::fanuc:
-      return SwitchRule{true, "fanuc uses the marker after leaving the switch"};
+      return SwitchRule{true, "datum type fanuc uses the marker after leaving the switch"};
     case DatumKind::allen_bradley:
-      return SwitchRule{true, "allen_bradley uses the marker after backing off the switch"};
+      return SwitchRule{true, "datum type allen_bradley uses the marker after backing off the switch"};
     case DatumKind::siemens:
-      return SwitchRule{false, "siemens uses the marker while still on the switch"};
+      return SwitchRule{false, "datum type siemens uses the marker while still on the switch"};
   }
   return std::nullopt;  // no such kind: its range says so
 }
@@ -275,7 +275,7 @@ void check_switch(const DatumParameters& d, Axis axis, Findings& findings) {
     findings.error(
         {final_key, initial_key, key_of(axis, "datum.kind")},
         fmt::format(
-            "it is {}. Because {}, it must be {} where switch_initially_active is {}; otherwise datuming always fails",
+            "it is {}. Because {}, set it to {} if switch_initially_active is {}; otherwise datuming always fails",
             state_word(d.switch_finally_active), rule->why, state_word(d.switch_initially_active), state_word(wanted)));
   if (d.switch_initially_active)
     findings.warning({initial_key, key_of(axis, "datum.switch_polarity")},

@@ -51,7 +51,8 @@ constexpr GlossaryRow kGlossary[] = {
     {"integration mode|integration|integrating", "the unit accepts parameters, maps and commands; compensation is off"},
     {"lack of fit", "the means deviate from the model by more than the scatter of repeated readings allows (F test)"},
     {"likely",
-     "in at most 1 of 100 simulated data sets without any effect, some effect fits as well by chance; another cause is "
+     "in at most 1 of 100 simulated data sets that contain noise only, any effect fits as well as this one fits the "
+     "readings; another cause is "
      "not excluded"},
     {"marker",
      "the index pulse of the transducer, once a revolution or at one place; together with the switch it defines the "

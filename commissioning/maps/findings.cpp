@@ -79,7 +79,7 @@ std::string coverage_text(const laser::ErrorMap& map) {
   return fmt::format("{} curve{} with values, {} declared zero{}. The unit does not correct {}{}.", with_values.size(),
                      with_values.size() == 1 ? "" : "s", zero.size(),
                      one_reason ? fmt::format(" ({})", zero.front().reason) : "",
-                     zero.size() == 1 ? "that one" : "those",
+                     zero.size() == 1 ? "the component declared zero" : "the components declared zero",
                      std::ranges::any_of(zero, has_row) ? ", except by the thermal rows of the map" : "");
 }
 

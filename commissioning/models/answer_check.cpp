@@ -193,11 +193,15 @@ Cell check_cell(const model::Check& check) {
                     "recomputed"_is(one.recomputed, shown(one.recomputed)), "holds"_is(one.holds, "holds", "DIFFERS")));
   std::string objections;
   for (const std::string& one : check.objections) objections += paragraph(one, 0, 2);
+  const std::string meanings = paragraph(
+      "explainable_share: the share of the variance above the noise that the effect explains; e_value: how much more "
+      "probable held-out readings are with the effect than without it",
+      0, 2);
   const bool holds = check.holds();
   return record_cell("{holds}\n" + fmt::format("{:<{}} {:>14} {:>14}\n", "", kWidestName, "claimed", "recomputed") +
-                         "{checked}{objections}",
+                         "{checked}{meanings}{objections}",
                      "holds"_is(holds, "The answer holds.", "The answer does not hold."), "checked"_is(numbers),
-                     "objections"_is(check.objections, objections));
+                     "meanings"_shown(meanings), "objections"_is(check.objections, objections));
 }
 
 }  // namespace ecs::commissioning

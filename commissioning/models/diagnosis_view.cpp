@@ -135,8 +135,9 @@ Cell variables_cell(const Comparison& c) {
 
 std::string outliers_text(const Comparison& c) {
   if (c.outliers.empty()) return {};
-  return "\n" +
-         paragraph(fmt::format("outliers: rows {} ({} readings)", rows_text(c.outliers), c.outliers.size()), 0, 2);
+  return "\n" + paragraph(fmt::format("outliers: row{} {} ({} of the readings)", c.outliers.size() == 1 ? "" : "s",
+                                      rows_text(c.outliers), c.outliers.size()),
+                          0, 2);
 }
 
 }  // namespace
@@ -195,6 +196,14 @@ std::string head(const Diagnosis& d) {
 }
 
 /// "cyclic:X:EX, reverse 93 %; progressive:X:EX 6.5 %", each place once
+/// "57.3 %", but "over 99 %" where its digits would say 100 and "under 0.1 %" for the least.
+std::string probability_text(double probability, int digits) {
+  const double percent = 100.0 * probability;
+  if (digits < 3 && percent > 99.0) return "over 99 %";
+  if (digits < 3 && percent < 0.1) return "under 0.1 %";
+  return fmt::format("{:.{}g} %", percent, digits);
+}
+
 std::string set_text(const std::vector<model::SetMember>& set, int digits = 3) {
   std::vector<model::SetMember> members;
   for (const model::SetMember& member : set) {
@@ -207,7 +216,7 @@ std::string set_text(const std::vector<model::SetMember>& set, int digits = 3) {
   }
   std::vector<std::string> words;
   for (const model::SetMember& member : members)
-    words.push_back(fmt::format("{} {:.{}g} %", member.place, 100.0 * member.probability, digits));
+    words.push_back(member.place + " " + probability_text(member.probability, digits));
   return fmt::format("{}", fmt::join(words, "; "));
 }
 
@@ -326,13 +335,15 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& d) {
 std::string closest_text(const Diagnosis& d) {
   std::vector<model::SetMember> closest;
   constexpr std::size_t kMostShown = 5;
+  constexpr double kLeastShown = 0.001;
   for (const Candidate& candidate : d.candidates)
-    if (closest.size() < kMostShown)
+    if (closest.size() < kMostShown && (closest.empty() || candidate.probability >= kLeastShown))
       closest.push_back({to_text(candidate.effect), candidate.probability, place_text(candidate.effect)});
   if (closest.empty()) return {};
   return "\n" +
          paragraph(
-             "Effects that could be hidden below the noise, with the probability of each (too low to name a cause): " +
+             "Effects that may be hidden in the noise, each with the probability that it is present if the noise is as "
+             "stated: " +
                  set_text(closest, 2),
              0, 2);
 }
@@ -549,9 +560,9 @@ std::string outliers_text(const Diagnosis& d) {
   return "\n" +
          paragraph(
              fmt::format(
-                 "outliers: rows {} ({} of {} readings), of little weight in every fit; the tables of effects leave "
+                 "outliers: row{} {} ({} of {} readings), of little weight in every fit; the tables of effects leave "
                  "them out",
-                 rows_text(d.outliers), d.outliers.size(), d.observations),
+                 d.outliers.size() == 1 ? "" : "s", rows_text(d.outliers), d.outliers.size(), d.observations),
              0, 2);
 }
 

@@ -187,7 +187,7 @@ void add_by_unit(Json& answer, std::string_view unit,
 
 std::string noise_text(const model::PureError& noise) {
   const std::string size = in_each_unit(noise.noise_um, noise.by_unit, noise.unit);
-  if (noise.is_of_step) return size + ", the least that the resolution of these readings allows";
+  if (noise.is_of_step) return size + ", given by the resolution of these readings (their repeats show less)";
   if (noise.from_repeats) return size + " from repeats";
   return fmt::format(
       "at most {}, from neighbouring readings (no target was repeated under the same conditions, such as approach, "

@@ -331,7 +331,7 @@ Cell pointers_cell(const StatusSnapshot& snapshot) {
   for (std::size_t i = 0; i < kCurves; ++i)
     if (const auto& pointer = snapshot.status.pointers[i]; pointer.address != protocol::kUnused)
       pointers.add(pointer_cell(static_cast<Component>(i), pointer, snapshot.selected[i]));
-  if (pointers.json.empty()) pointers.text = "no value of the map is in use now\n";
+  if (pointers.json.empty()) pointers.text = "no value of the map is applied at present\n";
   return pointers;
 }
 
@@ -450,8 +450,9 @@ Cell rotary_axes_cell(const protocol::RotarySample& sample) {
 Cell rotary_compensation_cell(const protocol::RotarySample& sample, UnitMode mode) {
   if (!any_axis(sample) || mode != UnitMode::compensating) return null_cell();
   const Vector3& um = sample.compensation_um;
-  return record_cell("the rotary axes add X {X} um, Y {Y} um, Z {Z} um\n", "X"_is(um[0], fmt::format("{:+.2f}", um[0])),
-                     "Y"_is(um[1], fmt::format("{:+.2f}", um[1])), "Z"_is(um[2], fmt::format("{:+.2f}", um[2])));
+  return record_cell("rotary axes, their share of the compensation: X {X} um, Y {Y} um, Z {Z} um\n",
+                     "X"_is(um[0], fmt::format("{:+.2f}", um[0])), "Y"_is(um[1], fmt::format("{:+.2f}", um[1])),
+                     "Z"_is(um[2], fmt::format("{:+.2f}", um[2])));
 }
 
 Cell battery_cell(const protocol::ControlLines& lines) {
@@ -464,7 +465,7 @@ Cell battery_cell(const protocol::ControlLines& lines) {
 
 Cell control_cell(const protocol::ControlLines& lines) {
   if (!lines.control_on_wired)
-    return null_cell("not known whether on or off; to show it, wire its \"power on\" signal to the unit");
+    return null_cell("unknown whether on or off: its \"power on\" signal is not wired to the unit");
   return {lines.control_on, lines.control_on ? "on" : "off: every axis has to be referenced again when it is back"};
 }
 
@@ -483,7 +484,8 @@ Cell events_cell(const std::vector<protocol::HostEvent>& events) {
   const bool with_hash = std::ranges::any_of(
       events, [](const protocol::HostEvent& event) { return event.text.find("SHA ") != std::string::npos; });
   return list_cell(events, event_cell,
-                   with_hash ? "events by hosts (SHA: first six digits of the SHA-256)\n" : "events by hosts\n");
+                   with_hash ? "events by the connected computers (SHA: first six digits of the SHA-256)\n"
+                             : "events by the connected computers\n");
 }
 
 std::string mode_in_words(UnitMode mode) {

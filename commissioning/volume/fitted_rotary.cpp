@@ -112,7 +112,7 @@ Result<FittedRotary> fitted_rotary(const model::Model& model, const model::Fit& 
     const model::EffectInstance& effect = one.effect;
     if (!model::is_rotary_error(effect)) {
       out.left_out.push_back(
-          fmt::format("{}: it is neither a location error nor an error motion of a rotary axis", place_text(effect)));
+          fmt::format("{}: neither a location error nor an error motion of a rotary axis", place_text(effect)));
       continue;
     }
     if (effect.undetermined) {

@@ -247,15 +247,18 @@ Cell remaining_cell(std::string_view name, const Remaining& one) {
 Cell cause_cell(const CauseCost& cost, bool has_circle) {
   const std::string head =
       paragraph(fmt::format("{}: {} ({}{})", name_with_alternatives(cost.effect), remedy_text(cost.remedy),
-                            cost.remedy == Remedy::repair ? "to confirm it first, " : "", cost.how),
+                            cost.remedy == Remedy::repair ? "first confirm it: " : "", cost.how),
                 0, 2);
   Cell circle = remaining_cell("circle G", cost.circle);
   if (!has_circle) circle = null_cell();
+  Cell largest = remaining_cell("volume, largest", cost.volume_largest);
+  Cell rms = remaining_cell("volume, rms", cost.volume_rms);
+  if (cost.remedy == Remedy::set_up) largest.text = rms.text = circle.text = "";  // it is no error of the volume
   return record_cell("{head}{readings_rms}{volume_largest}{volume_rms}{circle}\n", "head"_shown(head),
                      inlined({effect_json(cost.effect), ""}), "remedy"_is(remedy_text(cost.remedy)),
                      "readings_rms"_is(remaining_cell("readings, rms", cost.readings_rms)),
-                     "volume_largest"_is(remaining_cell("volume, largest", cost.volume_largest)),
-                     "volume_rms"_is(remaining_cell("volume, rms", cost.volume_rms)), "circle"_is(std::move(circle)));
+                     "volume_largest"_is(std::move(largest)), "volume_rms"_is(std::move(rms)),
+                     "circle"_is(std::move(circle)));
 }
 
 /// Of an error that is a value times coordinates.
@@ -446,15 +449,15 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
 Cell repair_cell(const RepairAnswer& answer) {
   const bool has_circle = answer.diameter_mm > 0.0;
   std::string head = fmt::format(
-      "Remaining error [um]. Each row treats one cause in three ways (left as it is, compensated, repaired), while all "
+      "Remaining error [um]. Each block treats one cause in three ways (left as it is, compensated, repaired), while "
+      "all "
       "other causes are compensated as far as the unit can; in brackets the 95 % bound. {} readings, each with a noise "
-      "of {:.2f} um, {} positions of the "
-      "volume "
-      "in both approaches",
+      "of {:.2f} um, {} positions of the volume in both approaches",
       answer.readings, answer.noise_um, answer.places);
   if (has_circle)
     head += fmt::format(", a circle of {:.0f} mm diameter in {} through the middle", answer.diameter_mm, answer.plane);
-  head += ". The volume and the circle contain only the causes of the model, not the residual";
+  head += has_circle ? ". The volume and the circle contain only the causes of the model, not the residual"
+                     : ". The volume contains only the causes of the model, not the residual";
   return record_cell(
       "{head}\n                                left       compensated          repaired\n{causes}{notes}",
       "head"_shown(paragraph(head + ".")), "readings"_is(answer.readings), "points"_is(answer.places),

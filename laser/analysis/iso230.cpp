@@ -110,11 +110,13 @@ void note_left_out(const Iso230& axis, std::vector<std::string>& notes) {
   const bool only_single = std::ranges::none_of(
       axis.targets, [](const Iso230Target& target) { return target.s_forward || target.s_reverse; });
   if (single > 0)
-    notes.push_back(fmt::format("at {} target{} an approach has a single reading, which gives no standard deviation{}",
-                                single, single == 1 ? "" : "s",
-                                only_single ? ", so A, R and the 3 sigma band cannot be computed"
-                                            : " and are not used for R, A and the 3 sigma band, so A can be smaller "
-                                              "than E"));
+    notes.push_back(
+        fmt::format("{} of the targets, counted in each approach, {} a single reading, which gives no standard "
+                    "deviation{}",
+                    single, single == 1 ? "has" : "have",
+                    only_single ? ", so A, R and the 3 sigma band cannot be computed"
+                                : " and are not used for R, A and the 3 sigma band, so A can be smaller "
+                                  "than E"));
   const auto one_sided = std::ranges::count_if(axis.targets, [](const Iso230Target& target) {
     return target.mean_forward.has_value() != target.mean_reverse.has_value();
   });

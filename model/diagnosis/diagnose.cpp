@@ -641,8 +641,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
                       words_for(*in.found.noisy).substr(1), condition);
   if (structure && std::ranges::any_of(data.paths, [](const Path& path) { return path.kind == PathKind::circle; })) {
     const std::string advice = advice_on(kReversalOnCircle);
-    diagnosis.notes.push_back(fmt::format("friction at a reversal causes another spike than that of the library{}{}",
-                                          advice.empty() ? "" : ": ", advice));
+    diagnosis.notes.push_back(
+        fmt::format("the spike that friction causes on a circle after a reversal differs from reversal_spike{}{}",
+                    advice.empty() ? "" : ": ", advice));
   }
   for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
   if (const std::span residual(in.base.residual.data(), data.size()); !in.found.noise.relative.empty())

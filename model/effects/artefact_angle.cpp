@@ -18,7 +18,7 @@ EffectDefinition artefact_angle() {
       .headline = "an error of {um_per_m} of the square used for {readings}",
       .parameters = {{"um_per_m", "um/m", "angle error"}, {"um", "um", "half of the zero shift on turning over"}},
       .carrier = Carrier::set_up,
-      .how = "an error of the artefact: subtract half the difference of both positions from its readings",
+      .how = "an error of the artefact: subtract half the difference between its readings as it is and turned over",
       .separated_by = separations::kTurnedOver,
       .traits = {.of_measurement = true, .one_per_axis = true},
       .needs = {Need::reversed},

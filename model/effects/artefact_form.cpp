@@ -18,7 +18,7 @@ EffectDefinition artefact_form() {
       .headline = "a straight edge that is not straight, {rms_um} in {where}",
       .parameters = {{"rms_um", "um", "size of the curve", Coding::size_of_curve}},
       .carrier = Carrier::set_up,
-      .how = "an error of the artefact: subtract half the difference of both positions from its readings",
+      .how = "an error of the artefact: subtract half the difference between its readings as it is and turned over",
       .separated_by = separations::kTurnedOver,
       .traits = {.is_curve = true,
                  .keeps_mean = true,

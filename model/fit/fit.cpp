@@ -458,6 +458,8 @@ std::string note_of_no_reading(const EffectInstance& effect, const Observations&
   else if (effect.line > lines)
     why = fmt::format(": {} was measured along {} in {} line{}", name_of(*effect.sense), axis_letter(effect), lines,
                       lines == 1 ? "" : "s");
+  else
+    why = ": none has the combination of axis, sense and approach that it needs";
   return fmt::format("{}: acts on none of these readings{}", to_text(effect), why);
 }
 

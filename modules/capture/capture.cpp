@@ -34,7 +34,7 @@ std::string due_text(const devices::CaptureRecord& record) {
   const laser::Reading* stop = record.due();
   if (stop == nullptr) return {};
   const auto place = record.place();
-  return fmt::format("next: {} {} to {} mm ({} of {}, run {} of {}, {} of {} in all){}", letter_of(stop->axis),
+  return fmt::format("next: {} {} to {} mm (target {} of {}, run {} of {}, reading {} of {}){}", letter_of(stop->axis),
                      stop->approach == Approach::forward ? "forward" : "reverse", laser::target_mm(*stop), place.number,
                      place.of, stop->run, record.runs(), record.next() + 1, record.plan().stops.size(),
                      place.first_of_pass ? start_of_pass(*stop) : "");

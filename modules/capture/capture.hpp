@@ -125,8 +125,8 @@ struct LearnedDevice {
 /// The sensor of --environment. @param every_s  between two readings
 [[nodiscard]] std::unique_ptr<SurroundingsWatch> environment_watch(const std::string& device, double every_s);
 
-/// "next: X forward to 50 mm (2 of 11, run 1 of 3, 13 of 66 in all)"; at the beginning of a pass also from where.
-/// Empty: all done.
+/// "next: X forward to 50 mm (target 2 of 11, run 1 of 3, reading 13 of 66)"; at the beginning of a pass also from
+/// where. Empty: all done.
 [[nodiscard]] std::string due_text(const devices::CaptureRecord& record);
 
 /// The last reading with its time and temperatures: "3.10 um at X 50 mm (12.4 s, air 20.31 degC)".

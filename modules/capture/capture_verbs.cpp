@@ -26,7 +26,7 @@ Cell end_cell(const CaptureEnd& end) {
     doubts += key == "in doubt" ? 1U : 0U;
     if (key == "left out" || key == "in doubt") remarks += fmt::format("  {}: {}\n", key, value);
   }
-  return record_cell(end.complete ? "{readings} readings of {targets} targets written to {output}\n{remarks}"
+  return record_cell(end.complete ? "{readings} of {targets} planned readings written to {output}\n{remarks}"
                                   : "ended early: {kept}\n",
                      "complete"_is(end.complete), "output"_is(text_cell(end.file)),
                      "part"_is(end.complete || readings.empty() ? null_cell() : Cell{end.part, {}}),

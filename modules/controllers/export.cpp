@@ -227,8 +227,8 @@ Cell residual_cell(const ExportReport& report) {
       fmt::format("{:<10} {:<6}  {:>16}  {:>16}  {:>16}\n", "", "along", "not compensated", "with ECS unit",
                   "with this export"));
   Cell cell = record_cell(
-      "remaining error, predicted from {from}: largest / rms, um\n{rows}both approaches; relative to the reference "
-      "point, as with a work offset\n",
+      "remaining error, predicted from {from}: largest / rms, um\n{rows}both approaches; the error at the reference "
+      "point is taken as zero, as after setting a work offset there\n",
       "from"_is(report.work.errors_from), "rows"_is(rows));
   if (report.work.errors_from == "the map")
     cell.text += paragraph(

@@ -184,7 +184,9 @@ Result<void> read_source(VerbContext& context, const ProgramRequest& request, Pr
     return read_deviations(request, source);
   }
   if (!from.model.empty() && from.machine.empty())
-    return problem(ProblemKind::usage, "--model needs --machine: the model counts from the datum of its axes");
+    return problem(ProblemKind::usage,
+                   "--model needs --machine: positions in the model count from the datum of each axis, which the "
+                   "machine file states");
   ECS_TRY(found, found_map(context, from.map, from.unit));
   source.sha256 = sha256_hex(laser::to_map_csv(found.map));
   if (!from.map.empty()) {

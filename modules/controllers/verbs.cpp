@@ -109,7 +109,9 @@ struct WriteRequest {
 
 Result<ExportWork> read_export_work(VerbContext& context, const ExportArguments& arguments) {
   if (!arguments.model.empty() && arguments.machine.empty())
-    return problem(ProblemKind::usage, "--model needs --machine: the model counts from the datum of its axes");
+    return problem(ProblemKind::usage,
+                   "--model needs --machine: positions in the model count from the datum of each axis, which the "
+                   "machine file states");
   ECS_TRY(found, found_map(context, arguments.map, arguments.unit));
   ECS_TRY(work, export_work(context.console, arguments, std::move(found)));
   for (std::string& note : left_to_machine(work.source.map.header)) work.notes.push_back(std::move(note));
@@ -274,8 +276,9 @@ Result<bool> levers_from_lines(const ReadRequest& request, const ReadFiles& file
   if (given.empty()) return said.value_or(false);
   const bool lines = given == "lines";
   if (said && *said != lines)
-    return problem(ProblemKind::usage, "--levers {}: the file states that its lever arms count from the {}", given,
-                   *said ? "measurement lines" : "machine zero");
+    return problem(ProblemKind::usage,
+                   "--levers {} contradicts the file: it states that its lever arms count from the {}. Omit --levers",
+                   given, *said ? "measurement lines" : "machine zero");
   return lines;
 }
 

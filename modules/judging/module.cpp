@@ -154,7 +154,11 @@ Cell judgement_cell(const Judgement& judgement) {
                            ? Cell{Json::array(), ""}
                            : list_cell(judgement.effects, judged_effect_cell,
                                        fmt::format("\n{:<30}{:>10}{:>10}{:>11}{:>10}\n", "effect [" + unit + "]",
-                                                   "without", "with", "stretches", "p-value"));
+                                                   "without", "with", "stretches", "p-value") +
+                                           paragraph("rms of the model without and with the effect; p-value: of the "
+                                                     "test, over stretches of successive readings, that the effect "
+                                                     "does not improve the prediction",
+                                                     2, 2));
   const bool undecided =
       !judgement.holds() && std::ranges::all_of(judgement.groups, [](const JudgedGroup& one) { return one.holds(); }) &&
       std::ranges::all_of(judgement.effects,

@@ -189,7 +189,7 @@ Result<Replay> replayed(const Logbook& book, const RunVerb& run, const std::stri
   }
   if (!last)
     return tl::unexpected(Problem{ProblemKind::refused,
-                                  "no map became active while this logbook was kept: no map to derive",
+                                  "no map became active while this logbook was kept: there is nothing to replay",
                                   book.path().string(),
                                   0,
                                   0,

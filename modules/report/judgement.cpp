@@ -213,9 +213,10 @@ std::string scatter_sentence(const TableRow& row) {
 std::string worst_sentence_of(const TableRow& row) {
   const auto& limit = row.planned.published_after;
   return fmt::format(
-      "Largest {}: {}, {} after compensation{}.{}", limit ? "share of its limit" : "remaining band", named(row),
-      quantity(row, band_after(row)),
-      limit ? fmt::format(", {:.0f} % of {}", 100.0 * band_after(row) / *limit, quantity(row, *limit)) : "",
+      "Largest {}: {}, a band of {} after compensation{}.{}", limit ? "share of its limit" : "remaining band",
+      named(row), quantity(row, band_after(row)),
+      limit ? fmt::format(", {:.0f} % of its limit of {}", 100.0 * band_after(row) / *limit, quantity(row, *limit))
+            : "",
       scatter_sentence(row));
 }
 
@@ -308,7 +309,7 @@ void gaps_to_do(const ReportContent& content, std::vector<std::string>& next) {
   }
   if (!few.empty())
     next.push_back(
-        fmt::format("{}: conditions of ISO 230-2 are not met. They are listed below the "
+        fmt::format("{}: some conditions of ISO 230-2 are not met; they are listed below the "
                     "curves.",
                     fmt::join(few, ", ")));
   if (!unlimited.empty())

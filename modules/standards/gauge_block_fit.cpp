@@ -160,21 +160,21 @@ void add_notes(const BlockTest& test, BlockFit& fit) {
   if (!fit.noise_um)
     note(
         "as many unknowns as lengths, and no length was measured twice: the scatter of the readings is unknown and not "
-        "in U. Repeat the readings");
+        "in the uncertainties. Repeat the readings");
   else if (!fit.noise_from_repeats)
     note("no length was measured twice: the scatter is that about the straight line, and lack of fit cannot be tested");
   if (fit.lack_of_fit_p.value_or(1.0) < kBlocksLackFit)
     note(
-        "the lengths deviate from a straight line by more than their repeats: the error of the axis is not "
-        "proportional "
-        "to the length. U contains this deviation; measure the axis with `ecs laser` or a step gauge");
+        "the errors deviate from a straight line by more than repeated readings differ: the error of the axis is not "
+        "proportional to the length. The uncertainties contain this deviation; measure the axis with `ecs laser` or a "
+        "step gauge");
   const auto any = [&](auto member) {
     return std::ranges::any_of(test.readings, [&](const BlockReading& one) { return (one.*member).has_value(); });
   };
   if (any(&BlockReading::machine_degC) && !test.machine_expansion_um_per_m_degC)
     note(
         "t_machine_degC is not used: the scale error is that at the temperature of the machine. State "
-        "`# machine_expansion: ` to refer it to 20 degC");
+        "`# machine_expansion: 11.5` (its own value in um/m/degC) to refer it to 20 degC");
   if (!any(&BlockReading::block_degC)) note("no t_block_degC: the blocks are assumed to be at 20 degC");
 }
 

@@ -60,7 +60,7 @@ Result<Outcome> blocks(VerbContext&, const BlocksRequest& request) {
       "blocks"_is(list_cell(fit.means, mean_cell, heading)),
       "scale"_is(value_cell(fit.scale_um_per_m, "scale error", "um/m", "")),
       "constant"_is(value_cell(fit.constant_um, "constant", "um",
-                               ", by which tool or probe is larger than assumed, lost motion included")),
+                               " (positive: the tool or probe is larger than assumed); it includes the lost motion")),
       "error"_is(value_cell(fit.error_um, "error", "um", ", scale and constant together over this length")),
       "correlation"_is(fit.correlation, 2), "noise_um"_is(fit.noise_um, 3),
       "degrees_of_freedom"_is(fit.degrees_of_freedom), "noise_from_repeats"_is(fit.noise_from_repeats),

@@ -46,15 +46,15 @@ Cell point_cell(const laser::PosePoint& point) {
 }
 
 std::string motion_words(const laser::PoseTest& test) {
-  return test.moves_as_a_whole() ? "the body arrives elsewhere in each visit, as a whole"
-                                 : "the body arrives at one place: its points scatter no more together than apart";
+  return test.moves_as_a_whole() ? "the points move together from visit to visit, as one rigid body"
+                                 : "no common motion of the points: they scatter independently of each other";
 }
 
 Cell test_cell(const laser::PoseTest& test) {
   return record_cell(
       "{file}: {visits} visits of {count} points\n{points}"
       "  rms of a coordinate {rms_um} um, {rms_after_um} um after one rigid motion per visit: {words}\n"
-      "  motions: shift {shift_um} um, turn {turn_um_per_m} um/m, rms along and about one axis\n",
+      "  rigid motion of a visit, rms along and about a coordinate axis: {shift_um} um, {turn_um_per_m} um/m\n",
       "file"_is(test.file), "visits"_is(test.visits), "count"_shown(test.points.size()),
       "points"_is(list_cell(test.points, point_cell)), "rms_um"_is(test.rms_um, 2),
       "rms_after_um"_is(test.rms_after_um, 2), "words"_shown(motion_words(test)), "shift_um"_is(test.shift_um, 2),

@@ -159,8 +159,8 @@ Result<Cell> prediction_cell(const FlatnessRequest& request, const laser::PlateR
   ECS_TRY(parameters, params::read_parameters(request.params));
   ECS_TRY(form, laser::predicted_form(readings, measured, map, parameters.parameters));
   return record_cell(
-      "{map} predicts {least_squares_um} um between planes parallel to that of least squares; measured less predicted "
-      "height: {difference_rms_um} um rms, at most {difference_most_um} um\n",
+      "{map} predicts {least_squares_um} um between planes parallel to the least-squares plane; measured less "
+      "predicted height: {difference_rms_um} um rms, at most {difference_most_um} um\n",
       "map"_is(request.map), "least_squares_um"_is(form.least_squares_um, 3),
       "difference_rms_um"_is(form.difference_rms_um, 3), "difference_most_um"_is(form.difference_most_um, 3));
 }
@@ -176,9 +176,9 @@ Result<Outcome> flatness(VerbContext&, const FlatnessRequest& request) {
   const Cell answer = record_cell(
       "{file}: {width_mm} x {depth_mm} mm between the corner stations, {heights} heights\n"
       "  {flatness_um:>9} um  flatness: minimum zone, the closest two planes\n"
-      "  {least_squares_um:>9} um  planes parallel to that of least squares\n"
+      "  {least_squares_um:>9} um  planes parallel to the least-squares plane\n"
       "  {moody_um:>9} um  planes parallel to both diagonals (Moody 1955)\n"
-      "{closure}{prediction}heights above the lowest station [um], each line from its first "
+      "{closure}{prediction}heights above the lowest station [um], along each line from its first "
       "station:\n{lines}{output}{plot}",
       "file"_is(request.file), "width_mm"_is(flatness.width_mm), "depth_mm"_is(flatness.depth_mm),
       "heights"_is(flatness.stations.size()), "flatness_um"_is(flatness.minimum_zone_um, 3),

@@ -199,8 +199,8 @@ struct CompareRequest {
   std::string a, b;
   static Fields<CompareRequest> fields() {
     using R = CompareRequest;
-    return {{"A", &R::a, "dump, memory image, or `unit`", Need::required},
-            {"B", &R::b, "dump, memory image, or `unit`", Need::required}};
+    return {{"FIRST", &R::a, "dump, memory image, or `unit`", Need::required},
+            {"SECOND", &R::b, "dump, memory image, or `unit`", Need::required}};
   }
 };
 
@@ -227,11 +227,11 @@ Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {
   ECS_TRY(b, dump_from(context, request.b));
   Cell found = list_cell(differences(a, b), [](const auto& one) {
     const auto& [what, in_a, in_b] = one;
-    return record_cell("{what}: A {a} | B {b}\n", "what"_is(what), "a"_is(in_a), "b"_is(in_b));
+    return record_cell("{what}: first {a} | second {b}\n", "what"_is(what), "a"_is(in_a), "b"_is(in_b));
   });
   const bool same = found.json.empty();
   if (same) found.text = "no difference\n";
-  const Cell damage_a = damage_cell("A", request.a, a), damage_b = damage_cell("B", request.b, b);
+  const Cell damage_a = damage_cell("first", request.a, a), damage_b = damage_cell("second", request.b, b);
   return outcome_of(
       record_cell("{damaged}{differences}", "a"_is(request.a), "b"_is(request.b), "same"_is(same),
                   "damaged"_is(record_cell("{a}{b}", "a"_is(damage_a), "b"_is(damage_b))), "differences"_is(found)),

@@ -34,7 +34,9 @@ struct DiagnoseRequest {
     using R = DiagnoseRequest;
     return {
         &R::common,
-        {"--blanks", &R::blanks, "number of simulated noise-only data sets with which each finding is compared",
+        {"--blanks", &R::blanks,
+         "largest number of simulated noise-only data sets with which each finding is compared; fewer are made if "
+         "these readings are clearly noise",
          Range{50, 20'000}},
         {"--plain", &R::plain, "use ordinary least squares: no reading is treated as an outlier"},
         {"--plot", &R::plot, "plot of measured and modelled values and of the residual, as .svg or .png", Is::output}};
@@ -176,7 +178,7 @@ std::string rivals_text(const model::NextMeasurement& next, const model::Diagnos
     return next.proposals.empty() ? "" : "No measurement is needed. To exclude small effects:\n";
   if (rivals.empty()) return {};
   if (diagnosis.verdict == model::Verdict::unexplained_structure)
-    return diagnosis.different_run ? "Before another run, check the event named above.\n" : "";
+    return diagnosis.different_run ? "Before another run, look for an event between the runs named above.\n" : "";
   return paragraph(
       fmt::format("{}: {}", rivals.size() > 1 ? "to be separated" : "to be confirmed", fmt::join(rivals, ", ")), 0, 2);
 }

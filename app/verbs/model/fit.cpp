@@ -148,7 +148,7 @@ Cell fit_cell(const Fit& fit, const model::Observations& data, bool rotary, cons
   const std::vector<std::string> zero = not_distinguished(fit);
   const std::string_view unit = fit.noise.unit;
   Cell answer = record_cell(
-      "{observations} readings, {fitted_parameters} fitted parameters: rms {rms_um}, peak {peak_um}\n"
+      "{observations} readings, fitted parameters: {fitted_parameters}. Residual: rms {rms_um}, peak {peak_um}\n"
       "{condition}{effects}{not_distinguished}{undetermined}{correlations}{noise}{outliers}{notes}",
       "observations"_is(data.size()), "rms_um"_is(fit.rms_um, in_each_unit(fit.rms_um, fit.rms_by_unit, unit)),
       "peak_um"_is(fit.peak_um, in_each_unit(fit.peak_um, fit.peak_by_unit, unit)), "noise_um"_is(fit.noise.noise_um),
@@ -204,10 +204,10 @@ Result<Outcome> fit(VerbContext& context, const FitRequest& request) {
     ECS_TRY(found, fitted_rotary(ties.model, result, work.machine, work.data));
     const std::string text = volume::rotary_csv(found.errors, work.machine ? work.machine->name : "");
     ECS_DO(write_file(request.rotary, text));
+    answer.text += fmt::format("errors of rotary axes written to {}\n", request.rotary);
     for (const std::string& one : found.not_told) answer.text += paragraph(one, 0, 2);
     for (const std::string& one : found.left_out)
-      answer.text += paragraph(fmt::format("{} does not contain {}", request.rotary, one), 0, 2);
-    answer.text += fmt::format("errors of rotary axes written to {}\n", request.rotary);
+      answer.text += paragraph(fmt::format("not written to {}: {}", request.rotary, one), 0, 2);
   }
   if (!request.plot.empty()) answer.text += fmt::format("plot written to {}\n", request.plot);
   return outcome_of(answer);

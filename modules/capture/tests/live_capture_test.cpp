@@ -78,7 +78,7 @@ TEST_CASE(
     }
     REQUIRE(taken);
   }
-  REQUIRE(shows(screen, "18 readings of 18 targets written", 30, 120));
+  REQUIRE(shows(screen, "18 of 18 planned readings written", 30, 120));
   const auto set = must(laser::read_measurement_set(out));
   REQUIRE(set.readings.size() == 18);
   for (std::size_t k = 0; k < 18; ++k) {
@@ -112,7 +112,7 @@ TEST_CASE("a capture leads through its targets on the screen and ends with its f
   CHECK(contains(picture(*screen), "0.50 um at X 0 mm"));
   REQUIRE(shows_after(*screen, "u\n", "next: X forward to 0 mm (1 of 2"));
   for (const char* value : {"0", "1", "2", "3"}) enter(*screen, value);
-  REQUIRE(shows(*screen, "4 readings of 4 targets written"));
+  REQUIRE(shows(*screen, "4 of 4 planned readings written"));
   CHECK(std::filesystem::exists(folder.path / "x.csv"));
   CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::stay);
   CHECK(press(*screen, Key::Name::escape).kind == Step::Kind::back);

@@ -91,7 +91,7 @@ TEST_CASE("battery and control are in the status, and unknown in a file of a uni
     CHECK(contains(cell.text, "battery      low, 900.0 days old; replace it while the unit is switched on"));
     CHECK(cell.json["battery"] == "low");
     CHECK(cell.json["battery_age_s"] == lines.battery_age_s);
-    CHECK(contains(cell.text, wired ? "CNC control  off: every axis has to be referenced again" : "not known"));
+    CHECK(contains(cell.text, wired ? "CNC control  off: every axis has to be referenced again" : "unknown whether on or off"));
     CHECK(cell.json["control_on"] == (wired ? Json(false) : Json(nullptr)));
   }
 }
@@ -110,7 +110,7 @@ TEST_CASE("rotary axes are in the status of a unit that has them, and in its fil
   CHECK(read.rotary == rotary);
   const Cell cell = status_cell(read);
   check_holds(cell.text, {"axis   angle/deg  approach\nA       -30.0005  reverse\nC        unknown  unknown\n",
-                          "the rotary axes add X +1.50 um, Y -0.25 um, Z +0.00 um\n"});
+                          "rotary axes, their share of the compensation: X +1.50 um, Y -0.25 um, Z +0.00 um\n"});
   CHECK(cell.json["rotary_axes"]["A"]["angle_deg"] == -30.0005);
   CHECK(cell.json["rotary_axes"]["C"]["angle_deg"].is_null());
   CHECK(cell.json["rotary_compensation_um"]["Y"] == -0.25);

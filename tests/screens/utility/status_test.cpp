@@ -21,7 +21,7 @@ TEST_CASE("the state is read on its own, the memory is tested, the pages turn") 
   check_holds(seen, {"integration: every relay is open", "never tripped", "live"});
   REQUIRE(shows_after(screen, "t", "Every location of the axis memory stores"));
   REQUIRE(shows(screen, "RAM test     passed"));
-  CHECK(contains(after(screen, "\t"), "no value of the map is in use now"));
+  CHECK(contains(after(screen, "\t"), "no value of the map is applied at present"));
   CHECK(contains(after(screen, "\t"), "axis  referenced  datum stage"));
 }
 
