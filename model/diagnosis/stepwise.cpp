@@ -37,6 +37,7 @@ constexpr std::size_t kFirstExact = 14;  ///< of the first step, refined before 
 constexpr std::size_t kLaterBranches = 5;
 constexpr std::size_t kBesideOwn = 8;    ///< of the first step, started without a term of the model
 constexpr std::size_t kHiddenPairs = 6;  ///< that are refined together
+constexpr double kAlikeOfPair = 0.5;     ///< effects that cancel each other have half of their squares in common
 constexpr std::size_t kBeam = 12;
 /// From this number of effects on, which only readings along several axes have, fewer sets are followed: the effects of
 /// one axis leave those of another as they are.
@@ -45,6 +46,7 @@ constexpr std::size_t kDeepBranches = 3, kDeepBeam = 2;
 constexpr std::size_t kExchangeExact = 5, kRivalExact = 4;  ///< refined where one effect is replaced; for its rivals
 constexpr double kWorthFollowing = 0.2;                     ///< of the best score
 constexpr int kExchanges = 3;
+constexpr double kTwoSigma = 2.0;
 /// An exchange must raise the score by this: less is rounding, and would go round in circles.
 constexpr double kLeastProgress = 0.01;
 /// Share of a member's gain that another needs to be looked at exactly; less where its nonlinear parameter can still
@@ -284,6 +286,34 @@ Solution exchanged(const Search& search, Solution best, const StepwiseOptions& o
   return best;
 }
 
+/// Whether more is left than noise: by twice the standard uncertainty of the ratio of both mean squares.
+bool leaves_more_than_noise(const Search& search, const Solution& solution, const StepwiseOptions& options) {
+  const double freedom = static_cast<double>(search.data().size()) - static_cast<double>(solution.space.q.cols());
+  if (freedom <= 0.0 || options.noise_freedom <= 0.0) return false;
+  return solution.space.chi2() / freedom > 1.0 + kTwoSigma * std::sqrt(2.0 / freedom + 2.0 / options.noise_freedom);
+}
+
+/// Steps that replace one effect may pass by two. Where more than noise is left, pairs are tried beside all effects
+/// found but one, and beside all but two.
+Solution exchanged_in_pairs(const Search& search, Solution best, const StepwiseOptions& options) {
+  if (best.chosen.size() < 2 || !leaves_more_than_noise(search, best, options)) return best;
+  std::vector<std::vector<Choice>> kept;
+  for (std::size_t i = 0; i < best.chosen.size(); ++i) {
+    const std::vector<Choice> but_one = without_member(best.chosen, i);
+    if (but_one.size() + 2 <= options.most_effects) kept.push_back(but_one);
+    for (std::size_t j = 0; j < i && but_one.size() > 1; ++j) kept.push_back(without_member(but_one, j));
+  }
+  const std::vector<Choice> own = best.own;
+  for (const std::vector<Choice>& others : kept)
+    for (const auto& [one, other] : search.pairs_of(search.refined(others, own).space, kHiddenPairs, 0.0)) {
+      Solution tried = search.refined(with(with(others, one), other), own);
+      if (plausible(search, tried.chosen) &&
+          worth(search, tried, options) > worth(search, best, options) + kLeastProgress)
+        best = std::move(tried);
+    }
+  return best;
+}
+
 /// Whether one effect may be what two others are together: they act in one approach each, or in one sense each.
 bool may_stand_for_both(const EffectInstance& both, const EffectInstance& one, const EffectInstance& other) {
   if (same_place(one, other))
@@ -520,7 +550,7 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
       next.follow(alone, search.expand(without, kBesideOwn), kBesideOwn, true);
     }
     if (depth == 1)
-      for (const auto& [one, other] : search.hidden_pairs(search.alone().space, kHiddenPairs))
+      for (const auto& [one, other] : search.pairs_of(search.alone().space, kHiddenPairs, kAlikeOfPair))
         if (one.score() + other.score() >= options.entry_score && one.gain + other.gain >= 2.0 * options.entry_gain)
           next.try_set({one, other}, search.alone().own, false);
     beam = std::move(next).best_first();
@@ -530,7 +560,8 @@ Solution best_solution(const Search& search, const StepwiseOptions& options) {
       if (more > kLeastProgress) best = solution;
     }
   }
-  best = parted(search, merged(search, exchanged(search, std::move(best), options), options), options);
+  best = exchanged_in_pairs(search, exchanged(search, std::move(best), options), options);
+  best = parted(search, merged(search, std::move(best), options), options);
   return with_best_directions(search, with_zeros_of_lines(search, std::move(best)), options);
 }
 

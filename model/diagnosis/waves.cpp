@@ -338,6 +338,36 @@ struct Pass {
   std::vector<double> p_mm, value;
 };
 
+/// Power of a pass at a frequency [turns a mm], complex: twice the mean of the values turned back.
+std::complex<double> part_at(const Pass& pass, double turns_a_mm) {
+  std::complex<double> sum = 0.0;
+  for (std::size_t i = 0; i < pass.p_mm.size(); ++i)
+    sum += std::polar(pass.value[i], 2.0 * std::numbers::pi * turns_a_mm * pass.p_mm[i]);
+  return 2.0 * sum / static_cast<double>(pass.p_mm.size());
+}
+
+/// Power of noise at a frequency, of its mean over all frequencies: 1 of white noise, more at long periods where
+/// neighbouring readings are alike beside the wave itself (an autoregression of first order: Box and Jenkins
+/// 1976, 3.2).
+double background_at(const std::map<std::size_t, Pass>& passes, double turns_a_mm, double step_mm) {
+  double neighbours = 0.0, squares = 0.0;
+  for (const auto& [number, pass] : passes) {
+    const std::complex<double> part = part_at(pass, turns_a_mm);
+    double last = 0.0;
+    for (std::size_t i = 0; i < pass.p_mm.size(); ++i) {
+      const auto wave = part * std::polar(1.0, -2.0 * std::numbers::pi * turns_a_mm * pass.p_mm[i]);
+      const double left = pass.value[i] - wave.real();
+      neighbours += left * last;
+      squares += left * left;
+      last = left;
+    }
+  }
+  if (neighbours <= 0.0 || neighbours >= squares) return 1.0;
+  const double alike = neighbours / squares;
+  const double turned = 2.0 * alike * std::cos(2.0 * std::numbers::pi * turns_a_mm * step_mm);
+  return std::max(1.0, (1.0 - alike * alike) / (1.0 - turned + alike * alike));
+}
+
 }  // namespace
 
 std::optional<FreeWave> free_wave(const Observations& data, const Eigen::VectorXd& residual,
@@ -368,15 +398,15 @@ std::optional<FreeWave> free_wave(const Observations& data, const Eigen::VectorX
     for (int step = 0; lowest + step / kStepsATurn <= highest; ++step) {
       const double turns = lowest + step / kStepsATurn;
       double power = 0.0;
-      for (const auto& [pass_number, pass] : passes) {
-        std::complex<double> sum = 0.0;
-        for (std::size_t i = 0; i < pass.p_mm.size(); ++i)
-          sum += std::polar(pass.value[i], 2.0 * std::numbers::pi * turns * pass.p_mm[i] / travel);
-        power += 2.0 * std::norm(sum) / static_cast<double>(pass.p_mm.size());
-      }
+      for (const auto& [pass_number, pass] : passes)
+        power += 0.5 * std::norm(part_at(pass, turns / travel)) * static_cast<double>(pass.p_mm.size());
       const double freedom = 2.0 * static_cast<double>(passes.size());
-      const double ln_p = ln_chi2_tail(power / (square / count), freedom) + std::log(kStepsATurn * frequencies);
-      const FreeWave wave{travel / turns, -ln_p / std::numbers::ln10};
+      const double white = power * count / square, looks = std::log(kStepsATurn * frequencies);
+      const auto minus_log_p = [&](double ratio) {
+        return -(ln_chi2_tail(ratio, freedom) + looks) / std::numbers::ln10;
+      };
+      if (minus_log_p(white) <= kOneInAMillion) continue;
+      const FreeWave wave{travel / turns, minus_log_p(white / background_at(passes, turns / travel, travel / densest))};
       if (wave.minus_log_p > kOneInAMillion && (!strongest || wave.minus_log_p > strongest->minus_log_p))
         strongest = wave;
     }

@@ -124,9 +124,11 @@ class Search {
   /// Best choice of every family that gains anything beyond `space`, best score first. The `exact` best are refined.
   [[nodiscard]] std::vector<Choice> expand(const Space& space, std::size_t exact = 8) const;
 
-  /// Pairs of effects that nearly cancel each other, so that neither gains much alone, best score first. Not of waves,
-  /// curves and effects of a fixed size.
-  [[nodiscard]] std::vector<std::pair<Choice, Choice>> hidden_pairs(const Space& space, std::size_t most) const;
+  /// Pairs of effects, best score first; not of waves, curves and effects of a fixed size.
+  /// @param alike  the least square of what both have in common, 0 to 1: where they nearly cancel each other, neither
+  ///     gains much alone
+  [[nodiscard]] std::vector<std::pair<Choice, Choice>> pairs_of(const Space& space, std::size_t most,
+                                                                double alike) const;
 
   /// Columns of a choice in readings' units: fitted part and fixed part.
   [[nodiscard]] Columns columns_of(const Choice& choice) const;

@@ -170,8 +170,7 @@ constexpr double kSamePeak = 0.02;
 /// frequency is off by half the rounding of the refinement.
 constexpr double kRefinedRise = 10.0;
 
-/// Pairs that cancel each other are alike by half of their squares at least; each with at most so many values.
-constexpr double kAlikeOfPair = 0.5;
+/// Values of a searched parameter that are tried in pairs.
 constexpr std::size_t kValuesOfPair = 8;
 
 double score_of(const Choice& choice) { return choice.score(); }
@@ -305,7 +304,7 @@ std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const 
   return list;
 }
 
-std::vector<std::pair<Choice, Choice>> Search::hidden_pairs(const Space& space, std::size_t most) const {
+std::vector<std::pair<Choice, Choice>> Search::pairs_of(const Space& space, std::size_t most, double alike) const {
   struct One {
     Choice choice;
     Index start = 0, count = 0;  ///< of its columns in `q`
@@ -342,7 +341,7 @@ std::vector<std::pair<Choice, Choice>> Search::hidden_pairs(const Space& space, 
       const One &a = ones[i], &b = ones[j];
       if (a.choice.family == b.choice.family) continue;
       const auto shared = products.block(b.start, a.start, b.count, a.count);
-      if (shared.squaredNorm() < kAlikeOfPair) continue;
+      if (shared.squaredNorm() < alike) continue;
       // of `a` what it adds to `b`
       MatrixXd square = MatrixXd::Identity(a.count, a.count) - shared.transpose() * shared;
       const VectorXd right = z.segment(a.start, a.count) - shared.transpose() * z.segment(b.start, b.count);
