@@ -51,7 +51,7 @@ TEST_CASE(
   const auto screen_made = form_screen({.verb = "laser capture"}, capture_verb(), no_link(), asked_for(out), true);
   Screen& screen = *screen_made;
   for (int k = 0; k < 18; ++k) {
-    REQUIRE(shows(screen, fmt::format("{} of 18 in all", k + 1), 30, 120));
+    REQUIRE(shows(screen, fmt::format("reading {} of 18)", k + 1), 30, 120));
     if (k == 7) {
       pedal->unplug();
       REQUIRE(shows(screen, "unplugged. 7 reading", 30, 120));
@@ -70,7 +70,7 @@ TEST_CASE(
     fake::show(*gauge, 0.5 * k);
     fake::rest(60);
     // on a busy computer a press may be too short to be seen: then, as a person does, once more
-    const std::string then = k == 17 ? "18 readings of 18" : fmt::format("{} of 18 in all", k + 2);
+    const std::string then = k == 17 ? "18 of 18 planned" : fmt::format("reading {} of 18)", k + 2);
     bool taken = false;
     for (int attempt = 0; attempt < 3 && !taken; ++attempt) {
       fake::press(*pedal, 35);
@@ -101,8 +101,8 @@ std::unique_ptr<Screen> typed_capture(const StateFolder& folder) {
                              {"--min-interval", "0"},
                              {"--output", (folder.path / "x.csv").string()}},
                             true);
-  REQUIRE(shows(*screen, "next: X forward to 0 mm (1 of 2"));
-  REQUIRE(shows_after(*screen, "0.5\n", "next: X forward to 50 mm (2 of 2"));
+  REQUIRE(shows(*screen, "next: X forward to 0 mm (target 1 of 2"));
+  REQUIRE(shows_after(*screen, "0.5\n", "next: X forward to 50 mm (target 2 of 2"));
   return screen;
 }
 
@@ -110,7 +110,7 @@ TEST_CASE("a capture leads through its targets on the screen and ends with its f
   const StateFolder folder;
   const auto screen = typed_capture(folder);
   CHECK(contains(picture(*screen), "0.50 um at X 0 mm"));
-  REQUIRE(shows_after(*screen, "u\n", "next: X forward to 0 mm (1 of 2"));
+  REQUIRE(shows_after(*screen, "u\n", "next: X forward to 0 mm (target 1 of 2"));
   for (const char* value : {"0", "1", "2", "3"}) enter(*screen, value);
   REQUIRE(shows(*screen, "4 of 4 planned readings written"));
   CHECK(std::filesystem::exists(folder.path / "x.csv"));

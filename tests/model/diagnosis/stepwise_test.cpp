@@ -45,6 +45,17 @@ TEST_CASE("the order of the candidates does not change the answer") {
   CHECK(one.score() == Approx(other.score()));
 }
 
+TEST_CASE("a pair is found at once, but only where it need not be alike") {
+  const auto drift_and_backlash = [](const Reading& r) { return 1e-3 * r.time_s.value_or(0.0) + 0.8 * d(r); };
+  const std::vector<std::string> hidden{"backlash:X:EX", "time_drift:X:EX"};
+  const Searching of(measured_line(drift_and_backlash), kSigma_um, usual_suspects());
+  const auto pairs = of.search.pairs_of(of.search.alone().space, 1, 0.0);
+  REQUIRE(pairs.size() == 1);
+  CHECK(of.names_of({pairs[0].first, pairs[0].second}) == hidden);
+  for (const auto& [one, other] : of.search.pairs_of(of.search.alone().space, 100, 0.5))
+    CHECK(of.names_of({one, other}) != hidden);
+}
+
 TEST_CASE("what is left after two causes were found is noise") {
   const Searching of(measured_line(step_and_backlash), kSigma_um, usual_suspects());
   const Solution found = best_solution(of.search, kOptions);

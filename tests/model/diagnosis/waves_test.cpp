@@ -358,6 +358,20 @@ TEST_CASE("noise shows a free wave in none of four hundred sets") {
     }
 }
 
+TEST_CASE("noise whose neighbours are alike shows a free wave in none of two hundred sets") {
+  constexpr double kAlike = 0.6;
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    std::mt19937_64 random(seed + 9000);
+    NormalDraws any(0.0, kSigma_um);
+    std::map<std::pair<int, double>, double> last;
+    const auto wandering = [&](const Reading& r) {
+      double& value = last[{r.run, d(r)}];
+      return value = kAlike * value + any(random);
+    };
+    CHECK_FALSE(free_wave_in(measured({}, 0.1 * kSigma_um, wandering, seed)));
+  }
+}
+
 TEST_CASE("a stronger free wave is the more certain one, and its size does not depend on the unit") {
   const auto weak = must(free_wave_in(with_free_wave(62.5, 0.3, 3))),
              strong = must(free_wave_in(with_free_wave(62.5, 0.6, 3)));
