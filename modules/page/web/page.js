@@ -243,7 +243,7 @@ function showVerdict(said) {
     element("p", { class: "headline" }, typeset(headline)),
     element("p", {}, element("span", { class: "badge" }, inWords(verdict)), " ",
       typeset(unwrapped(said.text.split("\n\n")[1] || `${observations} readings`))),
-    paragraphOf(said.text, "Effects that could be hidden"),
+    paragraphOf(said.text, "Effects that may be hidden"),
     warnings.map((one) => element("p", { class: "warning" }, element("strong", {}, "Warning: "), typeset(one))),
     first ? element("div", { class: "decide" }, addButton(first), rivalsOf(first)) : null);
   fill("verdict", box);
