@@ -46,7 +46,9 @@ constexpr std::size_t kDeepBranches = 3, kDeepBeam = 2;
 constexpr std::size_t kExchangeExact = 5, kRivalExact = 4;  ///< refined where one effect is replaced; for its rivals
 constexpr double kWorthFollowing = 0.2;                     ///< of the best score
 constexpr int kExchanges = 3;
-constexpr double kTwoSigma = 2.0;
+/// Standard uncertainties of the ratio of both mean squares from which more than noise is left (one case of 40 by
+/// chance).
+constexpr double kMoreThanNoise = 2.0;
 /// An exchange must raise the score by this: less is rounding, and would go round in circles.
 constexpr double kLeastProgress = 0.01;
 /// Share of a member's gain that another needs to be looked at exactly; less where its nonlinear parameter can still
@@ -286,11 +288,11 @@ Solution exchanged(const Search& search, Solution best, const StepwiseOptions& o
   return best;
 }
 
-/// Whether more is left than noise: by twice the standard uncertainty of the ratio of both mean squares.
 bool leaves_more_than_noise(const Search& search, const Solution& solution, const StepwiseOptions& options) {
   const double freedom = static_cast<double>(search.data().size()) - static_cast<double>(solution.space.q.cols());
   if (freedom <= 0.0 || options.noise_freedom <= 0.0) return false;
-  return solution.space.chi2() / freedom > 1.0 + kTwoSigma * std::sqrt(2.0 / freedom + 2.0 / options.noise_freedom);
+  return solution.space.chi2() / freedom >
+         1.0 + kMoreThanNoise * std::sqrt(2.0 / freedom + 2.0 / options.noise_freedom);
 }
 
 /// Steps that replace one effect may pass by two. Where more than noise is left, pairs are tried beside all effects
