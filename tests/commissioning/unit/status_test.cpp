@@ -91,7 +91,8 @@ TEST_CASE("battery and control are in the status, and unknown in a file of a uni
     CHECK(contains(cell.text, "battery      low, 900.0 days old; replace it while the unit is switched on"));
     CHECK(cell.json["battery"] == "low");
     CHECK(cell.json["battery_age_s"] == lines.battery_age_s);
-    CHECK(contains(cell.text, wired ? "CNC control  off: every axis has to be referenced again" : "unknown whether on or off"));
+    CHECK(contains(cell.text,
+                   wired ? "CNC control  off: every axis has to be referenced again" : "unknown whether on or off"));
     CHECK(cell.json["control_on"] == (wired ? Json(false) : Json(nullptr)));
   }
 }
