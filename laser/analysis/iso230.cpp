@@ -270,14 +270,4 @@ Result<Iso230> iso230_of(const MeasurementSet& set, const Group& group) {
   return axis;
 }
 
-Result<std::vector<Iso230>> iso230_of(const MeasurementSet& set) {
-  std::vector<Iso230> all;
-  for (const Group& group : groups_of(set)) {
-    ECS_TRY(one, iso230_of(set, group));
-    all.push_back(std::move(one));
-  }
-  if (all.empty()) return problem(ProblemKind::refused, "expected readings to evaluate, found none");
-  return all;
-}
-
 }  // namespace ecs::laser

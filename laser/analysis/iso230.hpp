@@ -67,7 +67,4 @@ struct Iso230 {
 /// M, the band and the range are given over all readings. `refused` if the group has no readings.
 [[nodiscard]] Result<Iso230> iso230_of(const MeasurementSet& set, const Group& group);
 
-/// Every group of the set.
-[[nodiscard]] Result<std::vector<Iso230>> iso230_of(const MeasurementSet& set);
-
 }  // namespace ecs::laser

@@ -555,7 +555,6 @@ Observations observations_of(const MeasurementSet& set, const KnownTables& table
     data.has_compensated_column = data.has_compensated_column || r.compensated.has_value();
     data.compensated.push_back(r.compensated.value_or(tables.map.has_value()));
   }
-  data.has_run_column = std::ranges::any_of(data.run, [&](int run) { return run != data.run.front(); });
   take_columns(data, set, order);
   if (tables.origin) take_origin(data, *tables.origin);
   const bool turned = std::ranges::any_of(

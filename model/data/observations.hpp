@@ -111,7 +111,6 @@ struct Observations {
   std::vector<std::size_t> in_history;                      ///< number of the row in it
   std::vector<bool> compensated;  ///< the map was active (explicit or by the rule of the contract)
   bool has_compensated_column = false;
-  bool has_run_column = false;
   bool rotary = false;  ///< the axes are A, B, C: all positions are in degrees, a turn is 360
   /// Of rotary axes: where the linear axes stood. Empty: the file does not say.
   std::vector<Vector3> place_mm;

@@ -16,7 +16,6 @@
 #undef __SSE2__
 #include <boost/math/distributions/students_t.hpp>
 #include <boost/math/special_functions/beta.hpp>
-#include <boost/math/special_functions/erf.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <boost/math/tools/fraction.hpp>
 #pragma pop_macro("__SSE2__")
@@ -70,8 +69,6 @@ double ln_f_tail(double f, double k, double v) {
   return ln_beta_ratio(0.5 * v, 0.5 * k, v / (v + k * f));
 }
 
-double normal_two_sided(double z) { return boost::math::erfc(std::abs(z) / std::sqrt(2.0)); }
-
 bool is_no_more_than_noise(double chi2, double freedom) {
   constexpr double kDeviations = 3.0;
   return chi2 <= freedom + kDeviations * std::sqrt(2.0 * freedom);
@@ -98,16 +95,6 @@ double tail_probability(std::vector<double> noise_replicates, double value) {
 double wealth_of_bet(double chance, std::size_t reached, std::size_t drawn) {  // binomial mixture over 0 … chance
   const double l = static_cast<double>(reached), rest = static_cast<double>(drawn - reached);
   return std::exp(ln_beta_ratio(l + 1.0, rest + 1.0, chance)) / chance;
-}
-
-Interval clopper_pearson(unsigned hits, unsigned trials, double confidence) {
-  if (trials == 0) return {};
-  const double half = 0.5 * (1.0 - confidence);
-  const double k = hits, n = trials;
-  Interval interval;
-  interval.low = hits == 0 ? 0.0 : boost::math::ibeta_inv(k, n - k + 1.0, half);
-  interval.high = hits == trials ? 1.0 : boost::math::ibeta_inv(k + 1.0, n - k, 1.0 - half);
-  return interval;
 }
 
 double coverage_factor(double degrees_of_freedom) {

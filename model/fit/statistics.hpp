@@ -25,8 +25,6 @@ inline constexpr double kBeyondAll = 1e300;
 [[nodiscard]] double ln_chi2_tail(double x, double k);
 /// ln of the chance that F(k, v) exceeds f.
 [[nodiscard]] double ln_f_tail(double f, double k, double v);
-/// Two-sided chance of a normal variable beyond ±z.
-[[nodiscard]] double normal_two_sided(double z);
 /// Whether a sum of squares in units of the noise is within three standard deviations of what noise leaves.
 [[nodiscard]] bool is_no_more_than_noise(double chi2, double freedom);
 
@@ -38,13 +36,6 @@ inline constexpr double kBeyondAll = 1e300;
 /// once `reached` of `drawn` replicates have: whatever the moment of stopping, wealth w comes about by luck with a
 /// chance of at most 1/w, and wealth w is won back to 1 with a chance of at most w (Fischer and Ramdas 2025).
 [[nodiscard]] double wealth_of_bet(double chance, std::size_t reached, std::size_t drawn);
-
-/// Interval of a share, 0 … 1, that holds with at least the given confidence (Clopper and Pearson 1934).
-struct Interval {
-  double low = 0.0;
-  double high = 1.0;
-};
-[[nodiscard]] Interval clopper_pearson(unsigned hits, unsigned trials, double confidence = 0.95);
 
 /// Half width over standard uncertainty that holds 95.45 % (of the normal distribution: 2) of Student's t.
 /// @param degrees_of_freedom  below 1 taken as 1

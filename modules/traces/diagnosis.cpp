@@ -278,7 +278,6 @@ DriveFit DriveSearch::search() {
 }
 
 void DriveSearch::conclude(const DriveFit& best) {
-  found_.mended_drive = best.drive;
   found_.start_s = best.start_s;
   found_.mended_V = fitter_.predicted(best, 0);
   DriveFit beside = best;  // as given, on the clock and the zero of the mended one

@@ -66,7 +66,6 @@ struct DriveDiagnosis {
   double start_s = 0.0;                      ///< of the move on the recorder's clock, as found for the mended axis
   std::vector<DriveCandidate> candidates;    ///< best first; empty where the recording agrees
   std::vector<DriveConstant> silent;         ///< the recording says nothing about these
-  DriveParameters mended_drive;              ///< with the first candidate's first alternative
   std::vector<double> as_given_V, mended_V;  ///< simulated dac_V at the samples
   std::vector<std::string> notes;
 };

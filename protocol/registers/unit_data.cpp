@@ -70,10 +70,6 @@ constexpr std::array<std::string_view, kCommandCount> kCommandNames{"none",
 
 }  // namespace
 
-std::size_t Identity::axis_count() const {
-  return static_cast<std::size_t>(std::count(axis_present.begin(), axis_present.end(), true));
-}
-
 std::string_view text_of(UnitError error) noexcept {
   return kErrorTexts[std::min<std::size_t>(static_cast<std::size_t>(error), kUnitErrorCount - 1)];
 }

@@ -31,7 +31,6 @@ struct Identity {
   std::uint32_t capacity_values = 0;  ///< error values that one map may hold
   std::string machine{};              ///< that the active map names, up to 40 bytes; empty: no map, or it names none
   std::uint32_t configuration = 0;    ///< configuration_hash() of the active map; 0: the unit holds no map
-  [[nodiscard]] std::size_t axis_count() const;
   friend bool operator==(const Identity&, const Identity&) = default;
 };
 

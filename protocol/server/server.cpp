@@ -47,7 +47,6 @@ class ServerLink {
   virtual std::size_t step(RegisterHandler& handler, std::span<const pollfd> polled) = 0;
 
   LinkFaults faults;
-  std::optional<Clock::time_point> last_request;
 
  protected:
   ServerLink(FrameCodec codec, Framing framing) : codec_(std::move(codec)), framing_(framing) {}
@@ -92,7 +91,6 @@ void ServerLink::carry_out(std::span<const std::uint8_t> frame, RegisterHandler&
   const auto drawn = faults.draw();
   const bool spoils = drawn.has_value() && (framing_ == Framing::rtu || acts_without_crc(*drawn));
   if (spoils && *drawn == LinkFault::lost_request) return;
-  if (codec_.is_for_unit(frame)) last_request = Clock::now();
   handler.arrives_on(connection, origin);
   auto reply = codec_.answer(frame, handler);
   if (reply.empty() || handler.silent()) return;
@@ -561,7 +559,6 @@ LinkAddress ModbusServer::address() const { return link_->address(); }
 std::vector<pollfd> ModbusServer::poll_fds() const { return link_->poll_fds(); }
 std::optional<ModbusServer::Clock::time_point> ModbusServer::next_deadline() const { return link_->next_deadline(); }
 LinkFaults& ModbusServer::faults() { return link_->faults; }
-std::optional<ModbusServer::Clock::time_point> ModbusServer::last_request() const { return link_->last_request; }
 
 std::size_t ModbusServer::serve_ready(RegisterHandler& handler, std::chrono::milliseconds timeout) {
   std::chrono::nanoseconds wait = timeout;

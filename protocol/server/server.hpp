@@ -60,8 +60,6 @@ class ModbusServer {
   std::size_t serve_ready(RegisterHandler& handler, std::chrono::milliseconds timeout);
 
   [[nodiscard]] LinkFaults& faults();
-  /// When the last valid request to this unit came; nothing: never ("link present", design of the unit).
-  [[nodiscard]] std::optional<Clock::time_point> last_request() const;
 
  private:
   explicit ModbusServer(std::unique_ptr<ServerLink> link);

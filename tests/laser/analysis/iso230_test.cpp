@@ -50,9 +50,9 @@ void check_against_report(const Published& published) {
   const auto imported =
       must(read_any(real_data("ecmc-iso230-2/" + std::string(published.name) + "_ISO230.dat"), options));
   CHECK(imported.format->id == "iso230_assignments");
-  const auto all = must(iso230_of(imported.set));
-  REQUIRE(all.size() == 1);
-  const Iso230& axis = all.front();
+  const auto groups = groups_of(imported.set);
+  REQUIRE(groups.size() == 1);
+  const Iso230 axis = must(iso230_of(imported.set, groups.front()));
   const auto report = must(read_file(real_data("ecmc-iso230-2/" + std::string(published.name) + "_report.md")));
   const auto printed = axis_values_um(report);
   // the set called FWD in the data is printed as backward in the report

@@ -20,7 +20,7 @@ void check_everyday_use(Workshop& shop) {
   auto unit = shop.client();
   const auto identity = must(unit.identity());
   CHECK(identity.serial_number == "ECS-0042");
-  CHECK(identity.axis_count() == 2);
+  CHECK(identity.axis_present == PerAxis<bool>{true, true, false});
   const auto status = must(unit.status());
   CHECK(status.axes[1].position_mm == -12.5);
   CHECK(status.pointers[3] == CurvePointer{17, 0x100022});
