@@ -188,6 +188,8 @@ void add_by_unit(Json& answer, std::string_view unit,
 std::string noise_text(const model::PureError& noise) {
   const std::string size = in_each_unit(noise.noise_um, noise.by_unit, noise.unit);
   if (noise.is_of_step) return size + ", given by the resolution of these readings (their repeats show less)";
+  if (noise.from_repeats && noise.in_part)
+    return size + " from repeats, or from neighbouring readings where too few were repeated";
   if (noise.from_repeats) return size + " from repeats";
   return fmt::format(
       "at most {}, from neighbouring readings (no target was repeated under the same conditions, such as approach, "

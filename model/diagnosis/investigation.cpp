@@ -132,7 +132,7 @@ bool took_noise_beside_best(const Base& base, const Search& search, const Whiten
   const double freedom = freedom_beside(space, found.left_out);
   const bool known_little = found.noise.pure.dof < kManyDegrees;
   if (freedom <= kFewestToName) return false;  // an effect takes one degree at least
-  if (!known_little && (found.noise.pure.from_repeats || space.chi2() > kMostSquareOfAll * freedom)) return false;
+  if (!known_little && (found.noise.pure.all_from_repeats() || space.chi2() > kMostSquareOfAll * freedom)) return false;
   const std::vector<Choice> choices = search.expand(space, kRefinedBesideNoise);
   if (choices.empty()) return false;
   const BesideNoise beside = beside_noise_of_any_size(search, space, replicates, choices, freedom, options);

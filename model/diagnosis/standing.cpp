@@ -139,7 +139,8 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, const std::ve
   return list;
 }
 
-/// Share of what is above noise that some of the effects found explain together. @param chosen  which, by their number
+/// Share of what is above noise that some of the effects found explain together, each reading in units of its noise.
+/// @param chosen  which, by their number
 double share_of_found(const ReportInput& in, const std::vector<std::size_t>& chosen) {
   LinearProblem all = in.problem;
   for (const std::size_t g : chosen) {
@@ -147,9 +148,12 @@ double share_of_found(const ReportInput& in, const std::vector<std::size_t>& cho
     all = joined_with(all, columns_on(in.regressors, in.found.families[choice.family].effect, choice));
   }
   const Whitener whitener(in.regressors.data(), in.base.core.noise, in.base.core.left_out);
-  const std::vector<bool>& out = in.base.core.left_out;
-  return explainable_share(rms_without(in.base.residual, out), rms_without(residual_of(all, whitener), out),
-                           in.found.noise.pure.noise_um);
+  const std::vector<double> sigma = in.found.noise.sigma_by_row(in.regressors.data().size());
+  const auto rms = [&](Eigen::VectorXd residual) {
+    for (std::size_t k = 0; k < sigma.size(); ++k) residual(static_cast<Eigen::Index>(k)) /= sigma[k];
+    return rms_without(residual, in.base.core.left_out);
+  };
+  return explainable_share(rms(in.base.residual), rms(residual_of(all, whitener)), 1.0);
 }
 
 /// Whether an effect predicts, beside the others that are proved, at targets that it was not fitted to at least half of

@@ -257,7 +257,7 @@ bool is_like_wander(const EffectInstance& effect) {
 }
 
 bool may_be_wander(const NoiseModel& noise, const EffectInstance& effect) {
-  return is_like_wander(effect) || effect.definition().is_set_by_hand() || !noise.pure.from_repeats;
+  return is_like_wander(effect) || effect.definition().is_set_by_hand() || !noise.pure.all_from_repeats();
 }
 
 }  // namespace ecs::model

@@ -42,9 +42,11 @@ struct PureError {
   double noise_um = 0.0;      ///< standard deviation of one reading
   SizesByUnit by_unit;        ///< the same
   bool from_repeats = false;  ///< false: from differences of neighbouring readings
+  bool in_part = false;       ///< from repeats, but too few readings of one kind were repeated: there from neighbours
   double dof = 0.0;           ///< degrees of freedom of the repeats
   bool is_of_step = false;    ///< repeats scatter less than the step of the readings must: they do not show the noise
   std::string_view unit = "um";  ///< of the readings: um, um/m, or both
+  [[nodiscard]] bool all_from_repeats() const { return from_repeats && !in_part; }
   /// Neighbouring readings differ by the shape of the error as well as by their noise.
   [[nodiscard]] bool is_upper_limit() const { return !from_repeats && !is_of_step; }
 };

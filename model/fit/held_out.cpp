@@ -40,6 +40,20 @@ constexpr double kMostSquare = 9.0;
 /// What is above noise counts as at least this much a row: below it the share of it is chance. A choice.
 constexpr double kLeastAboveNoise = 0.05;
 
+/// Number of the target of each reading among those of its sense and axis, from the first one along the axis.
+std::vector<std::size_t> numbers_of_targets(const Observations& data) {
+  std::map<std::pair<Channel, Axis>, std::vector<double>> targets;
+  for (std::size_t k = 0; k < data.size(); ++k) targets[{data.channel(k), data.axis[k]}].push_back(data.along_of(k));
+  for (auto& each : targets) each.second = distinct(std::move(each.second), kSamePlace_mm);
+  std::vector<std::size_t> numbers;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const auto& list = targets[{data.channel(k), data.axis[k]}];
+    const auto after = std::ranges::upper_bound(list, data.along_of(k) + 0.1 * kSamePlace_mm);
+    numbers.push_back(static_cast<std::size_t>(after - list.begin()));
+  }
+  return numbers;
+}
+
 }  // namespace
 
 Parts parts_of(const Observations& data) {
@@ -47,27 +61,23 @@ Parts parts_of(const Observations& data) {
   const std::set<int> runs(data.run.begin(), data.run.end());
   parts.by_run = runs.size() >= kFewestRuns;
   parts.count = parts.by_run ? std::min(runs.size(), kMostParts) : kMostParts;
+  std::map<std::pair<Channel, Axis>, std::set<int>> runs_of;
+  for (std::size_t k = 0; k < data.size(); ++k) runs_of[{data.channel(k), data.axis[k]}].insert(data.run[k]);
+  const std::vector<std::size_t> targets = numbers_of_targets(data);
   for (std::size_t k = 0; k < data.size(); ++k) {
-    const std::size_t number =
-        parts.by_run ? static_cast<std::size_t>(std::distance(runs.begin(), runs.find(data.run[k]))) : k / kBlock;
+    std::size_t number = k / kBlock;
+    if (parts.by_run) number = static_cast<std::size_t>(std::distance(runs.begin(), runs.find(data.run[k])));
+    // a line with too few runs would be left out as a whole; all readings of a pose belong together
+    if (parts.by_run && data.through_chain.empty() && runs_of[{data.channel(k), data.axis[k]}].size() < kFewestRuns)
+      number = targets[k];
     parts.of.push_back(number % parts.count);
   }
   return parts;
 }
 
 Parts parts_by_target(const Observations& data) {
-  Parts parts;
-  parts.count = kMostParts;
-  parts.of.assign(data.size(), 0);
-  std::map<std::pair<Channel, Axis>, std::vector<double>> targets;
-  for (std::size_t k = 0; k < data.size(); ++k) targets[{data.channel(k), data.axis[k]}].push_back(data.along_of(k));
-  for (auto& each : targets) each.second = distinct(std::move(each.second), kSamePlace_mm);
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    const auto& list = targets[{data.channel(k), data.axis[k]}];
-    const double p = data.along_of(k);
-    const auto rank = std::ranges::upper_bound(list, p + 0.1 * kSamePlace_mm) - list.begin();
-    parts.of[k] = static_cast<std::size_t>(rank) % parts.count;
-  }
+  Parts parts{numbers_of_targets(data), kMostParts, false};
+  for (std::size_t& part : parts.of) part %= parts.count;
   return parts;
 }
 

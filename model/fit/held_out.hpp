@@ -8,8 +8,8 @@
 
 namespace ecs::model {
 
-/// Number of the part (0 … parts − 1) of each reading: whole runs where there are three or more, else blocks of
-/// neighbouring readings.
+/// Number of the part (0 … parts − 1) of each reading: whole runs where there are three or more (of a line with fewer,
+/// targets), else blocks of neighbouring readings.
 struct Parts {
   std::vector<std::size_t> of;
   std::size_t count = 0;

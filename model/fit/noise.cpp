@@ -33,11 +33,17 @@ constexpr double kRatioOfRuns = 1.5, kTwoSigmaOfRatio = 4.0;
 /// Repeats that judge the noise: eight deviations know it to a quarter (1/√(2·8)), and they must be half of the
 /// readings.
 constexpr std::size_t kFewestDeviations = 8;
+/// Neighbours show the noise of a kind from this many readings on: twice as many as of repeats, since a smooth curve
+/// takes up to half of them.
+constexpr std::size_t kFewestOfKind = 2 * kFewestDeviations;
 /// No step is finer than half of a digit of a tenth of a nanometre [um]; less is rounding of files and of the
 /// arithmetic.
 constexpr double kFinestStep_um = 0.5e-4;
 /// A reading is a multiple of the step where it is off by at most this share of the step.
 constexpr double kOffStep = 1e-3;
+/// Readings that show a step: fewer are multiples of some number by chance (of five whole numbers, one set in 28 has a
+/// common divisor, 1 - 1/zeta(5); a single one is a multiple of itself).
+constexpr std::size_t kFewestOfStep = 5;
 /// A step of the readings q makes noise of q/√12 = 0.29 q; a little less, so that it is no more than a floor.
 constexpr double kFloorOfStep = 0.25;
 /// No noise is smaller than this share of what is left, nor than this [um]: readings made by arithmetic have none.
@@ -99,7 +105,8 @@ Halves halves_of(const Observations& data, const std::vector<double>& deviation)
     const Key key{data.channel(k), data.axis[k], data.run[k], rounded(data.place_of(k))};
     auto& place = places.try_emplace(key, kNone, kNone).first->second;
     std::size_t& side = data.approach[k] > 0 ? place.first : place.second;
-    if (side == kNone) side = k;
+    if (side != kNone) continue;
+    side = k;
     if (place.first != kNone && place.second != kNone) ++complete;
   }
   Halves halves;
@@ -131,6 +138,18 @@ bool many(const std::vector<double>& deviation, bool of_poses) {
   const auto there =
       static_cast<std::size_t>(std::ranges::count_if(deviation, [](double d) { return !std::isnan(d); }));
   return there >= kFewestDeviations && (of_poses || there * 2 >= deviation.size());
+}
+
+/// True for the readings of a kind of which there are enough, but too few were repeated.
+std::vector<bool> in_kinds_not_repeated(const Observations& data, const std::vector<double>& deviation, bool of_poses) {
+  std::array<std::vector<double>, kReadingKinds> of_kind;
+  for (std::size_t k = 0; k < data.size(); ++k) of_kind[kind_of(data, k)].push_back(deviation[k]);
+  std::vector<bool> not_repeated;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const std::vector<double>& alike = of_kind[kind_of(data, k)];
+    not_repeated.push_back(alike.size() >= kFewestOfKind && !many(alike, of_poses));
+  }
+  return not_repeated;
 }
 
 /// Where the runs of a group differ as no noise does, only what the approaches of a run do not share is kept.
@@ -275,6 +294,7 @@ bool scatter_less(const Deviations& some, const Deviations& others) {
 /// Step of the readings: the greatest number of which all are multiples, by Euclid's algorithm; 0 if there is none of
 /// use.
 double resolution_of(const Observations& data, const NoiseGroup& group) {
+  if (group.rows.size() < kFewestOfStep) return 0.0;
   std::vector<double> values;
   for (const std::size_t k : group.rows) values.push_back(data.reading[k] + data.of_map_in(k));
   std::ranges::sort(values);
@@ -292,6 +312,23 @@ double resolution_of(const Observations& data, const NoiseGroup& group) {
   return step > kFinestStep_um && std::ranges::all_of(values, is_multiple) ? step : 0.0;
 }
 
+/// Mean square of the deviations of a group, or else of all groups in its unit: where no pass has enough of them for a
+/// shape. Empty if no reading of the unit has a deviation.
+std::optional<double> scatter_of(const NoiseModel& noise, const NoiseGroup& group,
+                                 const std::vector<double>& deviation) {
+  std::vector<double> own, alike;
+  for (const NoiseGroup& each : noise.groups)
+    for (const std::size_t k : each.rows)
+      if (!std::isnan(deviation[k]) && is_rotation(each.sense) == is_rotation(group.sense)) {
+        alike.push_back(deviation[k]);
+        if (&each == &group) own.push_back(deviation[k]);
+      }
+  const std::vector<double>& known = own.size() < kFewestDeviations ? alike : own;
+  if (known.empty()) return std::nullopt;
+  const double rms = rms_of(known);
+  return rms * rms;
+}
+
 std::vector<NoiseGroup> groups_of(const Observations& data) {
   std::map<std::pair<Channel, Axis>, NoiseGroup> groups;
   for (std::size_t k = 0; k < data.size(); ++k) {
@@ -307,6 +344,12 @@ std::vector<NoiseGroup> groups_of(const Observations& data) {
 }
 
 }  // namespace
+
+std::size_t kind_of(const Observations& data, std::size_t k) {
+  if (data.on_path(k)) return 3;
+  if (is_rotation(data.sense[k])) return 2;
+  return !data.rotary && static_cast<std::size_t>(data.sense[k]) == index_of(data.axis[k]) ? 0 : 1;
+}
 
 double NoiseGroup::sigma() const { return std::sqrt(white * white + correlated * correlated); }
 
@@ -453,27 +496,41 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
     from_places = many(deviation, of_poses);
   }
   const double size = std::max<double>(1.0, static_cast<double>(residual.size()));
+  std::optional<Eigen::MatrixXd> basis;
+  // the least of three estimates: smooth columns, differences of both directions, sums of them
+  const auto with_directions = [&](Deviations least, const std::vector<bool>& out) {
+    if (!basis) basis = absorbed.cols() > 0 ? PivotedQr(absorbed).basis() : Eigen::MatrixXd(residual.size(), 0);
+    for (const bool shared : {false, true}) {
+      Deviations directions = deviations_of_directions(data, residual, out, shared, *basis, noise);
+      if (scatter_less(directions, least)) least = std::move(directions);
+    }
+    return least;
+  };
+  const auto of_neighbours = [&](const std::vector<bool>& out) {
+    return deviations_from_smooth(data, residual, absorbed.cols() > 0 ? beside(smooth(), absorbed) : smooth(), out,
+                                  noise);
+  };
   if (from_places) {
+    const std::vector<bool> not_repeated = in_kinds_not_repeated(data, deviation, of_poses);
     for (const NoiseGroup& group : noise.groups) without_strange_runs(data, group, deviation);
+    noise.pure.in_part = std::ranges::find(not_repeated, true) != not_repeated.end();
+    if (noise.pure.in_part) {
+      std::vector<bool> others = left_out;
+      for (std::size_t k = 0; k < data.size(); ++k) others[k] = left_out[k] || !not_repeated[k];
+      const Deviations of_part = with_directions(of_neighbours(others), others);
+      for (std::size_t k = 0; k < data.size(); ++k)
+        if (not_repeated[k]) deviation[k] = of_part.of[k];
+    }
     std::set<std::size_t> nodes;
     for (std::size_t k = 0; k < data.size(); ++k)
       if (!left_out[k]) nodes.insert(repeats.node_of[k]);
     noise.pure.dof = std::max(size - static_cast<double>(nodes.size()), 1.0);
-  } else {
-    Deviations rough = deviations_from_smooth(
-        data, residual, absorbed.cols() > 0 ? beside(smooth(), absorbed) : smooth(), left_out, noise);
-    deviation = std::move(rough.of);
-    noise.pure.dof = rough.freedom;
   }
-  const Eigen::MatrixXd basis = absorbed.cols() > 0 && !noise.pure.from_repeats ? PivotedQr(absorbed).basis()
-                                                                                : Eigen::MatrixXd(residual.size(), 0);
-  for (const bool shared : {false, true}) {
-    if (noise.pure.from_repeats) break;
-    if (Deviations directions = deviations_of_directions(data, residual, left_out, shared, basis, noise);
-        scatter_less(directions, {deviation, noise.pure.dof})) {
-      deviation = std::move(directions.of);
-      noise.pure.dof = directions.freedom;
-    }
+  if (!noise.pure.from_repeats) {
+    Deviations least = with_directions(
+        from_places ? Deviations{std::move(deviation), noise.pure.dof} : of_neighbours(left_out), left_out);
+    deviation = std::move(least.of);
+    noise.pure.dof = least.freedom;
   }
 
   noise.shapes =
@@ -489,10 +546,11 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
       group_square += r * r;
     }
     group_square /= static_cast<double>(group.rows.size());
+    const std::optional<double> scatter = scatter_of(noise, group, deviation);
     const double of_step = kFloorOfStep * resolution_of(data, group);
     const double floor = std::max({of_step, kFloorOfResidual * std::sqrt(group_square), kFloor_um});
     for (NoiseShape& shape : noise.shapes) {
-      if (std::isnan(shape.variance[g])) shape.variance[g] = group_square;
+      if (std::isnan(shape.variance[g])) shape.variance[g] = scatter.value_or(group_square);
       if (&shape == &best && shape.variance[g] < of_step * of_step) noise.pure.is_of_step = true;
       shape.variance[g] = std::max(shape.variance[g], floor * floor);
     }

@@ -28,6 +28,11 @@ inline constexpr double kSamePlace_mm = 1e-4;
 /// replicates would decide everything.
 inline constexpr double kFewestNoiseFreedom = 4.0;
 
+/// Kinds of readings, each of which has an instrument or optics of its own: positions, what lies across the motion (and
+/// all lengths of rotary axes), angles, paths such as circles.
+inline constexpr std::size_t kReadingKinds = 4;
+[[nodiscard]] std::size_t kind_of(const Observations& data, std::size_t k);
+
 /// Readings of one sense along one moving axis: one instrument, one noise.
 struct NoiseGroup {
   Sense sense = Sense::EX;

@@ -269,15 +269,15 @@ double evidence_of(std::vector<double> nats, const std::vector<double>& nats_whi
   return sum;
 }
 
-/// Levels of groups with few readings drawn towards the level of all groups of their kind (translations, rotations):
+/// Levels of groups with few readings drawn towards the level of all groups of their kind (kind_of()):
 /// strongly where the groups agree as equal noises do (Bartlett's test), a little where they do not.
-void shrink_levels(const std::vector<NoiseGroup>& groups, const std::vector<double>& freedom, double information,
-                   std::vector<double>& variance) {
+void shrink_levels(const Observations& data, const std::vector<NoiseGroup>& groups, const std::vector<double>& freedom,
+                   double information, std::vector<double>& variance) {
   constexpr double kAgreeing = 40.0, kDiffering = 4.0;  // degrees of freedom that the common level counts for: a choice
-  for (const bool rotations : {false, true}) {
+  for (std::size_t kind = 0; kind < kReadingKinds; ++kind) {
     double all = 0.0, sum = 0.0, logs = 0.0, count = 0.0;
     const auto counts = [&](std::size_t g) {
-      return is_rotation(groups[g].sense) == rotations && freedom[g] >= 1.0 && variance[g] > 0.0;
+      return kind_of(data, groups[g].rows.front()) == kind && freedom[g] >= 1.0 && variance[g] > 0.0;
     };
     for (std::size_t g = 0; g < groups.size(); ++g) {
       if (!counts(g)) continue;
@@ -348,13 +348,10 @@ std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vecto
       freedom[pass.group] += fits.back().freedom;
       count[pass.group] += static_cast<double>(fits.back().residual.size());
     }
-    double all = 0.0, all_freedom = 0.0;
     for (std::size_t g = 0; g < groups.size(); ++g) {
       shape.variance.push_back(kNotMeasured);
       if (freedom[g] < 1.0) continue;
       level[g] = robust_mean_square(squares[g]) * count[g] / freedom[g];
-      all += level[g] * freedom[g];
-      all_freedom += freedom[g];
       if (freedom[g] >= kFewestGroupFreedom) shape.variance[g] = level[g];
     }
     std::vector<double> nats;
@@ -366,10 +363,26 @@ std::vector<NoiseShape> likely_shapes(const Observations& data, const std::vecto
     }
     if (shape.share == 0.0) nats_white = nats;
     shape.weight = evidence_of(nats, nats_white) + agreement_of_low_orders(passes, fits, level);
-    if (all_freedom > 0.0)
-      for (double& variance : shape.variance)
-        if (std::isnan(variance)) variance = all / all_freedom;
-    shrink_levels(groups, freedom, information, shape.variance);
+    const auto pooled = [&](const auto& is_alike) {
+      double sum = 0.0, all_freedom = 0.0;
+      for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (freedom[g] < 1.0 || !is_alike(groups[g])) continue;
+        sum += level[g] * freedom[g];
+        all_freedom += freedom[g];
+      }
+      return all_freedom > 0.0 ? sum / all_freedom : kNotMeasured;
+    };
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      double& variance = shape.variance[g];
+      const auto kind = [&](const NoiseGroup& group) { return kind_of(data, group.rows.front()); };
+      const auto is_of_kind = [&](const NoiseGroup& other) { return kind(other) == kind(groups[g]); };
+      const auto is_of_unit = [&](const NoiseGroup& other) {
+        return is_rotation(other.sense) == is_rotation(groups[g].sense);
+      };
+      if (std::isnan(variance)) variance = pooled(is_of_kind);
+      if (std::isnan(variance)) variance = pooled(is_of_unit);
+    }
+    shrink_levels(data, groups, freedom, information, shape.variance);
     shape.weight *= information;
     // the scatter of the deviations themselves holds all of the noise: more than that is not possible
     double claimed = 0.0, there = 0.0, rows = 0.0;

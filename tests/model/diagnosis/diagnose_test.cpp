@@ -40,6 +40,32 @@ TEST_CASE("each cause on a line is named first") {
                    "progressive:X:EX"));
 }
 
+TEST_CASE("beside positions in five runs, straightness and angles read once show their causes, and noise shows none") {
+  int found = 0, named = 0;
+  for (const Sense sense : {Sense::EY, Sense::EA})
+    for (const double noise : {0.05, 3.0})
+      for (unsigned seed = 1; seed <= 5; ++seed) {
+        CAPTURE(seed);
+        Model both = straight();
+        for (const EffectInstance& effect : straight(Axis::X, sense).effects) both.effects.push_back(effect);
+        const auto with = [&](const Truth& truth) {
+          laser::MeasurementSet set = measured({.targets = 21, .runs = 5}, 0.5, nothing, seed);
+          measure(set, {.sense = sense, .targets = 21, .runs = 1}, noise, truth, seed + 100);
+          return diagnosed(both, set);
+        };
+        const Diagnosis wave =
+            with([&](const Reading& r) { return 4.0 * noise * std::sin(2.0 * std::numbers::pi * p(r) / 150.0); });
+        const bool is_named = !wave.candidates.empty() && wave.candidates.front().standing != Standing::possible;
+        if (is_named && wave.candidates.front().effect.id == cyclic && wave.candidates.front().effect.sense == sense &&
+            wave.verdict == Verdict::missing_effect)
+          ++found;
+        const Diagnosis blank = with(nothing);
+        if (blank.verdict != Verdict::adequate) ++named;
+      }
+  CHECK(found >= 19);
+  CHECK(named == 0);
+}
+
 TEST_CASE("a short wave is named where nothing is repeated and the noise was estimated from it") {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     CAPTURE(seed);

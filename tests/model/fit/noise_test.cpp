@@ -202,6 +202,38 @@ TEST_CASE("the step of ten readings is seen where no two of them are one step ap
   CHECK_FALSE(noise_in(white()).pure.is_of_step);
 }
 
+TEST_CASE(
+    "where every pass has a single reading, the noise is the scatter of the repeats, not the size of the residual") {
+  Measured m = readings_of(measured({.targets = 1, .runs = 60}, kWhite_um, nothing));
+  for (std::size_t k = 0; k < m.data.size(); ++k) m.residual(static_cast<Index>(k)) += 7.0 * m.data.approach[k];
+  const NoiseModel noise = noise_in(m);
+  CHECK(noise.pure.from_repeats);
+  CHECK(noise.pure.noise_um == Approx(kWhite_um).epsilon(0.2));  // 118 degrees of freedom: 6.5 %, three sigmas
+}
+
+TEST_CASE("angles that were read once have the noise that their neighbours show, not that of repeated positions") {
+  for (const double angular_um_per_m : {0.05, 5.0}) {
+    laser::MeasurementSet set = measured({.runs = 5}, kWhite_um, nothing);
+    measure(set, {.sense = Sense::EA, .runs = 1}, angular_um_per_m, nothing, 2);
+    const Measured m = readings_of(set);
+    const NoiseModel noise = noise_in(m);
+    CHECK(noise.pure.from_repeats);
+    CHECK(noise.pure.in_part);
+    CHECK(noise.pure.by_unit.um == Approx(kWhite_um).epsilon(0.12));
+    CHECK(noise.pure.by_unit.um_per_m == Approx(angular_um_per_m).epsilon(0.25));  // 81 degrees of freedom: 8 %
+  }
+  CHECK_FALSE(noise_in(white()).pure.in_part);
+}
+
+TEST_CASE("a few readings are no multiples of a step") {
+  Measured m = readings_of(measured({.targets = 1, .runs = 2}, 0.0, nothing));
+  for (double& reading : m.data.reading) reading = 43.46;
+  m.residual.setZero();
+  const NoiseModel noise = noise_in(m);
+  CHECK_FALSE(noise.pure.is_of_step);
+  CHECK(noise.pure.noise_um < 1e-6);
+}
+
 TEST_CASE("the weights of all shapes of noise add up to one") {
   double sum = 0.0;
   for (const NoiseShape& shape : noise_in(white()).shapes) sum += shape.weight;
