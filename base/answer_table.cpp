@@ -43,7 +43,9 @@ struct fmt::formatter<CellInLayout> {
 namespace ecs {
 
 Cell number_cell(const std::optional<double>& value, int decimals) {
-  return {number_or_null(value), value ? fmt::format("{:.{}f}", *value, decimals) : "-"};
+  std::string text = value ? fmt::format("{:.{}f}", *value, decimals) : "-";
+  if (text.size() > 1 && text.find_first_not_of("-0.") == std::string::npos && text.front() == '-') text.erase(0, 1);
+  return {number_or_null(value), std::move(text)};
 }
 
 Cell cell_of(double value) { return {number_or_null(value), fmt::format("{}", value)}; }

@@ -11,7 +11,7 @@ namespace {
 constexpr std::array<FaultText, kFaultCount> kFaults{{
     {"none", "no fault", "no action needed"},
     {"ram_test", "a location of the axis memory does not store the written value",
-     "note the address, replace that axis memory module, then send parameters and map again"},
+     "replace the axis memory module that contains the fault address, then send parameters and map again"},
     {"block_check", "the axis memory is corrupt: its checksum (CRC-32) differs from its contents",
      "send parameters and map again; if the fault returns, replace the battery or the memory module"},
     {"no_map", "the axis memory contains no complete error map", "send parameters and map"},

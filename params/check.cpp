@@ -171,8 +171,8 @@ void check_spare_letters(const UnitParameters& p, Findings& findings) {
           {"configuration.axes", "configuration.chain"},
           fmt::format(
               "{0} is in the kinematic chain \"{1}\" but not in configuration.axes. This is correct if the machine "
-              "has no axis {0}, as a lathe with two axes. Otherwise add {0}.",
-              letter_of(a), configuration_of(p)));
+              "has no axis {0}{2}. Otherwise add {0}.",
+              letter_of(a), configuration_of(p), a == Axis::Y ? ", as a lathe with two axes" : ""));
 }
 
 /// Loop period, squareness, levers.
@@ -371,8 +371,8 @@ Finding no_keys_of(Axis axis) {
   for (const Field& field : fields())
     if (field.axis == axis) finding.keys.push_back(field.key);
   finding.message = fmt::format(
-      "configuration.axes lists {0}, but the file has no [axis.{0}]: its end may be missing. Copy the file again or "
-      "read "
+      "configuration.axes lists {0}, but the file has no [axis.{0}]. Perhaps the end of the file is missing: copy it "
+      "again, or read "
       "the parameters with `ecs params receive`; if there is no axis {0}, remove it from configuration.axes",
       letter_of(axis));
   return finding;
@@ -403,6 +403,13 @@ std::vector<std::string> defaults_taken(const ParametersFile& file) {
                                 field.unit.empty() ? "" : " ", field.unit));
   }
   return lines;
+}
+
+std::vector<std::string> defaults_in_short(const ParametersFile& file) {
+  constexpr std::size_t kFew = 5;
+  if (file.defaulted.size() <= kFew) return defaults_taken(file);
+  return {fmt::format("{} parameters are not given: their defaults are used. `ecs params check` lists them",
+                      file.defaulted.size())};
 }
 
 std::string_view name_of(Severity severity) { return severity == Severity::error ? "error" : "warning"; }

@@ -34,6 +34,8 @@ struct Finding {
 [[nodiscard]] std::vector<Finding> check_file(const ParametersFile& file);
 /// "axis.X.deadband_um is not given: the default 5 um is used", one line a key that the file leaves out.
 [[nodiscard]] std::vector<std::string> defaults_taken(const ParametersFile& file);
+/// The same, but one line that counts them if there are more than a few.
+[[nodiscard]] std::vector<std::string> defaults_in_short(const ParametersFile& file);
 
 [[nodiscard]] bool has_errors(const std::vector<Finding>& findings);
 /// `error: axis.X.deadband_um: …`, one line each; empty without findings.

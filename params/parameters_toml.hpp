@@ -24,7 +24,7 @@ struct Identity {
 /// The last line of a parameter file that is whole; every file that is written has it.
 inline constexpr std::string_view kParametersEnd = "# end of parameters";
 inline constexpr std::string_view kNoParametersEnd =
-    "the file does not end with the line \"# end of parameters\": its end may be missing; compare its values with "
+    "the file does not end with the line \"# end of parameters\": perhaps its end is missing; compare its values with "
     "those of the unit, then add the line";
 
 struct ParametersFile {

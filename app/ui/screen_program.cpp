@@ -28,7 +28,7 @@ constexpr GlossaryRow kGlossary[] = {
      "the unit accepts writes and commands from this host, because somebody has entered the arming code shown on the "
      "unit"},
     {"by chance",
-     "share of simulated noise-only data sets in which any effect explains as much as the named one does in the "
+     "share of simulated noise-only data sets in which some effect explains as much as the named one does in the "
      "measured "
      "data"},
     {"candidate|candidates", "an effect that was tried on the residual"},
@@ -51,15 +51,17 @@ constexpr GlossaryRow kGlossary[] = {
     {"integration mode|integration|integrating", "the unit accepts parameters, maps and commands; compensation is off"},
     {"lack of fit", "the means deviate from the model by more than the scatter of repeated readings allows (F test)"},
     {"likely",
-     "in at most 1 of 100 simulated data sets that contain noise only, any effect fits as well as this one fits the "
-     "readings; another cause is "
-     "not excluded"},
+     "in at most 1 of 100 simulated data sets that contain noise only does some effect fit as well as this one fits "
+     "the readings; another cause is not excluded"},
+    {"machine file",
+     "description of the machine that is given with --machine: axes, travels, pitches, reference lines, inputs of the "
+     "unit"},
     {"marker",
      "the index pulse of the transducer, once a revolution or at one place; together with the switch it defines the "
      "datum"},
     {"parked",
-     "at rest at this position while another axis was measured; its distance from the line on which an angular error "
-     "was measured is the lever of that error"},
+     "at rest at this position while another axis was measured; the distance from the reference line of that axis is "
+     "the lever of its angular errors"},
     {"pitch", "travel per turn of a screw, or distance between the lines of a scale: errors repeat with it"},
     {"proved",
      "shown by held-out readings with an e-value of at least 100 or, where these give no e-value, by comparison with "

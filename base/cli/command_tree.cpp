@@ -149,7 +149,7 @@ void add_paths_named(const CLI::App& app, const std::string& path, const std::st
 /// The menu or verb that the words lead to, and the first word that is none.
 struct WordsEnd {
   const CLI::App* app = nullptr;
-  std::string parent;  ///< "ecs utility", without the app's own name
+  std::string parent;  ///< "ecs-emulator workshop SOCKET", without the app's own name
   std::string path;
   std::string stray;
 };
@@ -176,8 +176,10 @@ WordsEnd end_of(const CLI::App& root, const std::vector<std::string>& words) {
       if (!names_of_verbs(*end.app).empty()) end.stray = words[i];
       break;
     }
-    end.app = subs.front();
     end.parent = end.path;
+    for (const CLI::Option* option : end.app->get_options())
+      if (option->get_positional()) end.parent += " " + option->get_name(true);
+    end.app = subs.front();
     end.path += " " + words[i];
     places = places_in(*end.app);
   }

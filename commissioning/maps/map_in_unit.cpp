@@ -50,7 +50,7 @@ Result<PreparedMap> prepared_map(const laser::ErrorMap& map, const std::string& 
   }
   std::vector<std::string> remarks =
       remarks_in(laser::findings_for(map, parameters.parameters, travels_beside(params_name, parameters)));
-  for (std::string& taken : params::defaults_taken(parameters)) remarks.push_back(std::move(taken));
+  for (std::string& taken : params::defaults_in_short(parameters)) remarks.push_back(std::move(taken));
   return PreparedMap{map.header, parameters.identity, std::move(image), std::move(remarks)};
 }
 

@@ -257,7 +257,7 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
         {"--max-gap", &A::max_gap_s,
          "largest gap over which channels are joined [s]; default: 5 times the usual interval"},
         {"--at-rest", &A::at_rest_mm, "use only rows whose position is constant within this range [mm]"},
-        {"--average", &A::average, "average the readings of each rest into one"},
+        {"--average", &A::average, "average the readings of each standstill into one"},
         {"--environment", &A::environment,
          "file with air data and temperatures over time: .pos, or a table with headings"},
         {"--environment-every", &A::environment_every_s,

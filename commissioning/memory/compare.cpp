@@ -127,11 +127,12 @@ void compare_values(const std::string& name, const DecodedTable& a, const Decode
   if (count == 0) return;
   const auto position = [&](std::size_t i) { return a.entry.start_mm + a.entry.increment_mm * static_cast<double>(i); };
   const auto unit = unit_of(a.entry.component);
-  out.push_back(
-      {fmt::format("{}: {} differ{}, the first at {} mm ({}), the largest at {} mm", name,
-                   count == 1 ? "1 value" : fmt::format("{} values", count), count == 1 ? "s" : "", position(first),
-                   hex_address(a.values_address + 2 * static_cast<Address>(first)), position(largest)),
-       fmt::format("{:.4g} {}", a.values[largest], unit), fmt::format("{:.4g} {}", b.values[largest], unit)});
+  const std::string where =
+      fmt::format("{} mm ({})", position(first), hex_address(a.values_address + 2 * static_cast<Address>(first)));
+  out.push_back({count == 1 ? fmt::format("{}: 1 value differs, at {}", name, where)
+                            : fmt::format("{}: {} values differ, from {} on, most at {} mm", name, count, where,
+                                          position(largest)),
+                 fmt::format("{:.4g} {}", a.values[largest], unit), fmt::format("{:.4g} {}", b.values[largest], unit)});
 }
 
 std::map<std::string, const DecodedTable*> by_name(const DecodedImage& image) {

@@ -71,13 +71,16 @@ Cell size_cell(std::string_view name, const volume::ErrorSize& size, const Volum
       along[std::string(1, letter_of(axis))] =
           object_of("largest_um"_is(size.largest_along_um[a]), "rms_um"_is(size.rms_along_um[a]));
   const auto& settings = work.answer.settings;
+  const bool is_nothing = size.largest_um < 0.05, forward = size.approach == Approach::forward;  // shown as 0.0
   return record_cell(
-      "{name:<16} {largest_um:>8.1f} {p95_um:>8.1f} {rms_um:>8.1f}   {place}, {approach}\n", "name"_shown(name),
-      "place"_shown(place_text(size, work)), "largest_um"_is(size.largest_um),
+      "{name:<16} {largest_um:>8.1f} {p95_um:>8.1f} {rms_um:>8.1f}{place}\n", "name"_shown(name),
+      "place"_shown(is_nothing ? ""
+                               : fmt::format("   {}, {}", place_text(size, work), forward ? "forward" : "reverse")),
+      "largest_um"_is(size.largest_um),
       "at_deg"_is(settings.empty() ? Json(nullptr) : angles_json(work.prepared.machine.rotary, settings[size.setting])),
       "p95_um"_is(size.p95_um), "rms_um"_is(size.rms_um), "at"_is(vector_json(size.at_mm)),
-      "approach"_is(static_cast<int>(size.approach), size.approach == Approach::forward ? "forward" : "reverse"),
-      "error_um"_is(vector_json(size.error_um)), "points"_is(size.places), "along"_is(std::move(along)));
+      "approach"_is(static_cast<int>(size.approach)), "error_um"_is(vector_json(size.error_um)),
+      "points"_is(size.places), "along"_is(std::move(along)));
 }
 
 Cell size_cell(std::string_view name, const volume::VolumeSize& size, const VolumeWork& work) {
@@ -98,7 +101,7 @@ bool exceeds_bound(const VolumeWork& work) {
 
 /// Below the sizes of what is left: what may be there, by the uncertainty of the map.
 std::string bound_row(const VolumeWork& work) {
-  return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   with 95 % confidence{}\n", "after, at most",
+  return fmt::format("{:<16} {:>8.1f} {:>8} {:>8.1f}   with 95 % confidence{}\n", "remaining, bound",
                      work.uncertainty.largest_95_um, "-", work.uncertainty.rms_95_um,
                      exceeds_bound(work)       ? ", exceeded"
                      : work.unmeasured.empty() ? ""
@@ -170,11 +173,11 @@ std::string bound_text(const VolumeWork& work) {
   return paragraph(fmt::format(
              "{}With 95 % confidence the remaining error is at most {:.1f} um anywhere and {:.1f} um rms, with 50 % "
              "confidence {:.1f} and {:.1f} um. These figures include the errors that the map is known to leave, the "
-             "uncertainty of the map{}, and the uncertainty assumed for components that were not measured. Errors "
-             "beyond these assumptions (short periods, heat, load) add to them. Largest contributions to this "
-             "uncertainty: {}.",
+             "uncertainty of the map{}, and the uncertainty assumed for components that were not measured. Not "
+             "included are other errors, such as short periods, heat and load. {} to this uncertainty: {}.",
              missing, u.largest_95_um, u.rms_95_um, u.largest_50_um, u.rms_50_um,
-             work.prepared.machine.rotary ? " and of the rotary axes" : "", fmt::join(shares, ", "))) +
+             work.prepared.machine.rotary ? " and of the rotary axes" : "",
+             shares.size() == 1 ? "Largest contribution" : "Largest contributions", fmt::join(shares, ", "))) +
          exceeded_text(work);
 }
 
@@ -319,21 +322,21 @@ std::string heading_of(const VolumeWork& work) {
 Cell volume_cell(const VolumeWork& work, const std::string& picture, const std::string& values) {
   const volume::CompensatedMachine& machine = work.prepared.machine;
   const std::size_t settings = std::max<std::size_t>(1, work.answer.settings.size());
-  return record_cell("{heading}{before}{after}{at_most}{between}{bound}{slice}{at}{notes}{picture}{values}",
-                     "points"_is(settings * work.answer.grid.places()), "heading"_shown(heading_of(work)),
-                     "before"_is(size_cell("before", work.answer.before, work)),
-                     "after"_is(size_cell(work.prepared.errors_from == "the errors file" ? "after" : "after, known",
-                                          work.answer.after, work)),
-                     "at_most"_shown(bound_row(work)), "between"_is(between_cell(work)),
-                     "uncertainty_95_um"_is(
-                         object_of("largest"_is(work.uncertainty.largest_95_um), "rms"_is(work.uncertainty.rms_95_um))),
-                     "bound"_shown(bound_text(work)), "errors_from"_is(text_cell(work.prepared.errors_from)),
-                     "travel_mm"_is(travel_json(machine.travel_mm)),
-                     "reference_mm"_is(vector_json(work.answer.grid.reference_mm)),
-                     "tool_offset_mm"_is(vector_json(machine.tool_offset_mm)), "uncertainty"_is(uncertainty_json(work)),
-                     "slice"_is(slice_cell(work.slice)), "at"_is(at_cell(work.at, machine.rotary)),
-                     "rotary"_is(rotary_json(work)), "notes"_is(paragraphs_cell(work.notes, "note: ")),
-                     "picture"_is(written_cell("picture", picture)), "values"_is(written_cell("values", values)));
+  return record_cell(
+      "{heading}{before}{after}{at_most}{between}{bound}{slice}{at}{notes}{picture}{values}",
+      "points"_is(settings * work.answer.grid.places()), "heading"_shown(heading_of(work)),
+      "before"_is(size_cell("uncompensated", work.answer.before, work)),
+      "after"_is(size_cell(work.prepared.errors_from == "the errors file" ? "remaining" : "remaining, known",
+                           work.answer.after, work)),
+      "at_most"_shown(bound_row(work)), "between"_is(between_cell(work)),
+      "uncertainty_95_um"_is(
+          object_of("largest"_is(work.uncertainty.largest_95_um), "rms"_is(work.uncertainty.rms_95_um))),
+      "bound"_shown(bound_text(work)), "errors_from"_is(text_cell(work.prepared.errors_from)),
+      "travel_mm"_is(travel_json(machine.travel_mm)), "reference_mm"_is(vector_json(work.answer.grid.reference_mm)),
+      "tool_offset_mm"_is(vector_json(machine.tool_offset_mm)), "uncertainty"_is(uncertainty_json(work)),
+      "slice"_is(slice_cell(work.slice)), "at"_is(at_cell(work.at, machine.rotary)), "rotary"_is(rotary_json(work)),
+      "notes"_is(paragraphs_cell(work.notes, "note: ")), "picture"_is(written_cell("picture", picture)),
+      "values"_is(written_cell("values", values)));
 }
 
 std::string values_csv(const VolumeWork& work) {

@@ -115,8 +115,8 @@ const std::vector<RequestOption> kLengthsOptions{
     {"--noise", number, "standard deviation of a reading [um] (0.2)"},
     {"--scale", number, "standard deviation of the scale of each set-up [um/m] (0.1)"},
     {"--station", number, "standard deviation of each coordinate of a station [mm] (0.2)"},
-    {"--tool", number, "standard deviation of each coordinate of a tool [mm] (0.05)"},
-    {"--zero", number, "standard deviation of the zero of each run [um] (100)"},
+    {"--tool", number, "standard deviation of each coordinate of the tool offset from that in the plan [mm] (0.05)"},
+    {"--zero", number, "standard deviation of the offset of the lengths in each run [um] (100)"},
     {"--bar", number, "standard deviation of a ball bar's length if the plan has bar_um [um] (1)"},
     {"--no-scatter", flag, "omit the non-repeatable part of the machine errors"},
     {"-o,--output", path, "file for the plan with its readings (.csv)"},
@@ -168,9 +168,9 @@ const std::vector<RequestOption> kJogOptions{
 };
 const std::vector<RequestOption> kFaultOptions{
     {"NAME", word,
-     "ram_stuck, corrupt, overrun, hang, power_fails or battery (unit); sensor or deviation (input of the unit); "
-     "transducer, marker, switch "
-     "or miscount (axis); no_reply, lost_request, bad_crc, slow_reply, garbage_before, drop_byte, cut_tail or "
+     "ram_stuck, corrupt, overrun, hang, power_fails or battery (unit); sensor (a temperature input) or deviation (the "
+     "instrument that shows the unit a deviation gives no signal); transducer, marker, switch or miscount (axis); "
+     "no_reply, lost_request, bad_crc, slow_reply, garbage_before, drop_byte, cut_tail or "
      "stale_reply (line); clear: remove every fault",
      Need::required},
     {"--address", integer, "address in the unit's memory, for ram_stuck and corrupt"},
@@ -293,13 +293,13 @@ const std::vector<Action>& verbs_without_unit() {
                    "--axis X --sense EX --from 0 --to -4100 --step 50 -o exx.csv", kMeasureOptions),
       without_unit("capture", "record an instrument's display at a constant rate, on a machine without a unit",
                    "--axis X --sense EX --seconds 10 -o run.rtx", kCaptureOptions),
-      without_unit("survey", "compute the true volumetric error of a machine without a unit",
+      without_unit("survey", "compute the true volumetric error of a machine; no unit is needed",
                    "--step 500 -o survey.csv", kSurveyOptions),
-      without_unit("components", "compute the true error components along the axes of a machine without a unit",
+      without_unit("components", "compute the true error components along the axes of a machine; no unit is needed",
                    "--x 0,500,1000 --y 0,100", kComponentsOptions),
       without_unit("circle", "make a circular test (ISO 230-4) of a machine without a unit",
                    "--plane XY --radius 100 --feed 1000 -o circle.csv", kCircleOptions),
-      without_unit("lengths", "measure lengths from stations or along lines to the tool, as in a plan",
+      without_unit("lengths", "measure the lengths of a plan: from stations to the tool, or along lines",
                    "plan.csv -o lengths.csv", kLengthsOptions),
       without_unit("ball", "measure a ball on the table of a machine with rotary axes, without a unit",
                    "--ball 750,300,-500 -o ball.csv", kBallOptions),

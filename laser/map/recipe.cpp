@@ -300,7 +300,9 @@ class Suggestion {
     if (!parameters_.axis_present[index_of(line.axis)]) return fmt::format("there is no axis {}", letter_of(line.axis));
     if (line.square) return "that squareness is not needed, or another file provides it";
     const Component c = curve_of(line.sense, line.axis);
-    if (!needed_.contains(c)) return fmt::format("{} is not needed in this scope", name_of(c));
+    if (!needed_.contains(c))
+      return fmt::format("{} is not needed with compensation.scope and configuration.axes of the parameters",
+                         name_of(c));
     if (const auto off = is_angular(c) ? std::nullopt : axis_off_line(line, parameters_))
       return fmt::format(
           "it was measured at {0} {1:.6g} (or the file does not state {0}), the measurement line of {2} in the "

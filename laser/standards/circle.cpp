@@ -287,7 +287,9 @@ void check_closed(std::vector<double> angles_deg, bool clockwise, int run, Findi
       from = angles_deg[k - 1];
       widest = angles_deg[k] - from;
     }
-  if (widest > kWidestGap_deg)
+  if (angles_deg.size() == 1)
+    findings.add(0, 0, "{}, run {}: the circle has one reading only", contouring_name(clockwise), run);
+  else if (widest > kWidestGap_deg)
     findings.add(
         0, 0,
         "{}, run {}: the circle is open: no reading between {:.6g} and {:.6g} degrees, a gap of {:.6g} degrees; "

@@ -81,12 +81,12 @@ std::vector<Apart> pairs_once(const MeasurementProposal& p) {
 }  // namespace
 
 std::string minutes_text(const MeasurementProposal& p) {
-  return fmt::format("{:.0f} min{}", p.minutes, p.set_up_minutes > 0.0 ? " with set-up" : "");
+  return fmt::format("{:.0f} min{}", p.minutes, p.set_up_minutes > 0.0 ? " including set-up" : "");
 }
 
 std::string what_it_tells(const MeasurementProposal& p, Question question) {
   const std::string minutes = minutes_text(p);
-  if (question == Question::repeat) return "shows whether the residual repeats: " + minutes;
+  if (question == Question::repeat) return fmt::format("shows whether the residual repeats ({})", minutes);
   std::vector<std::string> apart, together;
   double least = kBeyondAll;
   for (const Apart& pair : pairs_once(p)) {

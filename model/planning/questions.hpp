@@ -31,7 +31,7 @@ enum class Question {
   repeat,    ///< whether what is left comes back
 };
 
-/// "26 min with set-up"
+/// "26 min including set-up"
 [[nodiscard]] std::string minutes_text(const MeasurementProposal& proposal);
 
 /// "tells backlash:X:EX from servo_lag:X:EX: 12.0 sigma, 9 min"; the surest pairs first.

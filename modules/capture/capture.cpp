@@ -504,7 +504,9 @@ cli::Fields<CaptureChoice> CaptureChoice::fields() {
       {"--shows", &A::shows, "quantity shown: the error, or the position of the axis [mm]",
        cli::Words{"error", "position"}},
       {"--scale", &A::scale, "factor that converts the reading to um (um/m), or a position to mm; default 1"},
-      {"--environment", &A::environment, "thermometer to record with every reading: temper, or DEVICE.toml[@SERIAL]"},
+      {"--environment", &A::environment,
+       "thermometer to record with every reading: temper (a USB thermometer TEMPer), or a device file "
+       "DEVICE.toml[@SERIAL]"},
       {"--environment-every", &A::environment_every_s, "time between the values of --environment [s]",
        cli::Range{0.1, 3600.0}},
       {"--min-interval", &A::min_interval_s,

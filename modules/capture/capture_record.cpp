@@ -101,7 +101,8 @@ CaptureRecord::Place CaptureRecord::place() const {
   while (begin > 0 && same_pass(plan_.stops[begin - 1], plan_.stops[next_])) --begin;
   std::size_t end = next_ + 1;
   while (end < plan_.stops.size() && same_pass(plan_.stops[end], plan_.stops[next_])) ++end;
-  return {next_ - begin + 1, end - begin, begin == next_};
+  const bool backwards = plan_.stops[next_].approach != plan_.stops.front().approach;  // a target keeps its number
+  return {backwards ? end - next_ : next_ - begin + 1, end - begin, begin == next_};
 }
 
 int CaptureRecord::runs() const {

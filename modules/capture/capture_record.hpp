@@ -73,7 +73,7 @@ class CaptureRecord {
   [[nodiscard]] const CapturePlan& plan() const { return plan_; }
   [[nodiscard]] const CaptureRules& rules() const { return rules_; }
   [[nodiscard]] std::size_t skipped() const { return next_ - taken_.size(); }
-  /// Place of the due stop in its pass, from 1, and the length of that pass.
+  /// Number of the due target, from 1 in the order of the first pass, and the number of targets in its pass.
   struct Place {
     std::size_t number = 0;
     std::size_t of = 0;

@@ -132,7 +132,7 @@ Result<CentroidOptions> centroid_options(const OptionValues& values) {
   if (counts.empty())
     return problem(ProblemKind::usage,
                    "--counts-per-mm is needed: the encoder counts of the control per mm of the axis; a Centroid table "
-                   "is in counts and does not state them");
+                   "is in encoder counts and does not state how many make 1 mm");
   options.counts_per_mm = number_in(counts).value_or(0.0);
   if (!(options.counts_per_mm >= 1.0 / kMostCountsPerMm && options.counts_per_mm <= kMostCountsPerMm))
     return problem(ProblemKind::usage, "--counts-per-mm: expected a number above 0, at most {}, found \"{}\"",
@@ -156,11 +156,8 @@ Result<ControllerExport> write_centroid(const ExportSource& source, const Option
 
 Result<ControllerTables> read_centroid(const ReadRequest& request) {
   ECS_TRY(options, centroid_options(request.options));
-  ECS_TRY(given, axis_option(request));
-  const auto axis = given ? given : axis_in_name(request.file_name);
-  if (!axis)
-    return problem(ProblemKind::usage, "{}: the name does not end in X, Y or Z: give --axis", request.file_name);
-  return parse_centroid(request.text, request.file_name, *axis, options);
+  ECS_TRY(axis, axis_of_file(request));
+  return parse_centroid(request.text, request.file_name, axis, options);
 }
 
 /// Two whole numbers, and one in the next line.
@@ -200,7 +197,7 @@ Result<ControllerExport> centroid_export(const ExportSource& source, const Centr
     return problem(ProblemKind::refused,
                    "the map has no positioning table (EXX, EYY, EZZ) of an axis that the machine has: a ball screw "
                    "table contains nothing else");
-  leave_behind(made, source, carried, "a ball screw table has no lever arm",
+  leave_behind(made, source, carried, "cannot be corrected by a ball screw table, which has no lever arm",
                "a ball screw table acts along its own axis only");
   made.notes = centroid_assumptions(options);
   made.notes.insert(

@@ -171,9 +171,9 @@ Cell table_cell(const controllers::ExportedTable& t) {
 Cell tables_cell(const std::vector<controllers::ExportedTable>& tables) {
   Cell list = list_cell(
       tables, table_cell,
-      fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8} {:>8}\n", "", "table", "points", "of map", "largest", "differs"));
+      fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8} {:>8}\n", "", "table", "points", "in map", "largest", "differs"));
   list.text +=
-      "points, of map: points of the table and of the map; largest: largest value of the table; differs: largest "
+      "points: points of the table; in map: points of the map; largest: largest value of the table; differs: largest "
       "difference from the compensation by the ECS unit\n";
   return list;
 }

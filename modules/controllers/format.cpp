@@ -12,6 +12,17 @@ namespace {
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
+/// Of a letter that stands apart at the end of the name: a capital after a small letter, or after no letter.
+std::optional<Axis> axis_in_name(const std::string& file) {
+  const std::string stem = std::filesystem::path(file).stem().string();
+  if (stem.empty()) return std::nullopt;
+  const char last = stem.back();
+  const bool capital = last >= 'A' && last <= 'Z';
+  const bool apart = stem.size() == 1 || !is_letter(stem[stem.size() - 2]) ||
+                     (capital && stem[stem.size() - 2] >= 'a' && stem[stem.size() - 2] <= 'z');
+  return apart ? axis_of(capital ? last : static_cast<char>(last - 'a' + 'A')) : std::nullopt;
+}
+
 }  // namespace
 
 OptionValues::OptionValues(const std::vector<FormatOption>& options) {
@@ -50,14 +61,13 @@ Result<std::optional<Axis>> axis_option(const ReadRequest& request) {
   return problem(ProblemKind::usage, "expected an axis X, Y or Z, got \"{}\"", given);
 }
 
-std::optional<Axis> axis_in_name(const std::string& file) {
-  const std::string stem = std::filesystem::path(file).stem().string();
-  if (stem.empty()) return std::nullopt;
-  const char last = stem.back();
-  const bool capital = last >= 'A' && last <= 'Z';
-  const bool apart = stem.size() == 1 || !is_letter(stem[stem.size() - 2]) ||
-                     (capital && stem[stem.size() - 2] >= 'a' && stem[stem.size() - 2] <= 'z');
-  return apart ? axis_of(capital ? last : static_cast<char>(last - 'a' + 'A')) : std::nullopt;
+Result<Axis> axis_of_file(const ReadRequest& request) {
+  ECS_TRY(given, axis_option(request));
+  if (const auto axis = given ? given : axis_in_name(request.file_name)) return *axis;
+  return problem(ProblemKind::usage,
+                 "{}: expected a name that ends in an axis letter of its own, as in y.comp, mill_y.comp or millY.comp: "
+                 "give --axis",
+                 request.file_name);
 }
 
 std::vector<const ControllerFormat*> formats_there();  // written by registry.cmake

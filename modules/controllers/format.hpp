@@ -62,8 +62,9 @@ struct ReadRequest {
 /// What option "axis" says; nothing if it was not given. A `usage` problem where several files are read.
 [[nodiscard]] Result<std::optional<Axis>> axis_option(const ReadRequest& request);
 
-/// "x.comp", "mill_y.comp", "screwcompZ.dat", "CNC7X.TAB": a letter of its own at the end of the name.
-[[nodiscard]] std::optional<Axis> axis_in_name(const std::string& file);
+/// What option "axis" says, else the name of the file: "x.comp", "mill_y.comp", "screwcompZ.dat", "CNC7X.TAB" end in a
+/// letter of its own. A `usage` problem where neither names an axis.
+[[nodiscard]] Result<Axis> axis_of_file(const ReadRequest& request);
 
 /// What a format can hold of a map, in the words of the documentation.
 struct Holds {

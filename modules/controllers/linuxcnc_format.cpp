@@ -80,11 +80,8 @@ Result<ControllerExport> write_linuxcnc(const ExportSource& source, const Option
 }
 
 Result<ControllerTables> read_linuxcnc(const ReadRequest& request) {
-  ECS_TRY(given, axis_option(request));
-  const auto axis = given ? given : axis_in_name(request.file_name);
-  if (!axis)
-    return problem(ProblemKind::usage, "{}: the name does not end in x, y or z: give --axis", request.file_name);
-  LinuxCncReadOptions options{*axis, std::nullopt, units_option(request.options), request.options.flag("as-loaded")};
+  ECS_TRY(axis, axis_of_file(request));
+  LinuxCncReadOptions options{axis, std::nullopt, units_option(request.options), request.options.flag("as-loaded")};
   if (!request.options.text("type").empty()) options.type = request.options.integer("type");
   return parse_linuxcnc(request.bytes, request.file_name, options);
 }
@@ -118,10 +115,11 @@ Result<ControllerExport> linuxcnc_export(const ExportSource& source, const Linux
     return problem(ProblemKind::refused,
                    "the map has no positioning table (EXX, EYY, EZZ) of an axis that the machine has: LinuxCNC "
                    "compensates nothing else");
-  leave_behind(made, source, carried, "a joint's table has no lever arm",
-               "a joint's table acts along its own axis only");
+  leave_behind(made, source, carried, "cannot be corrected by a table per joint, which has no lever arm",
+               "a table per joint acts along its own axis only");
   made.notes = {
-      "BACKLASH of these joints is ignored by LinuxCNC once they have a COMP_FILE: the reversal is in the two columns",
+      "BACKLASH of these joints is ignored by LinuxCNC once they have a COMP_FILE: their reversal is in the columns "
+      "forward and reverse of that file",
       "beyond the ends of a file LinuxCNC uses the end values, as the unit does",
       "joints are numbered as in trivkins; with other kinematics put COMP_FILE into the section of the joint that "
       "moves the axis",

@@ -496,7 +496,7 @@ Result<ControllerExport> siemens_export(const ExportSource& source, const Siemen
   if (!positioning.encoder.empty()) made.files.push_back({kEncoderFile, encoder_text(positioning.encoder, options)});
   if (!groups.empty()) made.files.push_back({kCrossFile, cross_text(all_tables(groups), options)});
   add_settings(made, positioning.encoder, groups, options);
-  leave_behind(made, source, carried, "a table has no lever arm", kTooFew);
+  leave_behind(made, source, carried, "cannot be corrected by a table, which has no lever arm", kTooFew);
   made.notes.push_back("changing MD18342 or MD38000 reformats the memory of the control: save its data first");
   made.notes.push_back(
       "signs: the manual gives that of ENC_COMP; that of CEC is assumed to be the same. Check one CEC table on the "

@@ -123,14 +123,16 @@ Result<TwinCatOptions> options_in(const OptionValues& values) {
   for (const auto& [axis, name] : axis_pairs(axes)) {
     const auto number = integer_in(name);
     if (!axis || !number || *number < 1 || *number > kMostAxes)
-      return problem(ProblemKind::usage, "--axes: expected X=NUMBER,Y=NUMBER,Z=NUMBER, as in X=1, found \"{}\"", axes);
+      return problem(ProblemKind::usage,
+                     "--axes: expected X=NUMBER,Y=NUMBER,Z=NUMBER with numbers from 1 to {}, as in X=1, found \"{}\"",
+                     kMostAxes, axes);
     options.axis_number[index_of(*axis)] = static_cast<int>(*number);
   }
   for (const Axis a : kAllAxes)
     for (const Axis b : kAllAxes)
       if (a < b && options.axis_number[index_of(a)] == options.axis_number[index_of(b)])
-        return problem(ProblemKind::usage, "--axes: {} and {} have the same number {}", letter_of(a), letter_of(b),
-                       options.axis_number[index_of(a)]);
+        return problem(ProblemKind::usage, "--axes: {} and {} have the same number {} (default: X=1,Y=2,Z=3)",
+                       letter_of(a), letter_of(b), options.axis_number[index_of(a)]);
   return options;
 }
 
@@ -167,7 +169,7 @@ Result<ControllerExport> twincat_export(const ExportSource& source, const TwinCa
                    "the map has no positioning table (EXX, EYY, EZZ) of an axis that the machine has: leadscrew "
                    "compensation contains nothing else");
   add_settings(options, carried, made);
-  leave_behind(made, source, carried, "a table of one axis has no lever arm",
+  leave_behind(made, source, carried, "cannot be corrected by a table of one axis, which has no lever arm",
                "leadscrew compensation acts along its own axis only");
   made.notes.insert(made.notes.begin(),
                     {"no further backlash compensation for these axes (P-AXIS-00021 lr_param.anwahl_losekomp 0): the "

@@ -94,6 +94,21 @@ void note_silent_directions(ExportWork& work, const std::vector<controllers::Res
   }
 }
 
+/// An export may be worse than none: the part of the map that it carries need not be of use without the rest.
+void warn_if_worse(Console& console, const controllers::ResidualRow& volume, const PerAxis<bool>& present) {
+  constexpr double kShown_um = 0.05;
+  std::vector<std::string> worse;
+  for (std::size_t d = 0; d <= kAxes; ++d)
+    if ((d == kAxes || present[d]) && volume.control.rms_um[d] > volume.before.rms_um[d] + kShown_um)
+      worse.push_back(fmt::format("{} {:.1f} instead of {:.1f} um rms",
+                                  d == kAxes ? "vector" : std::string(1, letter_of(static_cast<Axis>(d))),
+                                  volume.control.rms_um[d], volume.before.rms_um[d]));
+  if (!worse.empty())
+    console.warn(
+        fmt::format("with this export, the predicted error in the volume is larger than without compensation: {}",
+                    fmt::join(worse, ", ")));
+}
+
 /// A folder that holds files of two maps is named, nothing in it is taken away.
 void note_left_from_before(ExportWork& work, const std::string& folder, const std::vector<WrittenFile>& written,
                            const controllers::ControllerFormat& format) {
@@ -134,6 +149,7 @@ Result<Outcome> exported(VerbContext& context, const WriteRequest& request,
       options.text("levers") == "lines" ? work.source.parameters.measurement_lines_mm : MeasurementLines{};
   ECS_TRY(residuals, controllers::residuals(work.source, made->applied, lines, errors));
   note_silent_directions(work, residuals);
+  warn_if_worse(context.console, residuals.back(), work.source.parameters.axis_present);
   const bool folder = format.is_file != nullptr;
   ECS_TRY(written, write_all(*made, arguments.output, folder, work.inputs, arguments.force));
   if (folder && !arguments.output.empty()) note_left_from_before(work, arguments.output, written, format);

@@ -68,14 +68,15 @@ Result<std::vector<PlannedUnit>> each_once(std::vector<PlannedUnit> units, const
     for (std::size_t k = 0; k < i; ++k)
       if (to_text(units[i].link) == to_text(units[k].link) && units[i].serial_number == units[k].serial_number &&
           !units[i].link.is_emulator()) {
-        problems.push_back({ProblemKind::bad_input,
-                            fmt::format("{} and {} have the same link, {}, and no different serial numbers: list each "
-                                        "unit once, or distinguish them by `serial_number`",
-                                        units[k].name, units[i].name, to_text(units[i].link)),
-                            name,
-                            0,
-                            0,
-                            {}});
+        problems.push_back(
+            {ProblemKind::bad_input,
+             fmt::format("{} and {} have the same link, {}, and are not distinguished by serial numbers: list each "
+                         "unit once, or give them a different `serial_number`",
+                         units[k].name, units[i].name, to_text(units[i].link)),
+             name,
+             0,
+             0,
+             {}});
         break;
       }
   if (!problems.empty()) return tl::unexpected(folded(std::move(problems)));
@@ -167,7 +168,7 @@ Result<Load> prepared(const PlannedUnit& unit) {
   if (auto objections = objections_to(file, unit.params)) return tl::unexpected(std::move(*objections));
   load.parameters = file.parameters;
   load.identity = file.identity;
-  load.notes = params::defaults_taken(file);
+  load.notes = params::defaults_in_short(file);
   return load;
 }
 

@@ -113,8 +113,8 @@ std::string sentence(const HiddenCase& c) {
   if (c.kind == CaseKind::out_of_library) return fmt::format("Something that is in no library: {}.", c.structure.text);
   std::string text = "Hidden:";
   for (const HiddenEffect& hidden : c.hidden)
-    text += fmt::format("{} {}{}, {:.3g} um rms, signal to noise {:.3g}", &hidden == &c.hidden.front() ? "" : ";",
-                        name_of(hidden.effect), number_words(hidden.effect), hidden.rms_um, hidden.snr);
+    text += fmt::format("{} {}{}, {:.3g} um rms in the readings", &hidden == &c.hidden.front() ? "" : ";",
+                        name_of(hidden.effect), number_words(hidden.effect), hidden.rms_um);
   if (!c.group.empty()) {
     text += "; these data cannot distinguish ";
     for (const std::string& name : c.group) text += (&name == &c.group.front() ? "" : ", ") + name;

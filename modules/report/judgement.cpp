@@ -213,7 +213,7 @@ std::string scatter_sentence(const TableRow& row) {
 std::string worst_sentence_of(const TableRow& row) {
   const auto& limit = row.planned.published_after;
   return fmt::format(
-      "Largest {}: {}, a band of {} after compensation{}.{}", limit ? "share of its limit" : "remaining band",
+      "Largest {}: {}, a band of {} after compensation{}.{}", limit ? "band relative to its limit" : "remaining band",
       named(row), quantity(row, band_after(row)),
       limit ? fmt::format(", {:.0f} % of its limit of {}", 100.0 * band_after(row) / *limit, quantity(row, *limit))
             : "",
@@ -226,13 +226,13 @@ std::string sentence_of(const ReportContent& content, const Judgement& j) {
     return fmt::format("{} measured after compensation. No limits are known.",
                        counted(j.after, "component was", "components were"));
   if (j.within == j.judged)
-    return j.judged == 1 ? "The one measurement with a limit is within it."
+    return j.judged == 1 ? "One measurement has a limit, and it is within this limit."
                          : fmt::format("All {} measurements with a limit are within it.", j.judged);
   std::vector<std::string> above;
   for (const TableRow& row : content.rows)
     if (verdict_of(row) == RowVerdict::above || (row.after && row.exceeds_published()))
       above.push_back(row.planned.name);
-  if (j.judged == 1) return fmt::format("The one measurement with a limit is above it: {}.", above.front());
+  if (j.judged == 1) return fmt::format("One measurement has a limit, and it is above this limit: {}.", above.front());
   return fmt::format("{} of {} measurements {} above the limit: {}.", j.judged - j.within, j.judged,
                      j.judged - j.within == 1 ? "is" : "are", fmt::join(above, ", "));
 }

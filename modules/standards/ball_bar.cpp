@@ -324,10 +324,10 @@ Result<BallBarComparison> compared_with(const CircleWork& work, const BallBarRes
   const auto& ours = work.test.plane;
   const bool same = std::is_permutation(ours.begin(), ours.end(), theirs.plane.begin());
   if (!same)
-    return problem_at(theirs.source, 0, 0,
-                      "the ball bar test is of the plane {}, the trace {} of {}: give the result of the "
-                      "same circle",
-                      laser::plane_name(theirs.plane), work.test.source, laser::plane_name(ours));
+    return problem_at(
+        theirs.source, 0, 0,
+        "the ball bar test is in the plane {}, but {} in the plane {}: give a ball bar test of the same circle",
+        laser::plane_name(theirs.plane), work.test.source, laser::plane_name(ours));
   return BallBarComparer(work, theirs).compared();
 }
 

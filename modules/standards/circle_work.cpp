@@ -24,6 +24,24 @@ Result<std::array<std::vector<double>, 2>> pitches_of(const params::Machine& mac
   return pitches_mm;
 }
 
+/// "" if the centres of both passes agree within their noise.
+std::string centres_note(const laser::CircleValues& values, const laser::CirclePair& pair, double noise_um) {
+  constexpr double kStandsOut = 5.0, kLeast_um = 0.5;  // standard uncertainties of a difference; choices
+  const auto pass_of = [&](bool clockwise, int run) -> const laser::CirclePass& {
+    return *std::ranges::find_if(values.passes,
+                                 [&](const auto& pass) { return pass.clockwise == clockwise && pass.run == run; });
+  };
+  const auto &ccw = pass_of(false, pair.counter_clockwise_run), &cw = pass_of(true, pair.clockwise_run);
+  const double first_um = cw.centre_um[0] - ccw.centre_um[0], second_um = cw.centre_um[1] - ccw.centre_um[1];
+  const double sigma_um =
+      2.0 * noise_um / std::sqrt(static_cast<double>(std::min(ccw.readings.size(), cw.readings.size())));
+  if (std::hypot(first_um, second_um) < std::max(kLeast_um, kStandsOut * sigma_um)) return {};
+  return fmt::format(
+      "the centre of cw, run {}, differs from that of ccw, run {}, by ({:.2f}, {:.2f}) um. The causes do not include "
+      "this difference. If the set-up was not changed, the axes shift with the direction",
+      pair.clockwise_run, pair.counter_clockwise_run, first_um, second_um);
+}
+
 }  // namespace
 
 Result<CircleWork> circle_work(const std::filesystem::path& file, const params::Machine* machine) {
@@ -38,6 +56,9 @@ Result<CircleWork> circle_work(const std::filesystem::path& file, const params::
           model::diagnose_circle(test, pitches_mm,
                                  machine == nullptr ? model::PitchSource::nowhere : model::PitchSource::machine_file));
   laser::CircleValues values = laser::circle_values_of(test);
+  for (const laser::CirclePair& pair : values.pairs)
+    if (std::string note = centres_note(values, pair, diagnosis.noise_um); !note.empty())
+      diagnosis.notes.push_back(std::move(note));
   return CircleWork{file, std::move(test), std::move(values), std::move(diagnosis)};
 }
 

@@ -311,8 +311,9 @@ class TraceTable {
                     column, fitted_rpm, *trace_.speed_rpm);
       return;
     }
-    trace_.notes.push_back(fmt::format("Speed {:.6g} rpm by the once-per-turn motion of {}, stated {:g}.", fitted_rpm,
-                                       column, *trace_.speed_rpm));
+    trace_.notes.push_back(
+        fmt::format("Speed from the once-per-turn motion of {}: {:.6g} rpm; the file states {:g} rpm.", column,
+                    fitted_rpm, *trace_.speed_rpm));
     trace_.speed_rpm = fitted_rpm;
     for (double& turn : trace_.turn) turn *= *factor;
   }
@@ -340,8 +341,8 @@ class TraceTable {
                fmt::format("{}: all readings are {:g}. Check the sensor", kSpindleColumns[s], least));
         continue;
       }
-      check_range(s, greatest, "greatest", greatest - least);
-      check_range(s, least, "least", greatest - least);
+      check_range(s, greatest, "maximum", greatest - least);
+      check_range(s, least, "minimum", greatest - least);
     }
   }
 
@@ -364,9 +365,9 @@ class TraceTable {
     const double per_turn = 1.0 / median_of(steps_of(trace_.turn));
     if (longest <= kEqualByChance || static_cast<double>(longest) < kMargin * crest * per_turn) return;
     refuse(first_row_ + end + 1 - longest, kSpindleColumns[sensor],
-           fmt::format("{}: {} readings in a row are {:g}, the {} of all: the sensor is beyond its range, or its "
+           fmt::format("{}: {} consecutive readings equal the {}, {:g} um: the sensor is beyond its range, or its "
                        "resolution is too coarse. Centre the ball or choose a larger range",
-                       kSpindleColumns[sensor], longest, extreme, which));
+                       kSpindleColumns[sensor], longest, which, extreme));
   }
 
   const CsvTable& table_;

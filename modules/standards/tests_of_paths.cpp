@@ -32,7 +32,8 @@ struct CircleRequest {
 };
 
 Cell centre_cell(const std::array<double, 2>& centre_um) {
-  return {{centre_um[0], centre_um[1]}, fmt::format("({:.2f}, {:.2f})", centre_um[0], centre_um[1])};
+  return {{centre_um[0], centre_um[1]},
+          fmt::format("({}, {})", number_cell(centre_um[0], 2).text, number_cell(centre_um[1], 2).text)};
 }
 
 Cell pass_cell(const laser::CirclePass& pass) {
@@ -110,7 +111,8 @@ Cell diagnosis_cell(const model::CircleDiagnosis& diagnosis) {
                 "  share: of the sum of the mean squares of all causes and of the residual\n  {:>8} {:>8} {:>8}  {}\n",
                 "share", "rms [um]", "G [um]", "cause, with its size +- standard uncertainty (k = 1)");
   return record_cell(
-      "causes: deviations {rms_um} um rms about the centre, noise {noise_um} um{from}, residual {left_um} um "
+      "causes: deviations {rms_um} um rms, each pass about its own centre; noise {noise_um} um{from}, residual "
+      "{left_um} um "
       "rms\n{faults}{notes}",
       "rms_um"_is(diagnosis.rms_um, 3), "noise_um"_is(diagnosis.noise_um, 3),
       "noise_from_repeats"_is(diagnosis.noise_from_repeats),

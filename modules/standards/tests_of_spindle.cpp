@@ -76,23 +76,36 @@ Cell motion_cell(const laser::SpindleMotion& motion) {
       "of_sensor"_is(motion.of_sensor ? noise_cell(*motion.of_sensor) : null_cell()));
 }
 
+/// What noise with the rms of the asynchronous motion would give, and what follows for the measured values.
+std::string noise_words(const laser::SpindleMotion& motion, std::size_t turns) {
+  constexpr double kLikeNoise = 0.2;    // the range of noise in few turns scatters about its mean; a choice
+  constexpr double kBeyondNoise = 1.5;  // likewise
+  const std::string_view unit = unit_of(motion);
+  const double by_noise = motion.if_noise.asynchronous;
+  const bool random = std::abs(motion.asynchronous - by_noise) <= kLikeNoise * by_noise;
+  const bool beyond = motion.synchronous > kBeyondNoise * motion.if_noise.synchronous;
+  return fmt::format(
+      "    Random noise with the rms of the asynchronous motion, {1:.3f} {0}, would give in {2} turns:\n"
+      "    {3:.3f} {0} asynchronous: the measured {4:.3f} {0} {5}\n"
+      "    {6:.3f} {0} synchronous: the measured {7:.3f} {0} {8}\n",
+      unit, motion.asynchronous_rms, turns, by_noise, motion.asynchronous,
+      random ? "cannot be distinguished from noise" : "is not random noise alone", motion.if_noise.synchronous,
+      motion.synchronous, beyond ? "exceeds noise" : "cannot be distinguished from noise");
+}
+
 /// What does not fit into the row of a motion.
 std::string further_words(const laser::SpindleTest& test) {
-  std::string text = "once per turn, and the share of noise\n";
+  std::string text = "once per turn, and comparison with noise\n";
   for (const laser::SpindleMotion& motion : test.motions) {
     const std::string_view unit = unit_of(motion);
     text += fmt::format("  {:<27} {}\n", motion.title, once_words(motion));
-    text += fmt::format(
-        "    the asynchronous value is {0:.3f} {1} if the drift is included. Random noise with the rms of the\n"
-        "    asynchronous motion, {2:.3f} {1}, would alone give {3:.3f} {1} asynchronous and {4:.3f} {1} synchronous "
-        "in "
-        "{5} turns:\n"
-        "    compare these two with the columns asynchronous and synchronous of the table\n",
-        motion.asynchronous_drift, unit, motion.asynchronous_rms, motion.if_noise.asynchronous,
-        motion.if_noise.synchronous, test.turns);
+    const std::string drifting = fmt::format("{:.3f}", motion.asynchronous_drift);
+    if (drifting != fmt::format("{:.3f}", motion.asynchronous))
+      text += fmt::format("    with the drift included, the asynchronous value is {} {}\n", drifting, unit);
+    text += noise_words(motion, test.turns);
     if (motion.of_sensor)
       text += fmt::format(
-          "    noise of the sensor alone, {0:.3f} {1} rms, gives {2:.3f} {1} asynchronous and {3:.3f} {1} "
+          "    Noise of the sensor alone, {0:.3f} {1} rms, gives {2:.3f} {1} asynchronous and {3:.3f} {1} "
           "synchronous\n",
           motion.of_sensor->rms, unit, motion.of_sensor->asynchronous, motion.of_sensor->synchronous);
   }
@@ -220,8 +233,8 @@ Result<Outcome> spindle(VerbContext&, const SpindleRequest& request) {
     for (const std::string& note : reversed.notes) notes.push_back(fmt::format("{}: {}", request.reversed, note));
   } else if (std::ranges::any_of(test.motions, &laser::SpindleMotion::is_radial)) {
     notes.emplace_back(
-        "The form of the ball is part of the radial synchronous motions. Record it again with ball and sensor turned "
-        "by 180 degrees, and give that file as --reversed.");
+        "The form of the ball is part of the radial synchronous motions. To separate them, make a second recording "
+        "with ball and sensor turned by 180 degrees, and give that file as --reversed.");
   }
   for (std::string& cause : causes_of(test)) notes.push_back(std::move(cause));
   if (!request.plot.empty()) ECS_DO(write_plot(request.plot, spindle_figure(test)));
@@ -229,9 +242,9 @@ Result<Outcome> spindle(VerbContext&, const SpindleRequest& request) {
   const std::string heading = fmt::format("  {:<32} {:>8} {:>8} {:>8} {:>8} {:>7} {:>8}\n", "error motion", "total",
                                           "synchr.", "(MRS)", "asynchr.", "at deg", "drift");
   return outcome_of(record_cell(
-      "{file}: {turns} turns at {readings_per_turn} angles, {way} angle{speed}. Drift is removed.\n"
-      "Radial values refer to the least-squares centre (LSC), in the column MRS to the centre of\n"
-      "minimum radial separation; axial values refer to the mean\n"
+      "{file}: {turns} turns at {readings_per_turn} angles in {way} order{speed}. Drift is removed.\n"
+      "Radial values refer to the least-squares centre (LSC). Those in the column MRS refer to the\n"
+      "centre of minimum radial separation. Axial values refer to the mean.\n"
       "{motions}{further}{separated}{notes}{output}{plot}",
       "file"_is(request.file), "turns"_is(test.turns), "readings_per_turn"_is(test.angles), "falling"_is(test.falling),
       "way"_shown(test.falling ? "falling" : "rising"), "speed_rpm"_is(test.speed_rpm),

@@ -195,7 +195,7 @@ struct WarmUpRequest {
   static Fields<WarmUpRequest> fields() {
     using R = WarmUpRequest;
     return {{"FILE", &R::file, "file of readings at both ends of a moving axis (time_s)", Need::required},
-            {"--window", &R::window_h, "length of the first and the last part to compare [h]", Range{1e-3, 1e3}},
+            {"--window", &R::window_h, "time at the start and at the end of the test to compare [h]", Range{1e-3, 1e3}},
             {"--plot", &R::plot, "plot of every curve over time: OUT.svg or OUT.png", Is::output},
             &R::import};
   }

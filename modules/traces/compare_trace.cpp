@@ -111,15 +111,15 @@ std::string group_text(const DriveCandidate& candidate, const model::DriveParame
   return text;
 }
 
-/// "at most 0.994 V if it is Kw, 9.93 V if it is K", for the members that this signal tells from the first.
+/// "its peak is 0.994 V if Kw is wrong, 9.93 V if K is wrong", for the members that this signal tells from the first.
 std::string separation_by(const model::SignalDifference& difference, DriveConstant first) {
   const auto& info = model::info_of(difference.signal);
   std::vector<std::string> others;
   for (const model::MemberDifference& m : difference.members)
     if (m.relative >= model::kClearDifference)
-      others.push_back(fmt::format("{} {} if it is {}", few_digits(m.peak), info.unit, name_of(m.member)));
+      others.push_back(fmt::format("{} {} if {} is wrong", few_digits(m.peak), info.unit, name_of(m.member)));
   if (others.empty()) return "";
-  return paragraph(fmt::format("To distinguish {}, record {} ({}): at most {} {} if it is {}, {}.",
+  return paragraph(fmt::format("To distinguish {}, record {} ({}): its peak is {} {} if {} is wrong, {}.",
                                others.size() == difference.members.size() ? "them" : "some of them", info.name,
                                info.words, few_digits(difference.peak), info.unit, name_of(first),
                                fmt::join(others, ", ")));
@@ -231,8 +231,11 @@ Cell drive_diagnosis_cell(const DriveDiagnosis& d, const model::DriveTrace& trac
       "candidates"_is(drive_candidates_cell(d, given)),
       "says_nothing_about"_is(
           names_json(d.silent),
-          d.silent.empty() ? ""
-                           : paragraph(fmt::format("The recording gives no information about {}.", names(d.silent)))),
+          d.silent.empty()
+              ? ""
+              : paragraph(fmt::format("With {}, the recording hardly depends on {}: it cannot confirm these values.",
+                                      d.candidates.empty() ? "the constants as given" : "the corrected constants",
+                                      names(d.silent)))),
       "notes"_is(d.notes, d.notes.empty() ? "" : "\n" + notes_text(d.notes)));
   return {
       object_of(fields),

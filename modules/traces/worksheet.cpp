@@ -117,8 +117,8 @@ class WorksheetReader {
     if (efficiency_ > 1.0) reader_.complain(*table->get("efficiency"), "screw.efficiency: expected at most 1");
     if (!pitch_mm) return;
     pitch_mm_ = *pitch_mm;
-    constant(pitch, "pitch / gear", fmt::format("{:g} mm / {:g}", pitch_mm_, gear_), pitch_mm_ / gear_);
-    constant(Ks, "pitch / (2 pi gear)", fmt::format("{:g} mm / ({:.6f} * {:g})", pitch_mm_, kTurn, gear_),
+    constant(pitch, "screw pitch / gear", fmt::format("{:g} mm / {:g}", pitch_mm_, gear_), pitch_mm_ / gear_);
+    constant(Ks, "screw pitch / (2 pi gear)", fmt::format("{:g} mm / ({:.6f} * {:g})", pitch_mm_, kTurn, gear_),
              pitch_mm_ / (kTurn * gear_));
   }
 
@@ -133,7 +133,7 @@ class WorksheetReader {
   /// Speed of the motor at a feed [rad/s].
   double speed_at(double feed_mm_min, const std::string& symbol) {
     const double speed = kTurn * gear_ * feed_mm_min / (kSecondsPerMinute * pitch_mm_);
-    step(symbol, "2 pi gear feed / (60 pitch)",
+    step(symbol, "2 pi gear feed / (60 screw pitch)",
          fmt::format("{:.6f} * {:g} * {:g} mm/min / (60 * {:g} mm)", kTurn, gear_, feed_mm_min, pitch_mm_), speed,
          "rad/s", "speed of the motor");
     return speed;
@@ -214,7 +214,7 @@ class WorksheetReader {
          readings.size() < 2 ? std::string("one reading")
                              : fmt::format("standard uncertainty {:.3g} N", std::sqrt(squares / (n - 1.0) / n)));
     constant(
-        T1, "F pitch / (2 pi gear efficiency)",
+        T1, "F screw pitch / (2 pi gear efficiency)",
         fmt::format("{:.6g} N * {:g} m / ({:.6f} * {:g} * {:g})", mean, pitch_mm_ / kMmPerM, kTurn, gear_, efficiency_),
         mean * pitch_mm_ / kMmPerM / (kTurn * gear_ * efficiency_));
   }
@@ -245,7 +245,7 @@ class WorksheetReader {
     if (mass <= 0.0 || pitch_mm_ <= 0.0) return 0.0;
     const double pitch_m = pitch_mm_ / kMmPerM;
     const double inertia = mass * pitch_m * pitch_m / (efficiency_ * kTurn * kTurn * gear_ * gear_);
-    step("Js", "sliding mass pitch^2 / (efficiency 4 pi^2 gear^2)",
+    step("Js", "sliding mass screw pitch^2 / (efficiency 4 pi^2 gear^2)",
          fmt::format("{:.6g} kg * ({:g} m)^2 / ({:g} * {:.4f} * {:g}^2)", mass, pitch_m, efficiency_, kTurn * kTurn,
                      gear_),
          inertia, "kg m2", "the sliding mass, at the motor");
@@ -324,7 +324,8 @@ class WorksheetReader {
     if (times < 1.5) return fmt::format("{:.2g} % {}", 100.0 * std::abs(ratio - 1.0), way);
     const double decades = std::log10(times);
     const bool decimal_point = std::abs(decades - std::round(decades)) < std::log10(1.0 + kSameReading);
-    return fmt::format("{:.3g} times {}{}", times, way, decimal_point ? ": is the decimal point at its place?" : "");
+    return fmt::format("{:.3g} times {}{}", times, way,
+                       decimal_point ? ": is the decimal point in the right place?" : "");
   }
 
   /// At a constant speed the integral action holds K u = Kw w, so two voltages check each other.
@@ -387,7 +388,10 @@ std::string emulator_table(const Worksheet& sheet, const std::string& axis) {
   if (sheet.resolution_um) text += fmt::format("resolution_um = {:.9g}\n", *sheet.resolution_um);
   text += fmt::format("[emulator.axis.{}]\ndrive = \"servo\"\nfeedback = \"motor\"\n", axis);
   if (sheet.kv_per_s) text += fmt::format("kv_per_s = {:.9g}\n", *sheet.kv_per_s);
-  if (sheet.fastest_mm_min) text += fmt::format("rapid_mm_min = {:.9g}\n", *sheet.fastest_mm_min / kSpeedReserve);
+  if (sheet.fastest_mm_min)
+    text +=
+        fmt::format("rapid_mm_min = {0:.9g}  # {1:.6g} / {2:g}: in the emulator, 10 V give {2:g} times this speed\n",
+                    *sheet.fastest_mm_min / kSpeedReserve, *sheet.fastest_mm_min, kSpeedReserve);
   if (known(T1)) text += fmt::format("friction_Nm = {:.9g}\n", *known(T1));
   return text;
 }

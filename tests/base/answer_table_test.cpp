@@ -34,6 +34,11 @@ TEST_CASE("a record's JSON has the keys in the order of its fields, null for no 
         R"([{"axis":"X","error":1.234,"referenced":true},{"axis":"Y","error":null,"referenced":false}])");
 }
 
+TEST_CASE("a number that rounds to zero has no sign") {
+  CHECK(number_cell(-1e-17, 2).text == "0.00");
+  CHECK(number_cell(-0.0051, 2).text == "-0.01");
+}
+
 TEST_CASE("a number that is not finite is null in JSON") {
   CHECK(one_line(stop_cell("X", std::numeric_limits<double>::quiet_NaN(), false).json["error"]) == "null");
 }

@@ -224,6 +224,7 @@ TEST_CASE("a file without its closing line is remarked on, an axis without keys 
   CHECK(taken.size() == cut.defaulted.size());
   CHECK(std::find(taken.begin(), taken.end(),
                   "axis.X.output_scale_counts_per_um is not given: the default 10 counts/um is used") != taken.end());
+  CHECK(only(defaults_in_short(cut)).starts_with(fmt::format("{} parameters are not given", taken.size())));
   const auto whole = must(parse_parameters(parameters_toml(UnitParameters{}), "p.toml"));
   CHECK(check_file(whole).empty());
   CHECK(defaults_taken(whole).empty());

@@ -293,10 +293,11 @@ class StatusScreen final : public KeyedScreen {
                           [&control](const protocol::CommandResult& busy) { control.part = busy.per_mille / 1000.0; }));
       if (result.value == protocol::kUnused)
         return std::string("Every location of the axis memory stores the written value.");
-      return problem(ProblemKind::refused,
-                     "The memory test failed at 0x{:06X}: replace that axis memory "
-                     "module, then send parameters and map again.",
-                     result.value);
+      return problem(
+          ProblemKind::refused,
+          "The memory test failed at 0x{:06X}: replace the axis memory module that contains this address, then "
+          "send parameters and map again.",
+          result.value);
     });
   }
 

@@ -173,7 +173,7 @@ Cell uncertainty_cell(const laser::Iso230& iso, const laser::Iso230Conditions& c
   const auto uncertainty = laser::iso230_uncertainty_of(iso, conditions);
   if (!uncertainty) return null_cell("  no uncertainty: these options apply to lengths at two or more targets\n");
   Json parts = Json::array();
-  std::string text = "  uncertainty (k = 2)";
+  std::string text = "  uncertainty and its contributions (all k = 2)";
   AnswerFields fields = described("coverage_factor"_is(laser::kCoverage), "length_mm"_is(uncertainty->length_mm));
   const char* separator = ": ";
   std::string not_stated;
@@ -335,10 +335,12 @@ Cell wave_cell(const laser::TurnWave& wave, Sense sense) {
   return record_cell(
       "    {order} per turn ({period_deg:.4g} deg): amplitude {amplitude:.2f} +- {amplitude_sigma:.2g} {unit}{arcsec} "
       "(k = 1), "
-      "phase {phase_deg:.0f} deg{usual}\n",
+      "phase {phase_deg} deg{usual}\n",
       "order"_is(wave.order), "period_deg"_is(360.0 / wave.order), "amplitude"_is(wave.amplitude),
-      "amplitude_sigma"_is(wave.amplitude_sigma), "phase_deg"_is(wave.phase_deg), "p_value"_is(wave.p_value),
-      "unit"_shown(laser::unit_of(sense)), "usual"_shown(wave.order <= 2 ? kUsual[wave.order] : ""),
+      "amplitude_sigma"_is(wave.amplitude_sigma),
+      "phase_deg"_is(wave.phase_deg, fmt::format("{:.0f}", std::fmod(std::round(wave.phase_deg), 360.0))),
+      "p_value"_is(wave.p_value), "unit"_shown(laser::unit_of(sense)),
+      "usual"_shown(wave.order <= 2 ? kUsual[wave.order] : ""),
       "arcsec"_shown(is_rotation(sense) ? fmt::format(" ({:.2f} arcsec)", wave.amplitude / kUm_per_m_arcsec) : ""));
 }
 

@@ -258,7 +258,8 @@ void warn_about_header(VerbContext& context, const Built& b) {
   for (const auto& [name, value] :
        {std::pair{"customer", header.customer}, {"engineer", header.engineer}, {"date", header.date}})
     if (value.empty())
-      context.console.note(fmt::format("the header has no {0} (optional: --{0}, or a line of the recipe)", name));
+      context.console.note(fmt::format(
+          "the header has no {0} (optional: give --{0}, or {0} = \"...\" in a map recipe, docs/laser.md)", name));
 }
 
 Problem nothing_built(const Built& b) {

@@ -191,11 +191,15 @@ Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& 
                                  "Proposal 1 {} best for the time it takes (more than {:g} sigma are treated as {:g}).",
                                  next.rivals.size() > 1 ? "distinguishes these causes" : "shows this cause",
                                  model::kEnoughSigma, model::kEnoughSigma));
+  std::vector<std::string> notes = next.notes;  // in the text without those that the headline contains
+  std::erase_if(notes, [&](const std::string& note) {
+    return !note.empty() && diagnosis.headline.find(note.substr(1)) != std::string::npos;
+  });
   return record_cell("{verdict}{rivals}{proposals}{notes}",
                      "verdict"_is(name_of(diagnosis.verdict), paragraph(diagnosis.headline)),
                      "rivals"_is(next.rivals, rivals_text(next, diagnosis)), "proposals"_is(std::move(proposals)),
                      "program"_is(text_cell(request.program)), "targets"_is(text_cell(request.targets)),
-                     "notes"_is(next.notes, notes_text(next.notes)));
+                     "notes"_is(next.notes, notes_text(notes)));
 }
 
 /// Part program and target list of the chosen proposal; says what was written.

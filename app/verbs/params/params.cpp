@@ -119,7 +119,7 @@ void add_identity_change(Cell& changed, const char* key, const std::string& from
 Result<Outcome> set_values(VerbContext& context, const SetRequest& request) {
   ECS_TRY(file, request.accept_incomplete ? params::read_parameters(request.file)
                                           : params::read_whole_parameters(request.file));
-  for (const std::string& taken : params::defaults_taken(file)) context.console.warn(taken);
+  for (const std::string& taken : params::defaults_in_short(file)) context.console.warn(taken);
   ECS_TRY(assignments, assignments_of(request.words));
   const UnitParameters before = file.parameters;
   const params::Identity owner_before = file.identity;
@@ -421,7 +421,7 @@ Result<Outcome> send(VerbContext& context, const SendRequest& request) {
   ECS_TRY(file, params::read_parameters(request.file));
   const Incomplete incomplete = request.accept_incomplete ? Incomplete::accept : Incomplete::refuse;
   if (auto objections = objections_to(file, request.file, incomplete)) return tl::unexpected(std::move(*objections));
-  for (const std::string& taken : params::defaults_taken(file)) context.console.warn(taken);
+  for (const std::string& taken : params::defaults_in_short(file)) context.console.warn(taken);
   ECS_TRY(unit, open_unit(context));
   ECS_TRY(identity, unit.client().identity());
   const params::Identity owner = request.other_machine ? params::Identity() : file.identity;

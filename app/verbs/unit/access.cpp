@@ -34,7 +34,7 @@ Result<Outcome> arm(VerbContext& context, const ArmRequest& request) {
 Result<Outcome> disarm(VerbContext& context, const cli::Nothing&) {
   ECS_TRY(unit, open_unit(context));
   ECS_DO(unit.client().disarm());
-  return Outcome{"write access withdrawn: this host can only read, and switch the unit to integration mode",
+  return Outcome{"write access withdrawn: this host can now only read from the unit, or put it into integration mode",
                  one_line(object_of("armed"_is(false))), kDone};
 }
 

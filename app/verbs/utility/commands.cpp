@@ -126,7 +126,8 @@ Result<Outcome> ram_test(VerbContext& context, const cli::Nothing&) {
   const bool passed = result.value == protocol::kUnused;
   const std::string address = passed ? std::string() : hex_address(result.value);
   return outcome_of(
-      record_cell(passed ? "RAM test passed" : "RAM test failed at {address}: replace that axis memory module",
+      record_cell(passed ? "RAM test passed"
+                         : "RAM test failed at {address}: replace the axis memory module that contains this address",
                   "passed"_is(passed), "address"_is(text_cell(address))),
       passed ? kDone : kDoesNotHold);
 }

@@ -34,7 +34,8 @@ struct MonitorRequest {
     return {{"--count", &R::count, "number of samples to show; 0: until stopped", Range{0, 100'000'000}},
             {"--interval", &R::interval_ms, "time between samples [ms]", Range{1, 3'600'000}},
             {"--environment", &R::environment,
-             "thermometer for air and material temperature: temper, or DEVICE.toml[@SERIAL]"},
+             "thermometer for air and material temperature: temper (a USB thermometer TEMPer), or a device file "
+             "DEVICE.toml[@SERIAL]"},
             {"--record", &R::record,
              "CSV file to write, one row per axis and sample; FILE.part until complete, also kept after a crash",
              Is::output}};

@@ -67,6 +67,9 @@ TEST_CASE("a reading has its time, its surroundings and the target that was due"
   CHECK(target_mm(*r.due()) == 50.0);
   CHECK(r.place().number == 2);
   CHECK(r.place().of == 3);
+  for (int k = 1; k < 3; ++k) CHECK(r.offer(k, 10.0 * k, {}).taken);
+  CHECK(target_mm(*r.due()) == 100.0);  // the first target on the way back keeps its number
+  CHECK(r.place().number == 3);
 }
 
 TEST_CASE("a trigger too soon after the last one is a doubled one") {

@@ -15,6 +15,16 @@ ExportSource linuxcnc_example() {
 
 LinuxCncReadOptions as(int type, Axis axis = Axis::X) { return {axis, type, MachineUnits::mm, false}; }
 
+TEST_CASE("the axis is a letter of its own at the end of the name") {
+  ReadRequest request;
+  for (const char* name : {"y.comp", "mill_y.comp", "millY.comp"}) {
+    request.file_name = name;
+    CHECK(must(axis_of_file(request)) == Axis::Y);
+  }
+  request.file_name = "proxy.comp";
+  CHECK(contains(must_fail(axis_of_file(request)).message, "a name that ends in an axis letter of its own"));
+}
+
 TEST_CASE("type 1 holds what is added, in mm: nominal, forward trim, reverse trim") {
   const auto made = must(linuxcnc_export(linuxcnc_example(), {}));
   CHECK(file_named(made, "x.comp").content ==

@@ -341,9 +341,9 @@ std::string hidden_text(const HiddenTruth& truth) {
   std::string text = paragraph(said.starts_with("Hidden: ") ? said : "Hidden: " + said, 0, 2);
   for (const HiddenEffect& effect : truth.effects)
     text += fmt::format(
-        "  {}: rms {:.3f} um in the readings; the residual of the starting model is {:.1f} times the noise of {:.3f} "
-        "um\n",
-        effect.name, effect.rms_um, effect.snr, truth.noise_um);
+        "  {} adds {:.3f} um rms to the readings. The starting model cannot absorb {:.3f} um rms of it,\n"
+        "  {:.1f} times the noise of {:.3f} um\n",
+        effect.name, effect.rms_um, effect.snr * truth.noise_um, effect.snr, truth.noise_um);
   if (!truth.group.empty())
     text += paragraph(fmt::format("these data cannot distinguish: {}", fmt::join(truth.group, ", ")), 2, 4);
   if (!truth.variables.empty())

@@ -280,7 +280,7 @@ TEST_CASE("the report gives the fault of the unit and whether its map is this on
   REQUIRE(write_snapshot(c.folder / "status.json", unit_with(number)));
   const Ran r = c.report();
   CHECK(r.code == 0);
-  CHECK(contains(r.out, "replace that axis memory module"));
+  CHECK(contains(r.out, "replace the axis memory module that contains"));
   CHECK(contains(c.html(), "The unit contains this map with these parameters"));
   REQUIRE(write_snapshot(c.folder / "status.json", unit_with(number ^ 1U)));
   REQUIRE(c.report().code == 0);

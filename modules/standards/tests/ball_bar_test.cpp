@@ -165,7 +165,8 @@ TEST_CASE("the axes of a plane may come in either order, another plane is refuse
   CHECK(cause_named(compared, "squareness:ZX").ours == 5.0);
   const auto other = result_of(kSquare, "YZ");
   CHECK(to_text(must_fail(compared_with(work, other))) ==
-        "b.b5r: the ball bar test is of the plane YZ, the trace circle.csv of XZ: give the result of the same circle");
+        "b.b5r: the ball bar test is in the plane YZ, but circle.csv in the plane XZ: give a ball bar test of the same "
+        "circle");
 }
 
 TEST_CASE("dates that differ are named, dates in another order are not interpreted") {

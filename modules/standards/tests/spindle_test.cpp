@@ -395,7 +395,7 @@ TEST_CASE("a stated speed is corrected by the once-per-turn motion") {
   for (const double stated_rpm : {3000.0, 3010.0, 2950.0}) {
     const SpindleTrace trace = spindle_read(file(stated_rpm));
     CHECK(*trace.speed_rpm == Approx(3000.0).epsilon(1e-5));
-    CHECK(contains(trace.notes.front(), "rpm by the once-per-turn motion of x_um, stated"));
+    CHECK(contains(trace.notes.front(), "Speed from the once-per-turn motion of x_um: "));
     CHECK(spindle_test_of(trace).motions.front().waves[0].amplitude == Approx(0.8).epsilon(0.005));
   }
   CHECK(contains(spindle_refusal(file(3100.0)), "s.csv: speed_rpm: the once-per-turn motion of x_um fits 3"));
@@ -446,7 +446,7 @@ TEST_CASE("a sensor that does not change or is beyond its range is refused; a co
   CHECK(contains(spindle_refusal(file([](double) { return 5.0; })), "s.csv:2:"));
   CHECK(contains(spindle_refusal(file([](double) { return 5.0; })), "x_um: all readings are 5. Check the sensor"));
   const std::string clipped = spindle_refusal(file([](double x) { return std::min(x, 40.0); }));
-  CHECK(contains(clipped, "readings in a row are 40, the greatest of all: the sensor is beyond its range"));
+  CHECK(contains(clipped, "consecutive readings equal the maximum, 40 um: the sensor is beyond its range"));
   CHECK(contains(spindle_refusal(file([](double x) { return std::max(x, 22.0); })), "the least of all"));
   CHECK(spindle_read(file([](double x) { return std::round(x); })).of(SpindleSensor::x).size() == 2400);
 }

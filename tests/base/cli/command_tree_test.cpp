@@ -72,6 +72,7 @@ TEST_CASE("help says what a verb takes, with its example") {
   const Request help = tool.asked({"run", "--help"});
   CHECK(help.kind == Request::Kind::help);
   check_holds(help.text, {"Usage: tool run", "--mode slow|fast", "--count INTEGER=1", "Example:\n  tool run --feed 5"});
+  CHECK(contains(tool.asked({"shop", "measure", "--help"}).text, "Usage: tool shop SOCKET measure"));
   CHECK(tool.asked({"--version"}).kind == Request::Kind::version);
 }
 

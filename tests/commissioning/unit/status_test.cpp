@@ -140,7 +140,7 @@ TEST_CASE("an axis without reference has a counted position, and an approach tha
 
 TEST_CASE("the words say what to do next") {
   const std::string text = status_cell(faulty_unit()).text;
-  check_holds(text, {"replace that axis memory module", "0x100ABC", "raise the approach speed"});
+  check_holds(text, {"replace the axis memory module that contains", "0x100ABC", "raise the approach speed"});
 }
 
 TEST_CASE("the registers count, not the words beside them") {

@@ -124,6 +124,8 @@ TEST_CASE("a run written with decimals is the whole number that it is") {
 TEST_CASE("what a circle lacks is said in words") {
   CHECK(contains(circle_refusal(kHead + rows(0, 360, "ccw") + rows(0, 300, "cw")),
                  "cw, run 1: the circle is open: no reading between 290 and 0 degrees, a gap of 70 degrees"));
+  CHECK(contains(circle_refusal(kHead + rows(0, 360, "ccw") + rows(0, 1, "cw")),
+                 "cw, run 1: the circle has one reading"));
   CHECK(contains(circle_refusal("# radius_mm: 100\nangle_deg,deviation_um,direction\n" + rows(0, 360, "ccw")),
                  "expected `# plane: ` with two of the axes X, Y and Z, such as XY, found nothing"));
   CHECK(contains(circle_refusal("# plane: XX\nangle_deg,deviation_um,direction\n" + rows(0, 360, "ccw")),

@@ -158,7 +158,7 @@ TEST_CASE("a proposal says what it tells, how surely and how long it takes, then
     CAPTURE(one.tells);
     CAPTURE(one.sentence);
     CHECK(contains(one.tells, " sigma, "));
-    CHECK(contains(one.tells, std::to_string(std::lround(one.minutes)) + " min with set-up"));
+    CHECK(contains(one.tells, std::to_string(std::lround(one.minutes)) + " min including set-up"));
     CHECK(one.sentence.starts_with("Measure X positions "));
     CHECK(contains(one.sentence, "off equal steps"));
     for (std::size_t i = 1; i + 1 < one.targets_mm.size(); ++i)
