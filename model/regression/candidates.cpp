@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -164,12 +165,23 @@ bool needs_line(const EffectInstance& effect) {
   return traits.of_optics() || (traits.is_curve && traits.of_approach) ||
          (traits.is_smooth && !traits.is_curve && !traits.of_condition);
 }
-bool seen_by_line(const Observations& all, const EffectInstance& effect) {
-  if (!needs_line(effect)) return true;
+bool seen_by_line(const Observations& all, const EffectInstance& effect, bool few_lengths) {
+  if (!needs_line(effect) && !(few_lengths && effect.traits().shape_of_position)) return true;
   for (std::size_t k = 0; k < all.size(); ++k)
     if (!all.on_path(k) && all.sense[k] == effect.sense && all.axis[k] == effect.axis && all.approach[k] != 0)
       return true;
   return false;
+}
+
+/// A few lengths, such as those of gauge blocks: each has a calibration error of its own, so that they show no shape.
+bool are_few_lengths(const Observations& all) {
+  constexpr std::size_t kFewLengths = 12;  // as of targets with values of their own (search_screen.cpp)
+  std::map<Channel, std::set<double>> ends;
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (all.on_path(k)) ends[all.channel(k)].insert(all.along_of(k));
+  std::size_t lengths = 0;
+  for (const auto& each : ends) lengths += std::max<std::size_t>(each.second.size(), 2) - 1;
+  return lengths <= kFewLengths;
 }
 
 /// Error motions of the rotary axes that moved, in all six senses: they reach readings of a ball through the chain.
@@ -324,7 +336,8 @@ std::vector<EffectInstance> candidate_instances(const Observations& all) {
   // a circle and a diagonal show a slope across as squareness, which is the commoner cause (where lines are measured
   // across, their straight edge has a slope of its own), and a jump at an end of the travel as what a reversal does
   if (!all.paths.empty()) {
-    std::erase_if(out, [&](const EffectInstance& one) { return !seen_by_line(all, one); });
+    const bool few = are_few_lengths(all);
+    std::erase_if(out, [&](const EffectInstance& one) { return !seen_by_line(all, one, few); });
     const auto reverses = [](const EffectInstance& one) { return one.traits().of_approach; };
     const auto leans = [](const EffectInstance& one) { return one.definition().place == Place::squareness; };
     std::ranges::stable_partition(out, reverses);
