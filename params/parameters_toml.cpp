@@ -267,7 +267,7 @@ Keys are paths in the TOML file and the names for `ecs params set`. Keys of an a
 This page is generated from the program.
 
 A file may begin with `[identity]`: `machine` and `serial_number`, texts that identify the machine and unit.
-Missing keys have their default; `params check`, `params send` and `map send` list them. The last line is
+Missing keys have their default; `params check` lists them. `params set`, `params send` and `map send` list up to five, otherwise only their number. The last line is
 `# end of parameters`: without it, or without any key of a present axis, the end of the file may be missing, and it is not sent. Squareness
 is given as *error*; maps contain compensation.
 

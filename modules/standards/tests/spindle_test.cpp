@@ -447,7 +447,7 @@ TEST_CASE("a sensor that does not change or is beyond its range is refused; a co
   CHECK(contains(spindle_refusal(file([](double) { return 5.0; })), "x_um: all readings are 5. Check the sensor"));
   const std::string clipped = spindle_refusal(file([](double x) { return std::min(x, 40.0); }));
   CHECK(contains(clipped, "consecutive readings equal the maximum, 40 um: the sensor is beyond its range"));
-  CHECK(contains(spindle_refusal(file([](double x) { return std::max(x, 22.0); })), "the least of all"));
+  CHECK(contains(spindle_refusal(file([](double x) { return std::max(x, 22.0); })), "readings equal the minimum"));
   CHECK(spindle_read(file([](double x) { return std::round(x); })).of(SpindleSensor::x).size() == 2400);
 }
 
