@@ -316,10 +316,14 @@ void check_approach_direction(const DatumParameters& d, Axis axis, const Machine
                     part < 0.5 ? "lower" : "upper", shortest(on.datum_mm)));
 }
 
+std::string_view word_of(Transducer transducer) { return transducer == Transducer::resolver ? "resolver" : "encoder"; }
+
 void check_transducer(const AxisParameters& a, Axis axis, const MachineAxis& on, Findings& findings) {
   if (a.transducer != on.transducer)
     findings.error({key_of(axis, "transducer")},
-                   "differs from the machine file: the axis module would not fit the signals; correct the wrong file");
+                   fmt::format("\"{}\", but the machine file states \"{}\": the axis module would not fit the "
+                               "signals; correct the wrong file",
+                               word_of(a.transducer), word_of(on.transducer)));
   if (std::abs(a.position_scale_um_per_count) != on.resolution_um)
     findings.warning({key_of(axis, "position_scale_um_per_count")},
                      fmt::format("{} um/count, but the machine file states {} um: positions would have the wrong "
@@ -356,9 +360,10 @@ void check_against(const UnitParameters& p, const Machine& machine, Findings& fi
     const auto& on = machine.axes[index_of(axis)];
     const bool present = p.axis_present[index_of(axis)];
     if (present != on.has_value())
-      findings.error({"configuration.axes"},
-                     fmt::format("axis {} is {} here, but the machine file {}: correct the wrong file", letter_of(axis),
-                                 present ? "present" : "absent", on ? "has it" : "has none"));
+      findings.error(
+          {"configuration.axes"},
+          fmt::format("axis {0} is {1} here, but the machine file has {2} [axis.{0}]: correct the wrong file",
+                      letter_of(axis), present ? "present" : "absent", on ? "a table" : "no table"));
     if (!present || !on) continue;
     check_transducer(p.axes[index_of(axis)], axis, *on, findings);
     check_null_offset(p.axes[index_of(axis)].datum, axis, *on, findings);

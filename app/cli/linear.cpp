@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/outcome.hpp"
 #include "base/text.hpp"
 
 namespace ecs::app {
@@ -73,7 +74,7 @@ class LineDialogue {
   static std::string question_for(const ShownArgument& argument) {
     std::string question = fmt::format("{}, {}", argument.names.back(), argument.help);
     if (!argument.choices.empty()) question += fmt::format(" ({})", fmt::join(argument.choices, ", "));
-    if (argument.many) question += ", several separated by spaces";
+    if (argument.many) question += " (several: separate them by spaces)";
     if (argument.flag) question += " (y for yes)";
     if (!argument.required)
       question += argument.preset.empty() ? " (Enter: omit)" : " (Enter: " + argument.preset + ")";
@@ -85,7 +86,7 @@ class LineDialogue {
     const auto given = answer(question_for(argument));
     if (!given) return false;
     if (given->empty()) {
-      if (argument.required) say("a value is required: back to the menu");
+      if (argument.required) say(fmt::format("{} needs a value: back to the menu", argument.names.back()));
       return !argument.required;
     }
     if (argument.flag) {
@@ -114,7 +115,8 @@ class LineDialogue {
         if (!asked_always(argument) && argument.names.back() != "--help" && !take(argument, words)) return;
     say(fmt::format("{} {}", program_.name, fmt::join(words, " ")));
     code_ = run_(words);
-    say(code_ == 0 ? "done" : fmt::format("ended with exit code {}", code_));
+    say(code_ == 0 ? "done"
+                   : fmt::format("{} (exit code {})", code_ == kDoesNotHold ? "negative result" : "not done", code_));
   }
 
   const ShownProgram& program_;

@@ -45,23 +45,25 @@ constexpr GlossaryRow kGlossary[] = {
      "corrected"},
     {"diagnosis|diagnose", "the search for effects that the model lacks, with evidence"},
     {"e-value",
-     "evidence from held-out readings: noise alone reaches 100 at most once in 100 cases; not valid where the zero of "
-     "the readings drifts slowly"},
+     "how many times more probable held-out readings are with the effect than without it, divided by the number of "
+     "candidates tried; noise alone reaches 100 at most once in 100 cases; not valid where the zero of the readings "
+     "drifts slowly"},
     {"held out|held-out", "readings that were not used for the fit and therefore test it"},
     {"integration mode|integration|integrating", "the unit accepts parameters, maps and commands; compensation is off"},
     {"lack of fit", "the means deviate from the model by more than the scatter of repeated readings allows (F test)"},
     {"likely",
-     "in at most 1 of 100 simulated data sets that contain noise only does some effect fit as well as this one fits "
-     "the readings; another cause is not excluded"},
+     "not proved, but improbable by chance: at most 1 in 100 simulated noise-only data sets is fitted as well by any "
+     "effect; it explains at least half of the part above noise that the proved effects do not explain; another cause "
+     "is not excluded"},
     {"machine file",
-     "description of the machine that is given with --machine: axes, travels, pitches, reference lines, inputs of the "
-     "unit"},
+     "description of the machine that is given with --machine: axes, travels, pitches, measurement lines (from which "
+     "lever arms are counted), inputs of the unit"},
     {"marker",
      "the index pulse of the transducer, once a revolution or at one place; together with the switch it defines the "
      "datum"},
     {"parked",
-     "at rest at this position while another axis was measured; the distance from the reference line of that axis is "
-     "the lever of its angular errors"},
+     "at rest at this position while another axis moves; the distance from the measurement line of the moving axis is "
+     "the lever arm of its angular errors"},
     {"pitch", "travel per turn of a screw, or distance between the lines of a scale: errors repeat with it"},
     {"proved",
      "shown by held-out readings with an e-value of at least 100 or, where these give no e-value, by comparison with "
@@ -69,7 +71,8 @@ constexpr GlossaryRow kGlossary[] = {
     {"referenced", "the axis has found its datum since power-up: its positions are true machine coordinates"},
     {"relay", "connects the unit's output to the drive's velocity command; open: the unit cannot act on the machine"},
     {"residual", "reading minus model: the part that the model does not explain"},
-    {"reversal error|reversal", "difference between the two approaches at the same target; backlash is one cause"},
+    {"reversal error|reversal",
+     "difference between the two approaches at the same target; lost motion (backlash) is the usual cause"},
     {"rms", "root mean square: an average size, for example of the residual"},
     {"rival|rivals", "an effect that these data cannot distinguish from the one named"},
     {"scope",

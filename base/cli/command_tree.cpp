@@ -260,6 +260,7 @@ std::string wrapped_help(const std::string& help) {
 
 CommandTree::CommandTree(const std::string& program, const Menu& root, std::vector<Menu> menus)
     : root_(std::make_unique<CLI::App>(root.help, program)), menus_(std::move(menus)) {
+  root_->get_formatter()->label("Positionals", "Arguments");  // of every verb, which has the same formatter
   add_arguments(*root_, root.arguments);
   root_->set_version_flag("--version", "");
   root_->require_subcommand(0, 1);

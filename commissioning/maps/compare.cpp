@@ -346,7 +346,7 @@ Cell change_cell(const MapChange& change) {
     const bool at_zero = curve.parked_mm == Vector3{};
     const std::string place = at_zero ? "" : "  at " + place_of_line(curve.component, curve.parked_mm);
     return record_cell(
-        "{component:<4} {unit:<4} {largest:>8} {at_mm:>9} {approach:<7} {rms:>8} {mean:>8} {slope_per_m:>8} "
+        "{component:<4} {unit:<4} {largest:>8} {at_mm:>9} {approach:<8} {rms:>8} {mean:>8} {slope_per_m:>8} "
         "{reversal:>8} {left_rms:>8}{parked}\n",
         "component"_is(name_of(curve.component)), "unit"_is(unit_of(curve.component)), "largest"_is(f.largest, 2),
         "at_mm"_is(f.at_mm, fmt::format("{:.6g}", f.at_mm)), "approach"_is(word_for(f.approach)), "rms"_is(f.rms, 2),
@@ -355,8 +355,8 @@ Cell change_cell(const MapChange& change) {
         "to_mm"_is(curve.position_mm.back()), "parked"_shown(place));
   };
   return list_cell(change.curves, row,
-                   fmt::format("{:<4} {:<4} {:>8} {:>9} {:<7} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "", "", "largest",
-                               "at [mm]", "", "rms", "mean", "slope/m", "reversal", "residual"));
+                   fmt::format("{:<4} {:<4} {:>8} {:>9} {:<8} {:>8} {:>8} {:>8} {:>8} {:>8}\n", "", "", "largest",
+                               "at [mm]", "approach", "rms", "mean", "slope/m", "reversal", "residual"));
 }
 
 Cell rotary_change_cell(const MapChange& change) {
@@ -368,7 +368,8 @@ Cell rotary_change_cell(const MapChange& change) {
                        "place"_shown(one.at_deg ? fmt::format(" {:>9.6g} {}", *one.at_deg, approach) : std::string()));
   };
   if (change.rotary.empty()) return {Json::array(), {}};
-  return list_cell(change.rotary, row, fmt::format("{:<9} {:>8} {:>9}\n", "rotary", "largest", "at [deg]"));
+  return list_cell(change.rotary, row,
+                   fmt::format("{:<9} {:>8} {:>9} {}\n", "rotary", "largest", "at [deg]", "approach"));
 }
 
 bool is_without_change(const MapChange& change) {

@@ -149,7 +149,7 @@ Cell table_cell(const std::vector<LineSummary>& lines, std::size_t most) {
     if (table.json.size() >= most) row.text.clear();
     table.add(row);
   }
-  if (lines.size() > most) table.text += fmt::format("and {} more measurement lines\n", lines.size() - most);
+  if (lines.size() > most) table.text += fmt::format("and {} more measured lines\n", lines.size() - most);
   return table;
 }
 
@@ -165,9 +165,22 @@ Cell metadata_cell(const laser::MeasurementSet& set) {
 
 }  // namespace
 
+namespace {
+
+/// "EX along X", "EX over C", "angular positions of C".
+std::string measured_words(const laser::Group& group) {
+  const char letter = laser::letter_of(group.axis, group.rotary);
+  if (!group.rotary) return fmt::format("{} along {}", name_of(group.sense), letter);
+  if (is_rotation(group.sense) && direction_of(group.sense) == group.axis)
+    return fmt::format("angular positions of {}", letter);
+  return fmt::format("{} over {}", name_of(group.sense), letter);
+}
+
+}  // namespace
+
 AnswerFields measured_line_fields(const laser::Group& group) {
   return described("axis"_is(std::string(1, laser::letter_of(group.axis, group.rotary))),
-                   "sense"_is(name_of(group.sense)),
+                   "sense"_is(name_of(group.sense)), "measured"_shown(measured_words(group)),
                    "component"_is(laser::curve_name(group.sense, group.axis, group.rotary)),
                    "unit"_is(laser::unit_of(group.sense)), "parked_mm"_is(parked_cell(group)),
                    "compensated"_is(group.compensated ? Json(*group.compensated) : Json(nullptr),

@@ -221,8 +221,8 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
   using cli::Range, cli::Words;
   return {
       {"--axis", &A::axis,
-       "moving axis; overrides the axis stated in an instrument's file. Ignored for a measurement CSV, which states "
-       "the axis in every row",
+       "axis that moved in the measurement; overrides the axis stated in an instrument's file. Ignored for a "
+       "measurement CSV, which states the axis in every row",
        Words{"X", "Y", "Z", "A", "B", "C"}},
       {sense_option, &A::sense, "measured component, if the file does not state it",
        Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
@@ -262,7 +262,7 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
          "file with air data and temperatures over time: .pos, or a table with headings"},
         {"--environment-every", &A::environment_every_s,
          "interval between the rows of --environment, if that file has no time column [s]"}}
-          .under("Logs, and runs with readings at rest")};
+          .under("For readings recorded over time")};
 }
 
 namespace {

@@ -136,7 +136,8 @@ Result<MeasuredPhase> measured(const PlannedMeasurement& planned, const std::fil
                                bool compensated) {
   const std::filesystem::path file = folder / (planned.name + ".csv");
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) return unfit(file, "file missing: measure it, or remove it from the plan");
+  if (!std::filesystem::exists(file, error))
+    return unfit(file, fmt::format("file missing: measure {}, or remove it from the plan", planned.name));
   if (std::filesystem::is_other(file, error)) return unfit(file, "is not a plain file (a pipe or a device): not read");
   ECS_TRY(set, laser::read_measurement_set(file));
   ECS_TRY(group, line_for(planned, compensated, set, file));
@@ -253,7 +254,7 @@ Cell table_cell(const std::vector<TableRow>& rows) {
   table.text += fmt::format("\n{}:\n{}", laser::kBandDefinition, slopes_text(rows));
   table.text +=
       "A, E: accuracy and systematic deviation (ISO 230-2) after compensation (before,\nif only that was measured); x: "
-      "ratio of the bands; published: as the plan states it; !: more than published.\n";
+      "ratio of the bands; published: bands stated in the plan; 40.0->10.0: before -> after; !: more than published.\n";
   for (const TableRow& row : rows)
     for (const Problem& p : row.problems) table.text += fmt::format("{}: {}\n", row.planned.name, to_text(p));
   return table;

@@ -79,7 +79,8 @@ void take_region(const Json& entry, std::string_view& content, MemoryDump& dump)
     dump.damage.push_back(fmt::format("{}: the file is cut short: {} of {} bytes", region.name, piece.size(), *size));
   } else if (hexadecimal(text_at(entry, "crc32")) != crc32_of(region.bytes)) {
     region.intact = false;
-    dump.damage.push_back(fmt::format("{}: its bytes do not agree with their CRC-32", region.name));
+    dump.damage.push_back(
+        fmt::format("{}: the file was changed: these bytes do not agree with their CRC-32", region.name));
   }
   dump.regions.push_back(std::move(region));
 }

@@ -60,7 +60,7 @@ Cell worst_cell(const Comparison& c) {
   if (c.worst.empty()) return {Json::array(), ""};
   const std::string letters = c.rotary ? "a          b          c" : "x          y          z";
   Cell list{Json::array(),
-            fmt::format("\nworst places\n   row sense axis          {} dir  run   reading  residual\n", letters)};
+            fmt::format("\nlargest residuals\n   row sense axis          {} dir  run   reading  residual\n", letters)};
   for (const model::WorstPlace& w : c.worst) {
     AnswerFields fields = described("row"_is(w.row), "axis"_is(w.path.empty() ? axis_json(w.axis, c.rotary) : w.axes),
                                     "sense"_is(w.path.empty() ? std::string(name_of(w.sense)) : w.path));
@@ -385,17 +385,13 @@ Cell candidates_cell(const Diagnosis& d) {
   if (d.verdict == Verdict::adequate || d.verdict == Verdict::cannot_tell) return {std::move(list), closest_text(d)};
   const bool of_groups =
       std::ranges::any_of(d.candidates, [](const Candidate& one) { return one.in_answer() && one.set.size() > 1; });
-  return {
-      std::move(list),
-      titled_table(
-          fmt::format("{}{}", d.verdict == Verdict::missing_effect ? "missing effects" : "proved effects",
-                      of_groups
-                          ? " (where causes cannot be distinguished, the one that was fitted; each alone in this table)"
-                          : ""),
-          named) +
-          titled_table("likely effects, not proved", likely) + add_text(d) +
-          titled_table(named.empty() && likely.empty() ? "candidates, each alone" : "other candidates, each alone",
-                       rivals)};
+  return {std::move(list),
+          titled_table(fmt::format("proved effects, each alone{}",
+                                   of_groups ? "; of causes that cannot be distinguished, only the fitted one" : ""),
+                       named) +
+              titled_table("likely effects, not proved", likely) + add_text(d) +
+              titled_table(named.empty() && likely.empty() ? "candidates, each alone" : "other candidates, each alone",
+                           rivals)};
 }
 
 std::vector<ShapePoint> shape_of(const model::Dependence& one) {

@@ -90,7 +90,8 @@ Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test) {
   if (!test) return null_cell("too few repeats to judge");
   // A p that fails does not measure the misfit: a better model leaves less scatter between the runs, and p falls
   // further.
-  const std::string p = test->fails() ? "p < 0.0001" : fmt::format("p = {:.1g}", test->p);
+  const std::string p =
+      test->fails() ? "p < 0.0001" : fmt::format("p = {:.1g}{}", test->p, test->is_in_doubt() ? ", below 0.01" : "");
   return record_cell("{word} ({p})", "F"_is(test->F), "p"_is(test->p, p),
                      "word"_shown(test->fails()         ? "the model does not fit"
                                   : test->is_in_doubt() ? "it is doubtful whether the model fits"

@@ -224,7 +224,7 @@ std::string rows_text(const std::vector<int>& rows, std::size_t most) {
 
 Cell ladder_cell(const model::Model& model) {
   const std::vector<LadderStep>& history = model.history;
-  if (history.empty()) return {Json::array(), "no added effect is in the model; `ecs model add` adds one\n"};
+  if (history.empty()) return {Json::array(), "the model has no added effects; `ecs model add` adds one\n"};
   Cell ladder{Json::array(), fmt::format("{:>4}  {} {:>9} {:>9} {:>9} {:>9}\n", "step", padded("effect", 34),
                                          rms_heading(unit_of_model(model)), "peak", "noise", "held-out")};
   const LadderStep& first = history.front();

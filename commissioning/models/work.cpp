@@ -351,8 +351,9 @@ std::string usual_in_words(const model::Observations& data) {
   if (!data.through_chain.empty())
     return "the position of the ball, the location errors of the rotary axes that it shows, and their backlash where "
            "both approaches were measured";
-  return data.rotary ? "offset of each measured line, backlash where both approaches were measured"
-                     : "offset and slope of each measured line, backlash where both approaches were measured";
+  return data.rotary
+             ? "an offset for each error and axis measured, backlash where both approaches were measured"
+             : "an offset and a slope for each error and axis measured, backlash where both approaches were measured";
 }
 
 Problem in_file(Problem why, const std::string& file) {

@@ -449,18 +449,18 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
 Cell repair_cell(const RepairAnswer& answer) {
   const bool has_circle = answer.diameter_mm > 0.0;
   std::string head = fmt::format(
-      "Remaining error [um]. Each block treats one cause in three ways (left as it is, compensated, repaired), while "
-      "all "
-      "other causes are compensated as far as the unit can; in brackets the 95 % bound. {} readings, each with a noise "
-      "of {:.2f} um, {} positions of the volume in both approaches",
+      "The table lists the remaining error [um]. Each block is for one cause: left as it is, compensated, or repaired. "
+      "All other causes are compensated as far as the unit can. The 95 % bound is in brackets. Readings: {}, each with "
+      "a noise of {:.2f} um. Volume: {} positions, each in both approaches.",
       answer.readings, answer.noise_um, answer.places);
   if (has_circle)
-    head += fmt::format(", a circle of {:.0f} mm diameter in {} through the middle", answer.diameter_mm, answer.plane);
-  head += has_circle ? ". The volume and the circle contain only the causes of the model, not the residual"
-                     : ". The volume contains only the causes of the model, not the residual";
+    head += fmt::format(" Circle: in {} around the middle of the travels, diameter {:.0f} mm.", answer.plane,
+                        answer.diameter_mm);
+  head += has_circle ? " The volume and the circle contain only the causes of the model, not the residual."
+                     : " The volume contains only the causes of the model, not the residual.";
   return record_cell(
       "{head}\n                                left       compensated          repaired\n{causes}{notes}",
-      "head"_shown(paragraph(head + ".")), "readings"_is(answer.readings), "points"_is(answer.places),
+      "head"_shown(paragraph(head)), "readings"_is(answer.readings), "points"_is(answer.places),
       "noise_um"_is(answer.noise_um),
       "circle_diameter_mm"_is(has_circle ? number_or_null(answer.diameter_mm) : Json(nullptr)),
       "circle_plane"_is(has_circle ? Json(answer.plane) : Json(nullptr)),

@@ -51,7 +51,9 @@ Result<Outcome> write_all(const fs::path& folder, const std::vector<ProgramFile>
   ECS_DO(spared(names, force));
   disc::make_folders(folder);
   for (const ProgramFile& file : files) ECS_DO(write_file(folder / file.name, file.text));
-  return Outcome{fmt::format("{} programs in {}", files.size(), folder.string()), {}};
+  return Outcome{
+      fmt::format("{} program{} written to the folder {}", files.size(), files.size() == 1 ? "" : "s", folder.string()),
+      {}};
 }
 
 Result<Outcome> write_one(const ProgramRequest& arguments, const std::optional<fs::path>& machine) {

@@ -84,7 +84,8 @@ void note_runs(const Iso230& axis, std::vector<std::string>& notes) {
                                   low == 1 ? "" : "s", kRuns,
                                   !axis.rotary && span_mm(axis) > kLongAxis_mm ? " on axes up to 2000 mm" : ""));
     else if (low < kRuns)
-      notes.push_back(fmt::format("fewer than {} {} readings at some targets (as few as {})", kRuns, name, low));
+      notes.push_back(fmt::format("fewer than {} {} readings at {} (as few as {})", kRuns, name,
+                                  high < kRuns ? "every target" : "some targets", low));
     if (low != high)
       notes.push_back(fmt::format("the number of {} readings differs between targets: {} to {}", name, low, high));
     return true;
@@ -110,19 +111,18 @@ void note_left_out(const Iso230& axis, std::vector<std::string>& notes) {
   const bool only_single = std::ranges::none_of(
       axis.targets, [](const Iso230Target& target) { return target.s_forward || target.s_reverse; });
   if (single > 0)
-    notes.push_back(
-        fmt::format("{} of the targets, counted in each approach, {} a single reading, which gives no standard "
-                    "deviation{}",
-                    single, single == 1 ? "has" : "have",
-                    only_single ? ", so A, R and the 3 sigma band cannot be computed"
-                                : " and are not used for R, A and the 3 sigma band, so A can be smaller "
-                                  "than E"));
+    notes.push_back(fmt::format("{} of the targets{} {} a single reading, which gives no standard deviation{}", single,
+                                axis.E_forward && axis.E_reverse ? ", counted in each approach," : "",
+                                single == 1 ? "has" : "have",
+                                only_single ? ", so A, R and the 3 sigma band cannot be computed"
+                                            : " and are not used for R, A and the 3 sigma band, so A can be smaller "
+                                              "than E"));
   const auto one_sided = std::ranges::count_if(axis.targets, [](const Iso230Target& target) {
     return target.mean_forward.has_value() != target.mean_reverse.has_value();
   });
   if (axis.B && one_sided > 0)
-    notes.push_back(
-        fmt::format("targets with one approach only: {}. They are not used for B, M, R and P VDI", one_sided));
+    notes.push_back(fmt::format("targets with one approach only: {}. They are not used for B, M, R and P VDI{}",
+                                one_sided, axis.M ? "" : ". M needs two targets with both approaches"));
 }
 
 /// One sentence for each condition that is not met (clause 5: targets, runs, approaches) and for readings left out.

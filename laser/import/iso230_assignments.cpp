@@ -159,8 +159,8 @@ Result<MeasurementSet> read_assignments(std::string_view text, const std::string
     }
   }
   set.notes.push_back(
-      "FWD is read as forward and BWD as reverse, as in the file; some reports print FWD as backward: check the sign "
-      "of the reversal");
+      "FWD is read as forward and BWD as reverse. Some reports of such data use FWD for backward: if B has the wrong "
+      "sign, forward and reverse are exchanged");
   number_rows(set);
   return set;
 }

@@ -239,8 +239,8 @@ constexpr const char* kChapman =
     "step diagonals: the errors of the axes are not separated. A slightly misaligned beam or mirror moves error from "
     "one axis to another while the sum along the diagonal is unchanged (Chapman 2003); measure the axes one by one";
 constexpr const char* kSquarenessAlone =
-    "squareness from diagonals is valid only if every axis has the same scale error and no angular errors: other "
-    "errors give the same diagonals";
+    "squareness from diagonals is valid only if every axis has the same scale error and no angular errors: such "
+    "errors can give the same diagonals";
 
 /// Slope of the means over the position, with its standard error.
 void fit_growth(DiagonalValues& values) {

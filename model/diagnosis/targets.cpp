@@ -117,9 +117,9 @@ std::string reservation_for(const Observations& data, bool names_a_wave) {
           text.empty() ? "" : " ", data.letter(axis), *pitch_mm);
   for (const EvenTargets& one : even)
     if (const auto behind = undetected(data, one))
-      text += fmt::format("{}Periods shorter than {} {} along {} {}: the targets are equally spaced at {} {}{}.",
+      text += fmt::format("{}Periods shorter than {} {} {} {} {}: the targets are equally spaced at {} {}{}.",
                           text.empty() ? "" : " ", in_digits(2.0 * one.step_mm, kTargetDigits), data.position_unit(),
-                          data.letter(one.axis),
+                          data.rotary ? "about" : "along", data.letter(one.axis),
                           names_a_wave && !data.rotary ? "look like longer ones or do not show" : "cannot be detected",
                           in_digits(one.step_mm, kTargetDigits), data.position_unit(), *behind);
   return text;
@@ -131,11 +131,11 @@ std::optional<std::string> even_targets_note(const Observations& data) {
     std::vector<std::string_view> senses;
     for (const Sense sense : one.senses) senses.push_back(name_of(sense));
     note += fmt::format(
-        "{}targets are equally spaced at {} {} along {} ({}): periods shorter than {} {} cannot be distinguished "
+        "{}targets are equally spaced at {} {} {} {} ({}): periods shorter than {} {} cannot be distinguished "
         "from longer ones{}",
-        note.empty() ? "" : "; ", in_digits(one.step_mm, kTargetDigits), data.position_unit(), data.letter(one.axis),
-        fmt::join(senses, ", "), in_digits(2.0 * one.step_mm, kTargetDigits), data.position_unit(),
-        hidden_pitches(data, one).value_or(""));
+        note.empty() ? "" : "; ", in_digits(one.step_mm, kTargetDigits), data.position_unit(),
+        data.rotary ? "about" : "along", data.letter(one.axis), fmt::join(senses, ", "),
+        in_digits(2.0 * one.step_mm, kTargetDigits), data.position_unit(), hidden_pitches(data, one).value_or(""));
   }
   if (note.empty()) return std::nullopt;
   return note +

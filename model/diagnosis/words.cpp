@@ -221,6 +221,12 @@ std::string like_size_text(const EffectInstance& rival, const Candidate& candida
   return " of " + size_text(own.value * one->size_alone / candidate.size_alone, own.unit);
 }
 
+/// Not in the positions of its axis, where a slope is an error of the scale.
+bool is_across(const EffectInstance& effect) {
+  if (!effect.sense) return false;
+  return is_rotation(*effect.sense) || (effect.axis && direction_of(*effect.sense) != *effect.axis);
+}
+
 /// The finding with its id in brackets. Beside it, likeliest first, what these data cannot tell from it and what is
 /// more probable than it, unless that is named itself.
 /// @param part  of the answer that is one cause with it; null: none
@@ -233,7 +239,9 @@ std::string with_alternatives(const std::string& finding, const Candidate& candi
   const double own_probability = probabilities.try_emplace(own, candidate.probability).first->second;
   std::map<std::string, std::string> others;  // what each is called
   for (const EffectInstance& rival : candidate.open_rivals())
-    others[place_text(rival)] = std::string(rival.definition().title) + like_size_text(rival, candidate, diagnosis);
+    others[place_text(rival)] =
+        std::string(rival.id == effect_named("scale") && is_across(rival) ? "slope" : rival.definition().title) +
+        like_size_text(rival, candidate, diagnosis);
   for (const auto& [place, probability] : probabilities)
     if (probability > own_probability + kEqualShare) others.try_emplace(place);
   std::erase_if(others, [&](const auto& other) {
@@ -472,8 +480,7 @@ std::string finding_text(const EffectInstance& found_effect, const std::vector<P
   }
   word("where", error_word(effect));
   word("readings", where_word(effect));
-  const bool positions = !effect.sense || !effect.axis || direction_of(*effect.sense) == *effect.axis;
-  word("slope", positions && !(effect.sense && is_rotation(*effect.sense)) ? "scale error" : "slope");
+  word("slope", is_across(effect) ? "slope" : "scale error");
   word("axis", effect.axis ? std::string(1, axis_letter(effect)) : "The");
   word("code", std::string(code_text(effect)));
   word("pair", pair_word(effect));

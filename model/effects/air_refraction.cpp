@@ -8,7 +8,7 @@ namespace ecs::model::effects {
 EffectDefinition air_refraction() {
   return {
       .id = "air_refraction",
-      .title = "Air not corrected",
+      .title = "Missing correction for air",
       .formula = "p dn(T_air, pressure, humidity)",
       .cause = "the laser's wavelength was not corrected for air",
       .tells_apart = "a slope that follows the refractive index of air",

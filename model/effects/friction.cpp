@@ -93,7 +93,7 @@ EffectDefinition friction() {
   return {
       .id = "friction",
       .title = "Friction at reversal",
-      .formula = "-c d (t/t0)^2 - b d to t0, then settles",
+      .formula = "-c d (t/t0)^2 - b d from a reversal to t = t0, then the error settles",
       .cause = "friction that the drive must overcome before the axis reverses",
       .tells_apart = "in readings on the fly, grows for a moment after each reversal, then settles; absent at rest",
       .check =

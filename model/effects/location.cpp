@@ -38,7 +38,7 @@ EffectDefinition location() {
   return {
       .id = "location",
       .title = "Location error of a rotary axis",
-      .formula = "location error, such as XOC, times its effect at the tool",
+      .formula = "shift of the tool by a location error such as XOC",
       .cause = "position or squareness of the axis of rotation other than the control assumes",
       .tells_apart =
           "the same at all angles of its axis in the directions of the part that does not turn; a displaced ball turns "

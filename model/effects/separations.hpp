@@ -10,7 +10,8 @@ inline constexpr SeparatingMeasurement kCompensationOff{
     10, "Repeat the same line with compensation switched off (compensated = 0): a fault of the map disappears."};
 inline constexpr SeparatingMeasurement kOtherPressure{20,
                                                       "Repeat the {axis} line on a day when the air pressure differs "
-                                                      "by at least 10 hPa, and record the air temperature."};
+                                                      "by at least 10 hPa, and record air temperature, "
+                                                      "pressure and humidity."};
 inline constexpr SeparatingMeasurement kOtherTemperature{
     30, "Repeat the {axis} line with the machine at least 3 degC warmer or colder, sensors recorded."};
 inline constexpr SeparatingMeasurement kFromCold{
@@ -23,6 +24,6 @@ inline constexpr SeparatingMeasurement kAfterReversal{
     100,
     "Measure {axis} both ways at five targets, each approached with short and with long travel after the reversal."};
 inline constexpr SeparatingMeasurement kFinerTargets{
-    120, "Measure a line along {axis}, both ways, at targets between those measured so far."};
+    120, "Measure a line along {axis}, both ways, at closely spaced targets."};
 
 }  // namespace ecs::model::separations

@@ -41,7 +41,7 @@ EffectDefinition set_up_rotation() {
   return {
       .id = "set_up_rotation",
       .title = "Turned set-up",
-      .formula = "EC adds -c y to EX and c x to EY; EA and EB likewise",
+      .formula = "rotation EC: -c y in EX, c x in EY; likewise EA and EB",
       .cause = "plate, artefact or straight edge set up turned, not parallel to the axes",
       .tells_apart = "two directions lean equally and oppositely; changes with the set-up",
       .check =

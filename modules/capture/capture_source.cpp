@@ -163,7 +163,7 @@ cli::Fields<CaptureTargets> CaptureTargets::fields() {
           {"--feed", &A::feed_mm_min, "feed between the targets [mm/min], recorded with the data"},
           {"--targets", &A::targets, "target list (CSV) written by `ecs model next --targets`"},
           {"--plan", &A::plan, "plan file with [[measure]] tables, as for `laser table`"},
-          {"--row", &A::row, "name of the measurement in --plan"},
+          {"--row", &A::row, "name of the [[measure]] table in --plan"},
           {"--machine", &A::machine, "machine file; its name is recorded with the data"},
           {"--compensated", &A::compensated,
            "whether the unit compensates during the measurement; recorded with the data", Words{"yes", "no"}},

@@ -227,8 +227,8 @@ const std::vector<Action> kLaserCapturing{
            " ecs laser capture --resume EXX.csv.part --trigger foot_switch.toml --gauge gauge.toml",
            capture_verb, {.logged = Logged::when_written, .kind = "measurement", .live = true}),
     action("laser devices",
-           "list USB devices (HID) for capture, learn a trigger, try a description of a device, write its access rules "
-           "(udev)",
+           "list the USB devices (HID) for capture; learn the signal of a trigger, try a device, or write its access "
+           "rules (udev)",
            "ecs laser devices\n  ecs laser devices --learn -o foot_switch.toml\n  ecs laser devices --try temper\n  "
            "ecs laser devices --udev foot_switch.toml",
            devices, {.live = true})};

@@ -269,7 +269,7 @@ class ProgramCorrector {
   }
 
   static constexpr std::string_view kNotKnownThere =
-      "the compensation is not known along the whole move (no measured deviation near enough)";
+      "the compensation of some part of the move is not known (no measured deviation near enough)";
 
   /// A rapid, or a first feed move: its end alone.
   Result<void> go_to_end(const ProgramLine& line, const BlockOfWords& block, const NominalPath& path) {

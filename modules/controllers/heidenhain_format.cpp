@@ -309,7 +309,7 @@ extern const ControllerFormat heidenhain_format{
     .id = "heidenhain",
     .title = "HEIDENHAIN compensation tables",
     .name = "HEIDENHAIN",
-    .summary = "compensation-value tables of each axis (.com, .cma), with the columns of KinematicsComp or plain",
+    .summary = "compensation-value tables of each axis (.com, .cma): for KinematicsComp, or with axis columns only",
     .example = "ecs export heidenhain map.csv --params mill.toml -o heidenhain/",
     .output_help = "folder for x.com, y.com, z.com and config.cma",
     .marks = "a first line BEGIN NAME.COM",

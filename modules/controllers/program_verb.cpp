@@ -339,17 +339,17 @@ Cell program_cell(const ProgramAnswer& answer) {
       "while this program runs, switch off the compensation by the unit and by tables in the control that correct the "
       "same errors: both together would correct them twice");
   return record_cell(
-      "{program} corrected by {map}\n\nmoves       {moves}, of these changed {corrected}; blocks added "
+      "{program} {done} by {map}\n\nmoves       {moves}, of these changed {corrected}; blocks added "
       "{blocks_added}\narcs        {arcs_kept} kept as arcs, {arcs_divided} divided into lines\ncorrection  at most "
       "{largest_correction_um}\nrounding    at most {rounding_um}\n\nerror along feed moves, predicted from {from}: "
       "largest / rms, um\n{predicted}\n{not_corrected}{notes}{written}",
       "program"_is(answer.request.program), "map"_is(answer.source.name), "sha256"_is(answer.source.sha256),
-      "moves"_is(made.moves), "corrected"_is(made.corrected), "blocks_added"_is(made.blocks_added),
-      "arcs_kept"_is(made.arcs_kept), "arcs_divided"_is(made.arcs_divided),
-      "largest_correction_um"_is(by_axis_cell(made.largest_um, 2)), "rounding_um"_is(by_axis_cell(made.rounding_um, 3)),
-      "from"_is(from), "predicted"_is(answer.part.cell()), "not_corrected"_is(uncorrected_cell(made.uncorrected)),
-      "notes"_is(paragraphs_cell(notes, "note: ")), "written"_is(written),
-      "replaced"_is(replaced_files_cell(answer.written)));
+      "done"_shown(made.corrected > 0 ? "corrected" : "not changed"), "moves"_is(made.moves),
+      "corrected"_is(made.corrected), "blocks_added"_is(made.blocks_added), "arcs_kept"_is(made.arcs_kept),
+      "arcs_divided"_is(made.arcs_divided), "largest_correction_um"_is(by_axis_cell(made.largest_um, 2)),
+      "rounding_um"_is(by_axis_cell(made.rounding_um, 3)), "from"_is(from), "predicted"_is(answer.part.cell()),
+      "not_corrected"_is(uncorrected_cell(made.uncorrected)), "notes"_is(paragraphs_cell(notes, "note: ")),
+      "written"_is(written), "replaced"_is(replaced_files_cell(answer.written)));
 }
 
 /// The comment for the first line: the name of the map as a comment of a control may have it.

@@ -46,19 +46,21 @@ Result<Outcome> freeze_verb(VerbContext& context, const FreezeArguments& request
   std::vector<std::string> to_prove;
   for (const ModelWithout& one : frozen.without) to_prove.push_back(one.effect);
   return outcome_of(record_cell(
-      "frozen: rms {rms_um} over {readings} readings; model {model:.12}, program {program_sha256:.12}\n{to_prove}"
-      "freeze written to {freeze}\nnext: ecs model judge {freeze} HELD_OUT...\n",
+      "frozen: residual {rms_um} um rms (um/m for rotations), {readings} readings; model {model:.12}, program "
+      "{program_sha256:.12}\n{to_prove}"
+      "frozen model written to {freeze}\nnext: ecs model judge {freeze} HELD_OUT...\n",
       "freeze"_is(request.output), "time"_is(frozen.time), "program"_is(frozen.program),
       "program_sha256"_is(frozen.program_sha256), "model"_is(file_cell(frozen.model)),
       "machine"_is(file_cell(frozen.machine)), "map"_is(file_cell(frozen.map)),
       "data"_is(list_cell(frozen.data, file_cell)), "limits"_is(file_cell(frozen.limits)),
       "readings"_is(frozen.readings), "rms_um"_is(frozen.rms_um, 3),
-      "to_prove"_is(to_prove,
-                    to_prove.empty()
-                        ? ""
-                        : paragraph(fmt::format("each of these must predict better than the model without it: {}",
-                                                fmt::join(to_prove, "; ")),
-                                    0, 2))));
+      "to_prove"_is(
+          to_prove,
+          to_prove.empty()
+              ? ""
+              : paragraph(fmt::format("with each of these effects, the model must predict better than without it: {}",
+                                      fmt::join(to_prove, "; ")),
+                          0, 2))));
 }
 
 struct JudgeRequest {

@@ -169,7 +169,8 @@ cli::Fields<LengthsArguments> LengthsArguments::fields() {
           {"-o,--output", &A::output, "map CSV to write; needs --params", Is::output},
           {"--params-out", &A::params_out, "parameter file to write, with the identified squareness", Is::output},
           {"--knots", &A::knots,
-           "knot spacing of the curves X,Y,Z [mm]; default: as in the file, else twice the spacing of its coordinates"},
+           "distance between the knots (points) of the error curves of X,Y,Z [mm]; default: as in the file, else twice "
+           "the spacing of its coordinates"},
           {&A::settings,
            cli::Fields<S>{
                {"--reversal-degree", &S::reversal_degree,
@@ -273,15 +274,19 @@ cli::Fields<LengthsPlanAsked> LengthsPlanAsked::fields() {
   return {
       {"--machine", &A::machine, "machine file: kinematic chain, travels, datum", Need::required},
       {"--volume-um", &A::volume_um,
-       "required expanded uncertainty (k = 2) of the error vector, root mean square over the volume and the tools [um]",
+       "required expanded uncertainty (k = 2) of the error vector, root mean square over the volume for all tools [um]",
        Need::required, Range{0.01, 1e6}},
-      {"--instrument", &A::instrument, "measuring instrument", Words{"tracker", "interferometer", "ball_bar"}},
+      {"--instrument", &A::instrument, "instrument: laser tracker, laser interferometer or telescoping ball bar",
+       Words{"tracker", "interferometer", "ball_bar"}},
       {"-o,--output", &A::output, "plan to write (.csv), for manual measurement or `ecs-emulator lengths`", Is::output},
-      {"--tools", &A::tools, "offsets of the reflector: 0,0,0;0,0,-250;150,0,-120 [mm]"},
+      {"--tools", &A::tools,
+       "offsets of the reflector, one for each tool, as in 0,0,-250;150,0,-120 [mm]; default: 0,0,0"},
       {"--stations", &A::stations,
-       "permitted positions of the instrument: -250,-200,-750;1450,800,-700 [mm]; default: around the volume, for a "
+       "permitted positions of the instrument, as in -250,-200,-750;1450,800,-700 [mm]; default: around the volume, "
+       "for a "
        "ball bar within it"},
-      {"--knots", &A::knots, "knot spacing of the curves X,Y,Z [mm]; default: a twelfth of the travel"},
+      {"--knots", &A::knots,
+       "distance between the knots (points) of the error curves of X,Y,Z [mm]; default: a twelfth of the travel"},
       {&A::settings,
        cli::Fields<S>{
            {"--reversal-degree", &S::reversal_degree, "degree of the reversal error as a polynomial", Range{0, 6}},
@@ -291,8 +296,9 @@ cli::Fields<LengthsPlanAsked> LengthsPlanAsked::fields() {
            {"--scatter-um-per-m", &S::scatter_um_per_m, "standard deviation of the machine's angles at a stop [um/m]",
             Range{0.0}},
            {"--scale", &S::scale_um_per_m, "standard uncertainty of the scale of each set-up [um/m]", Range{0.0}},
-           {"--ball-bar-mm", &S::ball_bar_mm, "radius of a ball bar [mm]", Range{1.0}},
-           {"--bar-um", &S::bar_um, "standard uncertainty of a ball bar's length [um]; 0: not known", Range{0.0}},
+           {"--ball-bar-mm", &S::ball_bar_mm, "nominal length of the ball bar [mm]", Range{1.0}},
+           {"--bar-um", &S::bar_um,
+            "standard uncertainty of the actual length of the ball bar [um]; 0: the length is not known", Range{0.0}},
            {"--bar-lowest-deg", &S::bar_lowest_deg, "lowest elevation that the post of the ball permits [deg]",
             Range{-90.0, 0.0}},
            {"--targets", &S::targets_an_interval,
@@ -603,7 +609,9 @@ extern const std::vector<Action> kLengths{
            "ecs lengths fit lengths.csv --machine machine.toml --params parameters.toml -o map.csv --params-out "
            "measured.toml",
            fit_lengths),
-    action("lengths plan", "plan the lengths that reach a required uncertainty of the volume in the shortest time",
+    action("lengths plan",
+           "plan the length measurements that reach a required uncertainty of the error in the volume in the shortest "
+           "time",
            "ecs lengths plan --machine machine.toml --volume-um 2 -o plan.csv", plan_the_lengths),
     action("lengths compare", "show how well a map predicts lengths that had no part in it, and where it fails",
            "ecs lengths compare map.csv lengths.csv --params measured.toml --at-least 84", compare_the_lengths)};

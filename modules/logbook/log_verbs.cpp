@@ -388,8 +388,10 @@ void log_certificate(const Logbook& book, const ExportLogRequest& request, const
       .kind = "certificate",
       .machine = owner->machine,
       .serial_number = owner->serial_number,
-      .summary = fmt::format("{}, {} lines, {}", written.certificate.identifier, written.certificate.lines.size(),
-                             written.schema.empty() ? "not validated" : "validated against DCC " + written.schema),
+      .summary = fmt::format("{}, {} measured line{}, {}", written.certificate.identifier,
+                             written.certificate.lines.size(), written.certificate.lines.size() == 1 ? "" : "s",
+                             written.schema.empty() ? "not validated against the schema of the DCC"
+                                                    : "validated against DCC " + written.schema),
       .content =
           one_line(object_of("identifier"_is(written.certificate.identifier), "sha256"_is(written.sha256),
                              "schema_version"_is(written.certificate.schema_version),
@@ -420,7 +422,8 @@ Result<WrittenCertificate> certified(VerbContext& context, const ExportLogReques
     ECS_DO(valid_by_schema(xml, *schema, request.dcc));
     written.schema = schema->version;
   } else {
-    context.console.note("not validated: give the folder of the published schema with --schema or ECS_DCC_SCHEMA");
+    context.console.note(
+        "certificate not validated: give the folder of the published schema with --schema or ECS_DCC_SCHEMA");
   }
   ECS_DO(write_file(request.dcc, xml));
   written.sha256 = sha256_hex(xml);

@@ -239,6 +239,7 @@ LogRecord record_of(const Action& action, const std::vector<std::string>& words,
   if (const std::size_t colon = summary.find(": ");
       colon != std::string::npos && std::filesystem::path(summary.substr(0, colon)).filename() == written)
     summary.erase(0, colon + 2);  // named once
+  if (!written.empty()) written += " written";
   return {.kind = action.is.kind,
           .summary = fmt::format("{}: {}{}{}", name, written, written.empty() || summary.empty() ? "" : "; ", summary),
           .content = one_line(content)};

@@ -161,7 +161,8 @@ Cell verdict_cell(const LogVerdict& verdict, const std::string& path, const std:
                                     verdict.why, verdict.entries)
                       : fmt::format("{}\n", verdict.why);
   if (verdict.whole() && expected.empty())
-    text += "Entries missing at the end are found only with --hash and the last hash of a report or certificate.\n";
+    text +=
+        "To detect entries missing at the end, give --hash with the last hash that a report or certificate states.\n";
   return record_cell("{text}", "log"_is(path), "whole"_is(verdict.whole()), "entries"_is(verdict.entries),
                      "last_hash"_is(text_or_null(verdict.last_hash)),
                      "first"_is(verdict.first ? Json(*verdict.first) : Json(nullptr)),

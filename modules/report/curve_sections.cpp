@@ -303,11 +303,11 @@ std::string volume_sentence(const ReportedVolume& volume) {
   std::vector<std::string_view> unmeasured;
   for (const Component component : volume.declared_zero) unmeasured.push_back(name_of(component));
   return fmt::format(
-      "{0}. After compensation {2} of the errors of {1} remain{3}. With a probability of 95 %, at most {4} remains "
-      "anywhere; this figure includes the known remaining errors and the uncertainty of the map. Errors that are not "
-      "in {1} "
-      "add to it.{5}",
-      before, volume.prepared.errors_from, after, volume.from_map() ? " (the error of interpolating the tables)" : "",
+      "{0}. After compensation, {2} of these errors remains{3}. With a probability of 95 %, at most {4} remains "
+      "anywhere; this figure includes the known remaining errors and the uncertainty of the map. Errors that {1} does "
+      "not contain come in addition.{5}",
+      before, volume.prepared.errors_from, after,
+      volume.from_map() ? ", from interpolation between the points of the tables" : "",
       size(volume.uncertainty.largest_95_um),
       unmeasured.empty() ? ""
                          : fmt::format(" This assumes that the components declared zero ({} of {}: {}) are zero within "

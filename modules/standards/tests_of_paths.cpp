@@ -219,8 +219,8 @@ Cell moving_cell(const laser::DiagonalReadings& diagonal) {
 std::string body_text(const laser::DiagonalResults& results) {
   if (!results.body_difference_um) return {};
   return fmt::format(
-      "  body diagonals: largest E {} um, largest B {} um, largest difference of their slopes, over the diagonal, "
-      "{:.2f} um\n",
+      "  body diagonals: largest E {} um, largest B {} um, largest difference of their slopes, times the "
+      "length of the diagonal, {:.2f} um\n",
       number_cell(results.E_body_um, 2).text, number_cell(results.B_body_um, 2).text, *results.body_difference_um);
 }
 

@@ -22,11 +22,13 @@ struct PosesRequest {
   std::string output;
   static Fields<PosesRequest> fields() {
     using R = PosesRequest;
-    return {{"FILES", &R::files, "files of one pose, each reached in another way: EX, EY, EZ of each point in each run",
+    return {{"FILES", &R::files,
+             "measurements of one pose, one file for each way of reaching it: EX, EY, EZ of every point at every visit "
+             "(run)",
              Need::required},
             &R::import,
-            {"-o,--output", &R::output, "file for the readings of FILE without the motion of their visit (CSV)",
-             Is::output}};
+            {"-o,--output", &R::output,
+             "CSV file for the readings of a single FILE without the rigid motion of each visit", Is::output}};
   }
 };
 
@@ -98,7 +100,7 @@ Result<Outcome> poses(VerbContext& context, const PosesRequest& request) {
     ECS_TRY(test, laser::pose_test_of(imported.set));
     if (!request.output.empty()) {
       ECS_DO(laser::write_measurement_set(request.output, laser::without_motions(imported.set, test)));
-      context.console.note("readings without the motion of their visit written to " + request.output);
+      context.console.note("readings without the rigid motion of each visit written to " + request.output);
     }
     tests.push_back(std::move(test));
   }

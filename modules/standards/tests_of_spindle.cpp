@@ -37,7 +37,7 @@ std::string once_words(const laser::SpindleMotion& motion) {
     return fmt::format("fundamental {:.3f} {}, residual synchronous {:.3f} {}", 2.0 * motion.once.amplitude, unit,
                        motion.residual_synchronous, unit);
   if (!motion.is_fixed)
-    return fmt::format("least squares centre off by {:.3f} {}, removed", motion.once.amplitude, unit);
+    return fmt::format("offset of the least-squares centre {:.3f} {}, removed", motion.once.amplitude, unit);
   return fmt::format("{} {:.3f} {} at {:.0f} deg, removed", motion.is_tilt ? "inclination of the bar" : "eccentricity",
                      motion.once.amplitude, unit, motion.once.at_deg);
 }
@@ -82,15 +82,17 @@ std::string noise_words(const laser::SpindleMotion& motion, std::size_t turns) {
   constexpr double kBeyondNoise = 1.5;  // likewise
   const std::string_view unit = unit_of(motion);
   const double by_noise = motion.if_noise.asynchronous;
-  const bool random = std::abs(motion.asynchronous - by_noise) <= kLikeNoise * by_noise;
+  const double excess = motion.asynchronous - by_noise;
   const bool beyond = motion.synchronous > kBeyondNoise * motion.if_noise.synchronous;
   return fmt::format(
       "    Random noise with the rms of the asynchronous motion, {1:.3f} {0}, would give in {2} turns:\n"
       "    {3:.3f} {0} asynchronous: the measured {4:.3f} {0} {5}\n"
       "    {6:.3f} {0} synchronous: the measured {7:.3f} {0} {8}\n",
       unit, motion.asynchronous_rms, turns, by_noise, motion.asynchronous,
-      random ? "cannot be distinguished from noise" : "is not random noise alone", motion.if_noise.synchronous,
-      motion.synchronous, beyond ? "exceeds noise" : "cannot be distinguished from noise");
+      std::abs(excess) <= kLikeNoise * by_noise ? "cannot be distinguished from noise"
+      : excess < 0.0 ? "is smaller, so the motion is not random alone: it usually repeats over several turns"
+                     : "is larger, so the motion is not random alone: single turns differ by more",
+      motion.if_noise.synchronous, motion.synchronous, beyond ? "exceeds noise" : "cannot be distinguished from noise");
 }
 
 /// What does not fit into the row of a motion.
@@ -119,11 +121,12 @@ std::string further_words(const laser::SpindleTest& test) {
 
 Cell separation_cell(const laser::SpindleSeparation& separation) {
   return record_cell(
-      "  {motion:<10} synchronous {synchronous_um} um (MRS {synchronous_mrs_um}), form of the ball {form_um} um (MRS "
+      "  {motion:<27} synchronous {synchronous_um} um (MRS {synchronous_mrs_um}), form of the ball {form_um} um (MRS "
       "{form_mrs_um}), each +- {sigma_um} um (k = 1) at one angle\n",
-      "motion"_is(separation.id), "synchronous_um"_is(separation.synchronous_um, 3),
-      "synchronous_mrs_um"_is(separation.synchronous_zone_um, 3), "form_um"_is(separation.form_um, 3),
-      "form_mrs_um"_is(separation.form_zone_um, 3), "sigma_um"_is(separation.sigma_um, 3));
+      "motion"_is(separation.id, fmt::format("radial, fixed direction {}", separation.id == "radial_y" ? 'Y' : 'X')),
+      "synchronous_um"_is(separation.synchronous_um, 3), "synchronous_mrs_um"_is(separation.synchronous_zone_um, 3),
+      "form_um"_is(separation.form_um, 3), "form_mrs_um"_is(separation.form_zone_um, 3),
+      "sigma_um"_is(separation.sigma_um, 3));
 }
 
 /// What waves usually mean, where they are the greatest and stand out of their scatter.
@@ -134,10 +137,10 @@ std::vector<std::string> causes_of(const laser::SpindleTest& test) {
     if (!motion.is_radial || !motion.is_fixed || motion.is_tilt) continue;
     const laser::SpindleWave& wave = *std::ranges::max_element(motion.waves, {}, &laser::SpindleWave::amplitude);
     if (wave.per_turn > 3 || wave.amplitude < kStandsOut * wave.sigma) continue;
-    notes.push_back(fmt::format("{}: the greatest wave is {} per turn. Usual causes: {}.", motion.title, wave.per_turn,
-                                wave.per_turn == 2
-                                    ? "an oval ball, or oval seats of the bearings"
-                                    : "a ball, seat or bearing ring deformed by three points of clamping"));
+    notes.push_back(
+        fmt::format("{}: the largest wave has {} periods per turn. Usual causes: {}.", motion.title, wave.per_turn,
+                    wave.per_turn == 2 ? "an oval ball, or oval seats of the bearings"
+                                       : "a ball, seat or bearing ring deformed by clamping at three points"));
   }
   return notes;
 }
@@ -242,9 +245,10 @@ Result<Outcome> spindle(VerbContext&, const SpindleRequest& request) {
   const std::string heading = fmt::format("  {:<32} {:>8} {:>8} {:>8} {:>8} {:>7} {:>8}\n", "error motion", "total",
                                           "synchr.", "(MRS)", "asynchr.", "at deg", "drift");
   return outcome_of(record_cell(
-      "{file}: {turns} turns at {readings_per_turn} angles in {way} order{speed}. Drift is removed.\n"
+      "{file}: {turns} turns of {readings_per_turn} angles each, the angle {way}{speed}. Drift is removed.\n"
       "Radial values refer to the least-squares centre (LSC). Those in the column MRS refer to the\n"
       "centre of minimum radial separation. Axial values refer to the mean.\n"
+      "The asynchronous value is the largest range of the turns; at deg: the angle of this range.\n"
       "{motions}{further}{separated}{notes}{output}{plot}",
       "file"_is(request.file), "turns"_is(test.turns), "readings_per_turn"_is(test.angles), "falling"_is(test.falling),
       "way"_shown(test.falling ? "falling" : "rising"), "speed_rpm"_is(test.speed_rpm),

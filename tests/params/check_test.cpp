@@ -143,7 +143,8 @@ TEST_CASE("parameters that contradict the machine they are meant for are found")
   expect(kError, {{"configuration.chain", "XTYZ"}}, "configuration.chain", "machine file states \"TXYZ\"", &machine);
   expect(kError, {{"configuration.axes", "XY"}, {"compensation.scope", "planar"}}, "configuration.axes",
          "axis Z is absent here", &machine);
-  expect(kError, {{"axis.X.transducer", "resolver"}}, "axis.X.transducer", "differs from the machine file", &machine);
+  expect(kError, {{"axis.X.transducer", "resolver"}}, "axis.X.transducer", "the machine file states \"encoder\"",
+         &machine);
   expect(kWarning, {{"axis.X.position_scale_um_per_count", "0.5"}}, "axis.X.position_scale_um_per_count",
          "machine file states 1 um", &machine);
   expect(kError, {{"axis.X.datum.reference_position_mm", "1"}}, "axis.X.datum.reference_position_mm",

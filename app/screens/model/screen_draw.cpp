@@ -340,7 +340,7 @@ std::vector<std::string> ModelScreen::lines_of_page(int columns) const {
     add(proposal.sentence);
   }
   for (const std::string& note : controller_->next()->notes) add(note);
-  if (lines.empty()) add("No further measurement is needed: the cause is established.");
+  if (lines.empty()) add("No further measurement is needed to name the cause: it is proved.");
   return lines;
 }
 

@@ -43,8 +43,13 @@ struct FileImportRequest {
 /// A plate or a probed surface has hundreds of lines; the first of them show what was read.
 constexpr std::size_t kLinesShown = 20;
 
+/// Of a table of columns, which no format recognises, the option that reads it.
+std::string_view format_words(const laser::FileFormat& format) {
+  return format.id == "mapped_columns" ? "table read with --columns" : format.title;
+}
+
 Cell file_cell(const std::string& file, const laser::Imported& imported) {
-  AnswerFields fields = described("file"_is(file), "format"_is(imported.format->title));
+  AnswerFields fields = described("file"_is(file), "format"_is(imported.format->title, format_words(*imported.format)));
   append(fields, set_fields(imported.set, kLinesShown));
   const Cell records = cell_of(imported.environment.rows.size());
   fields.push_back("environment_records"_is(imported.environment.rows.empty() ? shown_cell(records.text) : records));
@@ -176,7 +181,8 @@ std::string path_text(const laser::Reading& reading) {
 Result<Outcome> show(VerbContext&, const ShowRequest& request) {
   ECS_TRY(imported, read_measurements(request.file, request.import));
   const laser::MeasurementSet& set = imported.set;
-  AnswerFields fields = described("file"_is(request.file), "format"_is(imported.format->title));
+  AnswerFields fields =
+      described("file"_is(request.file), "format"_is(imported.format->title, format_words(*imported.format)));
   append(fields, set_fields(set));
   const Cell conditions = set.readings.empty() ? conditions_cell(conditions_in(imported.environment), "rows")
                                                : conditions_cell(conditions_in(set), "readings");
@@ -188,10 +194,9 @@ Result<Outcome> show(VerbContext&, const ShowRequest& request) {
         targets_cell(laser::targets_of(set, groups[i], laser::target_tolerance_mm(set, groups[i])), groups[i].rotary);
     const laser::Reading& first = set.readings[groups[i].readings.front()];
     const std::string path = path_text(first);
-    answer.text += path.empty()
-                       ? laid_out("\n{component} ({sense} along {axis}), parked at {parked_mm} mm, in {unit}\n",
-                                  measured_line_fields(groups[i]))
-                       : fmt::format("\n{}, in um, by the coordinate of {}\n", path, letter_of(first.axis));
+    answer.text += path.empty() ? laid_out("\n{component} ({measured}), parked at {parked_mm} mm, in {unit}\n",
+                                           measured_line_fields(groups[i]))
+                                : fmt::format("\n{}, in um, by the coordinate of {}\n", path, letter_of(first.axis));
     answer.text += targets.text;
     answer.json["lines"][i]["by_target"] = targets.json;
   }

@@ -126,7 +126,7 @@ Cell processed_cell(const Processed& p, double window_mm) {
          "band_before"_is(p.readings.band_before, 3), "band_after"_is(p.readings.band, 3),
          "points"_is(points_cell(p.readings.before_curve, p.curve())), "notes"_is(p.curve().notes, ""));
   return record_cell(
-      "{component} ({sense} along {axis}), parked at {parked_mm} mm\n{slope}  band {band_before} -> {band_after} "
+      "{component} ({measured}), parked at {parked_mm} mm\n{slope}  band {band_before} -> {band_after} "
       "{unit} (range of all readings, before and after)\n{smoothing}{points}",
       fields);
 }

@@ -349,25 +349,28 @@ Cell turn_cell(const MeasuredLine& line) {
   const auto turn = laser::turn_of(line.set, line.group);
   if (!turn) return null_cell("");
   const auto unit = laser::unit_of(line.group.sense);
-  const std::string none =
-      fmt::format("    no wave of {} to {} per turn exceeds the noise\n", turn->least_waves, turn->most_waves);
+  const std::string none = fmt::format("    no wave with {} to {} periods per turn exceeds the noise\n",
+                                       turn->least_waves, turn->most_waves);
+  const bool has_terms = turn->reversal || !turn->waves.empty();
   return record_cell(
-      "  fit over one turn: offset {offset:+.2f} {unit}{reversal}; it explains {explained} %, residual {rms_left:.2f} "
-      "{unit} rms\n{waves}",
+      "  fit over one turn: offset {offset:+.2f} {unit}{reversal}{explained}, residual {rms_left:.2f} {unit} "
+      "rms\n{waves}",
       "offset"_is(turn->offset),
       "reversal"_is(turn->reversal, turn->reversal ? fmt::format(", reversal {:+.2f} {}", *turn->reversal, unit) : ""),
       "waves"_is(list_cell(
           turn->waves, [&](const auto& wave) { return wave_cell(wave, line.group.sense); },
           turn->waves.empty() ? none : "")),
       "least_order"_is(turn->least_waves), "most_order"_is(turn->most_waves), "rms"_is(turn->rms),
-      "rms_left"_is(turn->rms_left), "explained"_is(turn->explained, fmt::format("{:.1f}", 100.0 * turn->explained)),
+      "rms_left"_is(turn->rms_left),
+      "explained"_is(turn->explained,
+                     has_terms ? fmt::format("; it explains {:.1f} % of the variance", 100.0 * turn->explained) : ""),
       "unit"_shown(unit));
 }
 
 Cell iso230_cell(const laser::Iso230& iso, const MeasuredLine& line, const StatsRequest& request) {
   const auto unit = laser::unit_of(iso.sense);
   std::string layout =
-      "{file}: {component} ({sense} along {axis}), parked at {parked_mm} mm, {count} target{s}, "
+      "{file}: {component} ({measured}), parked at {parked_mm} mm, {count} target{s}, "
       "{compensation}\n";
   AnswerFields fields =
       described("file"_is(line.files.front(), fmt::format("{}", fmt::join(line.files, " + "))), "files"_is(line.files));

@@ -138,7 +138,7 @@ struct CompareRequest {
   std::string first, second, output;
   static Fields<CompareRequest> fields() {
     using R = CompareRequest;
-    return {{"FIRST", &R::first, "map CSV, or measurements such as the mesh of a bed", Need::required},
+    return {{"FIRST", &R::first, "map CSV, or measurements such as a grid over the surface of a bed", Need::required},
             {"SECOND", &R::second, "file of the same kind to compare with it", Need::required},
             {"-o,--output", &R::output, "measurement CSV of the difference, for `ecs model diagnose`", Is::output}};
   }
@@ -311,28 +311,39 @@ Cell places_cell(const std::vector<MapDifference>& differences) {
 
 Cell largest_cell(const std::optional<LargestDifference>& largest) {
   if (!largest) return null_cell();
+  constexpr double kShownAsZero = 0.0005;  // by the three digits of the text, and then at no place
   return record_cell(
-      "largest difference from the curves of the file: {difference} {unit} ({component} {approach} at {position_mm} "
-      "mm)\n",
+      largest->difference() < kShownAsZero
+          ? "largest difference from the curves of the file: {difference} {unit}\n"
+          : "largest difference from the curves of the file: {difference} {unit} ({component} {approach} at "
+            "{position_mm} mm)\n",
       "component"_is(name_of(largest->component)), "approach"_is(word_for(largest->approach)),
       "position_mm"_is(largest->position_mm, fmt::format("{:.6g}", largest->position_mm)),
       "expected"_is(largest->expected), "found"_is(largest->found), "difference"_shown(largest->difference(), 3),
       "unit"_shown(unit_of(largest->component)));
 }
 
+/// Of the map, then of the parameters.
+std::string differing_words(const VerifyRequest& request, const MapVerdict& verdict, bool is_resampled) {
+  const std::size_t count = verdict.differences.size(), parameters = verdict.parameters.size();
+  std::string words = count == 0 ? fmt::format("the map in the unit agrees with {}", request.file)
+                                 : fmt::format("the map in the unit differs from {}: {} difference{}", request.file,
+                                               count, count == 1 ? "" : "s");
+  if (parameters > 0)
+    words += fmt::format("; {} parameter{} from {}", parameters, parameters == 1 ? " differs" : "s differ",
+                         request.params.empty() ? request.file : request.params);
+  if (count > 0 && is_resampled) words += ". The points of the file are uneven, and a unit has them resampled";
+  return words;
+}
+
 Result<Outcome> verify(VerbContext& context, const VerifyRequest& request) {
   ECS_TRY(map, laser::read_map_csv(request.file));
   ECS_TRY(found, found_map(context, {}, true));
   ECS_TRY(verdict, verdict_on(found, request.file, request.params));
-  const std::size_t count = verdict.differences.size() + verdict.parameters.size();
   return outcome_of(
       record_cell("{differences}{parameters}{largest_difference}{same}", "map"_is(request.file),
                   "same"_is(verdict.same(), fmt::format("the unit contains {}", request.file),
-                            fmt::format("the map in the unit differs from {}: {} difference{}{}", request.file, count,
-                                        count == 1 ? "" : "s",
-                                        verdict.differences.empty() || laser::change_by_resampling(map).empty()
-                                            ? ""
-                                            : ". The points of the file are uneven, and a unit has them resampled")),
+                            differing_words(request, verdict, !laser::change_by_resampling(map).empty())),
                   "differences"_is(places_cell(verdict.differences)),
                   "parameters"_is(differences_cell(verdict.parameters, "expected", "found", "file", "unit")),
                   "largest_difference"_is(largest_cell(verdict.largest))),
@@ -346,11 +357,12 @@ extern const std::vector<Action> kMapOfUnit{
            "ecs map show map.csv --params mill.toml --component EXX --plot exx.svg", show, {.link = Link::reads}),
     action("map header", "show who made a map, when, for which machine, from which files and how",
            "ecs map header --unit", header, {.link = Link::reads}),
-    action("map compare",
-           "compare two error maps, or two measurements such as meshes of a bed, line by line: of two dates or "
-           "machines, before and after a repair",
-           "ecs map compare map-2025.csv map-2026.csv -o difference.csv", compare,
-           {.logged = Logged::when_written, .kind = "measurement"}),
+    action(
+        "map compare",
+        "compare two error maps or two measurements line by line, for example of two dates or machines, or before and "
+        "after a repair",
+        "ecs map compare map-2025.csv map-2026.csv -o difference.csv", compare,
+        {.logged = Logged::when_written, .kind = "measurement"}),
     action("map send",
            "send a complete map with its parameters to the unit, all or nothing, and verify the unit's memory",
            "ecs map send map.csv --params mill.toml --link rtu:/dev/ttyUSB0:115200", send, {.link = Link::writes}),

@@ -1,5 +1,7 @@
 // `ecs memory read, write, dump, load`: bytes between unit and file. `show, compare`: decoding dumps, without a unit.
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "app/cli/verb.hpp"
@@ -208,12 +210,19 @@ Result<MemoryDump> dump_from(VerbContext& context, const std::string& file_or_un
   return file_or_unit == kUnitWord ? dump_of_unit(context, DumpScope::all) : read_dump(file_or_unit);
 }
 
-/// What is wrong with one of the two on its own: its file, or the image that its unit would use.
+/// What is wrong with one of the two on its own: its file, or the image that its unit would use. Bytes that the file
+/// has lost change the checksum of their image too, which is told once.
 std::vector<std::string> damage_in(const MemoryDump& dump) {
   std::vector<std::string> damage = dump.damage;
   const DecodedMemory memory = decoded(dump);
+  const auto is_told = [&](const DecodedImage& image) {
+    return image.verdict.fault == ImageFault::block_check &&
+           std::ranges::any_of(dump.regions, [&](const DumpRegion& region) {
+             return region.address == image.address && !region.intact;
+           });
+  };
   for (const DecodedImage& image : memory.images)
-    if (&image == memory.main_image() && image.verdict.fault != ImageFault::none)
+    if (&image == memory.main_image() && image.verdict.fault != ImageFault::none && !is_told(image))
       damage.push_back(fmt::format("{}: the image {}", image.region, ecs::text_of(image.verdict.fault)));
   return damage;
 }
@@ -227,7 +236,10 @@ Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {
   ECS_TRY(b, dump_from(context, request.b));
   Cell found = list_cell(differences(a, b), [](const auto& one) {
     const auto& [what, in_a, in_b] = one;
-    return record_cell("{what}: first {a} | second {b}\n", "what"_is(what), "a"_is(in_a), "b"_is(in_b));
+    const bool is_unreadable = shown(in_a) != in_a || shown(in_b) != in_b;
+    return record_cell(is_unreadable ? "{what}: first {a} | second {b} (?: unreadable character)\n"
+                                     : "{what}: first {a} | second {b}\n",
+                       "what"_is(what), "a"_is(in_a), "b"_is(in_b));
   });
   const bool same = found.json.empty();
   if (same) found.text = "no difference\n";

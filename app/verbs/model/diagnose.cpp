@@ -67,7 +67,9 @@ std::string add_text(const model::Diagnosis& diagnosis, const ModelArguments& fi
   for (const std::string& word : import_words(files.import))
     words.push_back(word == "--sense" ? "--reading-sense" : word);
   option("-o", files.model);
-  return fmt::format("\nTo add {} to the model:\n  {}\n", place_text(effect), shell_command(words));
+  const bool several = std::ranges::count_if(diagnosis.candidates, &model::Candidate::in_answer) > 1;
+  return fmt::format("\nTo add {}{}{} to the model:\n  {}\n", several ? "the first effect, " : "", place_text(effect),
+                     several ? "," : "", shell_command(words));
 }
 
 Result<Outcome> diagnose(VerbContext& context, const DiagnoseRequest& request) {
@@ -191,6 +193,8 @@ Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& 
                                  "Proposal 1 {} best for the time it takes (more than {:g} sigma are treated as {:g}).",
                                  next.rivals.size() > 1 ? "distinguishes these causes" : "shows this cause",
                                  model::kEnoughSigma, model::kEnoughSigma));
+  if (std::ranges::any_of(next.proposals, [](const MeasurementProposal& one) { return !one.pairs.empty(); }))
+    proposals.text += "\n" + paragraph("sigma: expected effect or difference, divided by its standard uncertainty");
   std::vector<std::string> notes = next.notes;  // in the text without those that the headline contains
   std::erase_if(notes, [&](const std::string& note) {
     return !note.empty() && diagnosis.headline.find(note.substr(1)) != std::string::npos;

@@ -99,7 +99,7 @@ struct EffectsRequest {
 
 Result<Outcome> effects(VerbContext&, const EffectsRequest& request) {
   if (!request.name.empty()) return one_effect(request.name);
-  Cell all{Json::array(), fmt::format("{:<19} {:<42} {}\n", "effect", "contribution to a reading", "compensated by")};
+  Cell all{Json::array(), fmt::format("{:<19} {:<42} {}\n", "effect", "contribution to a reading", "remedy")};
   for (const EffectDefinition& effect : model::effect_library())
     all.add({object_of(fields_of(effect)), row_of(effect)});
   return outcome_of(

@@ -113,7 +113,7 @@ TEST_CASE("entries are listed, opened, checked, and new ones come on their own")
               {"short lathe, serial number MCM-0107: 2 entries", "map build: map.csv", "exx.csv, input of entry 2"});
   check_holds(after(*screen, "\n"), {"ecs map build", "Jo Fitter"});
   (void)press(*screen, Key::Name::escape);
-  check_holds(ran({"log", "show", "1"}).all(), {"exx.csv, input of entry 2 (map build: map.csv)"});
+  check_holds(ran({"log", "show", "1"}).all(), {"exx.csv, input of entry 2 (map build: map.csv written)"});
   (void)letter(*screen, 'v');
   CHECK(until(*screen, [&] { return contains(picture(*screen), "2 entries: each agrees with its hash"); }));
   (void)press(*screen, Key::Name::escape);

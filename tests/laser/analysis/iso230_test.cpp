@@ -123,11 +123,12 @@ TEST_CASE("one run gives means but no deviations") {
   CHECK(says(axis.notes, "1 forward reading at every target; ISO 230-2 requires 5"));
 }
 
-TEST_CASE(
-    "the note on the number of readings says \"every target\" where it is the same, and \"some\" where it varies") {
+TEST_CASE("the note on the number of readings says \"some targets\" only where others have enough") {
   const auto notes = evaluated(set_of({{0.0, {1.0, 2.0, 3.0}, {0.0, 1.0}}, {10.0, {4.0, 4.0, 5.0}, {2.0}}})).notes;
   CHECK(says(notes, "3 forward readings at every target; ISO 230-2 requires 5"));
-  CHECK(says(notes, "fewer than 5 reverse readings at some targets (as few as 1)"));
+  CHECK(says(notes, "fewer than 5 reverse readings at every target (as few as 1)"));
+  const auto enough_once = evaluated(set_of({{0.0, {1.0, 2.0, 3.0, 4.0, 5.0}, {}}, {10.0, {4.0, 4.0}, {}}})).notes;
+  CHECK(says(enough_once, "fewer than 5 forward readings at some targets (as few as 2)"));
   const auto of_long_axis = evaluated(set_of({{0.0, {1.0, 2.0}, {}}, {2500.0, {4.0, 4.0}, {}}})).notes;
   CHECK(says(of_long_axis, "2 forward readings at every target; ISO 230-2 requires 5 on axes up to 2000 mm"));
 }

@@ -219,7 +219,7 @@ TEST_CASE("equal steps of a rotary axis hide waves: an answer without a cause sa
     const Diagnosis found = turn_of_c(waves);
     CHECK(found.verdict == Verdict::adequate);
     CHECK(found.headline ==
-          "No further effect is detected: the residual of the model is noise. Periods shorter than 60 deg along C "
+          "No further effect is detected: the residual of the model is noise. Periods shorter than 60 deg about C "
           "cannot be detected: the targets are equally spaced at 30 deg, where a wave with N periods per turn looks "
           "like one with 12 - N periods, and a wave with 12 periods does not show.");
   }

@@ -145,7 +145,7 @@ TEST_CASE("a machine file adds what it knows to the cross-check, and m with noth
   type(screen, "msamples/mill/machine.toml\n");
   CHECK(screen.controller().findings().size() > alone);
   CHECK(reads(picture(screen), "moving column mill"));
-  CHECK(reads(after(screen, "4"), "differs from the machine file"));
+  CHECK(reads(after(screen, "4"), "the machine file states \"encoder\""));
   type(screen, "m");
   replace_line(screen, "");
   CHECK(screen.controller().findings().size() == alone);
