@@ -140,6 +140,7 @@ class Setup:
         self.hours = (self.time - self.time[0]) / 3600
         self.session = float(self.time[-1] - self.time[0])
         self.n, self.kept = len(self.time), {}
+        self.relative = np.ones(self.n)  # size of the noise of each reading
         self.zeros = np.zeros((self.n, 0))  # columns that belong to the set-up, in every base
         if "map" in wishes:
             self.add_map(r)
@@ -182,7 +183,7 @@ class Setup:
         loads = [float(rounded(most * 0.5 * k, 5.0)) if "loads" in wishes else load for k in range(3)]
         rows, clock, run = [], 0.0, 0
         for line, (axis, senses, parked, targets) in enumerate(passes):
-            for k in range(runs):
+            for k in range(self.runs_of(line, runs)):
                 level, run = (k + run // 3) % 3, run + 1
                 for approach in (1, -1) if self.both else (1,):
                     start = targets[0] - overrun if approach > 0 else targets[-1] + overrun
@@ -194,6 +195,9 @@ class Setup:
                                   abs(target - start), *at, line) for sense in senses]
                 clock += pause * r.uniform(0.5, 1.5)
         self.take_rows(rows)
+
+    def runs_of(self, line, runs):
+        return runs
 
     def take_rows(self, rows):
         table = np.array(rows)
@@ -575,6 +579,28 @@ class Volume(Setup):
         return np.moveaxis(np.add.reduceat(raw, motions.first, axis=1), -1, place)
 
 
+class Kinds(Setup):
+    """Positions in several runs; beside them one or two lines of straightness in one or two runs, with another instrument: other noise,
+    and on other targets in half of the sets."""
+
+    def __init__(self, r, wishes):
+        super().__init__(r, wishes)
+        self.relative = np.array(self.sizes)[self.line]
+
+    def passes(self, r, wishes, count):
+        self.layout, axis = "line", r.randint(0, 2)
+        parked = [float(rounded(r.uniform(a.low, a.high), 10.0)) for a in self.axes]
+        own = self.axes[axis].targets(r, r.randint(12, 31), self.moved)
+        other = self.axes[axis].targets(r, r.randint(12, 31), self.moved) if r.chance(0.5) else own
+        senses = r.sample([sense for sense in range(3) if sense != axis], r.randint(1, 2))
+        self.sizes = [1.0] + [r.log(0.1, 6.0)] * len(senses)
+        self.runs = [r.randint(3, 6)] + [r.randint(1, 2)] * len(senses)
+        return [(axis, [axis], parked, own)] + [(axis, [sense], parked, other) for sense in senses]
+
+    def runs_of(self, line, runs):
+        return self.runs[line]
+
+
 class Days(Setup):
     """A machine that warms, read at one place in several runs, each with a clock of its own: cold on one day, warm on another. A body may
     follow its sensor late; it also followed it before the first reading of a run, which the file does not show."""
@@ -654,7 +680,7 @@ class Noise:
     def drawn(r, row):
         if row == "coarse" and r.chance(0.5):
             return Noise("rounded", r.log(0.35, 1.5), step=1.0)
-        laws = ["heavy"] if row == "coarse" else ["white", "white", "rounded", "ar", "heavy", "outliers"] + ["ar"] * 6 * (row == "days")
+        laws = ["heavy"] if row == "coarse" else ["white", "ar", "heavy"] if row.startswith("kinds") else ["white", "white", "rounded", "ar", "heavy", "outliers"] + ["ar"] * 6 * (row == "days")
         law, sigma = r.choice(laws), r.log(0.15, 2.0)
         return Noise(law, sigma, r.uniform(0.2, 0.75) * (law == "ar"), sigma * r.uniform(0.5, 2.0) * (law == "rounded"))
 
@@ -667,7 +693,7 @@ class Noise:
         for k, before in enumerate(s.before if self.law == "ar" else []):
             if before >= 0:
                 values[k] = self.correlation * values[before] + math.sqrt(1 - self.correlation**2) * values[k]
-        return math.sqrt(self.sigma**2 - self.step**2 / 12) * values
+        return math.sqrt(self.sigma**2 - self.step**2 / 12) * values * s.relative
 
 
 class Projector:
@@ -682,6 +708,7 @@ class Projector:
     def whitened(self, values):
         """Divided by sigma, the correlation inside runs taken out (Cochrane and Orcutt); readings are the last axis but one."""
         rho, before = self.noise.correlation, self.s.before
+        values = values / self.s.relative[:, None]
         if not rho:
             return values / self.noise.sigma
         fresh = (values - rho * values[..., before, :]) / math.sqrt(1 - rho**2)
@@ -697,7 +724,7 @@ class Projector:
         """The term's columns beside the base at each value (values × coefficients × readings), of length one unless its size is fixed,
         their lengths, how many are not zero, and inverse eigenvalues and eigenvectors of their products."""
         raw = self.s.columns(t, values, place=1)
-        raw = np.swapaxes(self.whitened(np.swapaxes(raw, 1, 2)), 1, 2) if self.noise.correlation else raw / self.noise.sigma
+        raw = np.swapaxes(self.whitened(np.swapaxes(raw, 1, 2)), 1, 2) if self.noise.correlation else raw / self.noise.sigma / self.s.relative
         own = raw.reshape(-1, self.s.n)
         lengths = np.sqrt(np.einsum("ij,ij->i", own, own))
         own = own - (own @ self.base) @ self.base.T

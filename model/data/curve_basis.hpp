@@ -10,7 +10,7 @@
 namespace ecs::model {
 
 /// On so few targets a curve, of about ten degrees of freedom beside mean and slope (docs/physics.md), is free at every
-/// one; what else has a shape there has to be better than values of their own.
+/// one; what else has a shape there has to be better than values of their own, and so few lengths show no shape.
 inline constexpr std::size_t kFreeTargets = 12;
 
 /// Polynomial of degree order + 1 (order 1, 2, …; as many zero crossings) at `place` in 0 … 1. Root mean square 1.

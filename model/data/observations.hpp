@@ -170,6 +170,10 @@ struct Observations {
   [[nodiscard]] std::string path_name(std::size_t k) const { return on_path(k) ? name_of(path_of(k)) : std::string(); }
   /// Place along what moved: the coordinate of the moving axis from the datum, or that along the path.
   [[nodiscard]] double along_of(std::size_t k) const { return on_path(k) ? along[k] : p_mm(k, axis[k]); }
+  /// Unit of along_of(): "deg" of a rotary axis and of a circle, else "mm".
+  [[nodiscard]] std::string_view unit_along(std::size_t k) const {
+    return laser::target_unit(rotary || (on_path(k) && path_of(k).kind == PathKind::circle));
+  }
   /// What readings of one place share: the position, or the place on the path.
   [[nodiscard]] Vector3 place_of(std::size_t k) const {
     return on_path(k) ? Vector3{place[k], 0.0, 0.0} : position_mm[k];

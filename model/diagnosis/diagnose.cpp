@@ -642,8 +642,8 @@ Result<Diagnosis> reported(const ReportInput& in) {
   if (structure && std::ranges::any_of(data.paths, [](const Path& path) { return path.kind == PathKind::circle; })) {
     const std::string advice = advice_on(kReversalOnCircle);
     diagnosis.notes.push_back(
-        fmt::format("the spike that friction causes on a circle after a reversal differs from reversal_spike{}{}",
-                    advice.empty() ? "" : ": ", advice));
+        fmt::format("friction causes a different spike at a reversal than `reversal_spike` describes{}{}",
+                    advice.empty() ? "" : "; ", advice));
   }
   for (const std::string& note : data.notes) diagnosis.notes.push_back(note);
   if (const std::span residual(in.base.residual.data(), data.size()); !in.found.noise.relative.empty())

@@ -7,6 +7,7 @@
 #include "model/diagnosis/e_value.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <set>
@@ -43,17 +44,29 @@ constexpr std::size_t kWanders = 8;
 /// nothing there. Of laws that suit it equally the first is taken, which is the noise without a wander.
 constexpr double kSameDeviance = 0.01;
 
-/// Up to so many readings a half does not settle sizes, noise and place or time of an effect: there the judged half is
-/// weighed by the average over them, not by the best. Of a searched parameter so many values are averaged.
+/// If an effect acts on no more readings than these, a half does not settle its sizes, noise and place or time: there
+/// the judged half is weighed by the average over them, not by the best. Of a searched parameter so many values are
+/// averaged.
 constexpr std::size_t kFewReadings = 60, kValuesWeighed = 12;
+
+bool acts_on_few(const Regressors& regressors, const EffectInstance& effect) {
+  return regressors.acting(effect).rows.size() <= kFewReadings;
+}
+
+/// Targets from which a wave of four steps is a cause that is told: eight periods of it. A choice.
+constexpr std::size_t kManyTargets = 32;
 
 /// True: the first half.
 using Half = std::vector<bool>;
 
 Half by_run(const Observations& data) {
-  const std::set<int> runs(data.run.begin(), data.run.end());
+  std::map<std::pair<Channel, Axis>, std::set<int>> runs;
+  for (std::size_t k = 0; k < data.size(); ++k) runs[{data.channel(k), data.axis[k]}].insert(data.run[k]);
   Half half(data.size());
-  for (std::size_t k = 0; k < data.size(); ++k) half[k] = std::distance(runs.begin(), runs.find(data.run[k])) % 2 == 0;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const std::set<int>& of_line = runs[{data.channel(k), data.axis[k]}];
+    half[k] = std::distance(of_line.begin(), of_line.find(data.run[k])) % 2 == 0;
+  }
   return half;
 }
 
@@ -65,8 +78,10 @@ Half by_target(const Observations& data) {
   for (std::size_t k = 0; k < data.size(); ++k) {
     const auto& list = targets[{data.channel(k), data.axis[k]}];
     const double p = data.along_of(k) + 0.1 * kSamePlace_mm;
-    // pairs of neighbours go together: single ones would see a wave of two steps as a constant
-    half[k] = (std::ranges::upper_bound(list, p) - list.begin()) / 2 % 2 == 0;
+    // pairs of neighbours go together: single ones would see a wave of two steps as a constant. Of many targets the
+    // pairs follow the sequence of Thue and Morse, which has no period: alternating ones see a wave of four steps so.
+    const auto pair = static_cast<std::size_t>(std::ranges::upper_bound(list, p) - list.begin()) / 2;
+    half[k] = (list.size() > kManyTargets ? std::popcount(pair) : static_cast<int>(pair)) % 2 == 0;
   }
   return half;
 }
@@ -180,7 +195,7 @@ std::optional<double> ln_ratio(const Evidence& on, const MatrixXd& columns, cons
   const double alone = std::max(model.chi2(), kLeastDivisor), left = (model.y - beyond).squaredNorm();
   if (!laws.empty()) {
     std::vector<Choice> values{found.front()};
-    if (data.size() <= kFewReadings && !effect.definition().searched_parameter().empty())
+    if (acts_on_few(on.regressors, effect) && !effect.definition().searched_parameter().empty())
       for (const Choice& value : search.peaks_of(search.base(), 0))
         if (values.size() < kValuesWeighed) values.push_back(value);
     return ln_ratio_averaged(on, search, values, columns, target, laws, hidden_judged);
@@ -230,7 +245,7 @@ std::optional<double> e_value_of(const Evidence& on, const MatrixXd& columns, co
   const Observations& data = on.regressors.data();
   if (data.size() > kMostWeighed) return weighed_in_part(on, columns, target, effect, null);
   std::vector<Wander> laws;
-  if (null == NullHypothesis::noise_or_wander || data.size() <= kFewReadings) laws.push_back({on.noise, 0.0});
+  if (null == NullHypothesis::noise_or_wander || acts_on_few(on.regressors, effect)) laws.push_back({on.noise, 0.0});
   if (null == NullHypothesis::noise_or_wander) {
     const auto add_likely = [&](const MatrixXd& with, const VectorXd& rest) {
       std::vector<LikelyWander> likely = likely_wanders(data, on.noise, on.left_out, with, rest);

@@ -452,6 +452,9 @@ std::string why_not_explained(const Found& found) {
                        found.odd_pass->run, found.odd_pass->off_um);
   if (found.wanders)
     return "readings of one run drift by more than three times the scatter of neighbouring readings: this is not noise";
+  if (found.wave)
+    return fmt::format("a periodic error of about {:.3g} {} is left whose phase differs from pass to pass",
+                       found.wave->period, found.wave->unit);
   if (found.cross_validated_share < kLeastCrossValidated)
     return fmt::format("the best effects of the library predict only {:.0f} % of the residual at held-out targets",
                        kPercent * std::max(0.0, found.cross_validated_share));

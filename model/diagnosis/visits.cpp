@@ -241,11 +241,13 @@ bool are_scattered_points(const Observations& data) {
   });
 }
 
-std::optional<double> chance_of_points(const Observations& data, const std::vector<bool>& left_out,
-                                       const MatrixXd& others, const MatrixXd& effect, const VectorXd& target) {
-  std::set<Sense> acting;
-  for (std::size_t k = 0; k < data.size(); ++k)
-    if (!left_out[k] && effect.row(static_cast<Index>(k)).squaredNorm() > 0.0) acting.insert(data.sense[k]);
+namespace {
+
+/// chance_of_points() in the readings of these senses, or of all where these alone do not tell the effect from the
+/// others: a turned set-up looks in one sense like a slope.
+std::optional<double> chance_in_senses(const Observations& data, const std::vector<bool>& left_out,
+                                       const std::set<Sense>& acting, const MatrixXd& others, const MatrixXd& effect,
+                                       const VectorXd& target) {
   std::map<std::tuple<Axis, Sense, std::array<long long, kAxes>>, std::vector<Index>> points;
   for (std::size_t k = 0; k < data.size(); ++k)
     if (!left_out[k] && acting.contains(data.sense[k]))
@@ -270,10 +272,22 @@ std::optional<double> chance_of_points(const Observations& data, const std::vect
   const PivotedQr without(of_others), with(of_both);
   const auto gained = static_cast<double>(with.rank() - without.rank());
   const auto spare = static_cast<double>(count - with.rank());
+  const std::set<Sense> all(data.sense.begin(), data.sense.end());
+  if (gained < 1.0 && acting != all) return chance_in_senses(data, left_out, all, others, effect, target);
   if (gained < 1.0 || spare < 1.0) return 1.0;
   const double left = (of_target - of_both * with.solve(of_target)).squaredNorm();
   const double before = (of_target - of_others * without.solve(of_target)).squaredNorm();
   return std::exp(ln_f_tail((before - left) / gained / std::max(left / spare, kLeastDivisor), gained, spare));
+}
+
+}  // namespace
+
+std::optional<double> chance_of_points(const Observations& data, const std::vector<bool>& left_out,
+                                       const MatrixXd& others, const MatrixXd& effect, const VectorXd& target) {
+  std::set<Sense> acting;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!left_out[k] && effect.row(static_cast<Index>(k)).squaredNorm() > 0.0) acting.insert(data.sense[k]);
+  return chance_in_senses(data, left_out, acting, others, effect, target);
 }
 
 std::string words_for(const MotionsOfGroups& motions) {

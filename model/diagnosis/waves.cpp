@@ -336,6 +336,7 @@ constexpr double kOneInAMillion = 6.0;
 
 struct Pass {
   std::vector<double> p_mm, value;
+  std::string_view unit;  ///< of p_mm: "deg" instead where a rotary axis or a circle turns
 };
 
 /// Power of a pass at a frequency [turns a mm], complex: twice the mean of the values turned back.
@@ -378,6 +379,7 @@ std::optional<FreeWave> free_wave(const Observations& data, const Eigen::VectorX
     if (left_out[k]) continue;
     Pass& pass = lines[{data.channel(k), data.axis[k]}][number[k]];
     pass.p_mm.push_back(data.along_of(k));
+    pass.unit = data.unit_along(k);
     pass.value.push_back(residual(static_cast<Eigen::Index>(k)));
   }
   std::optional<FreeWave> strongest;
@@ -406,7 +408,8 @@ std::optional<FreeWave> free_wave(const Observations& data, const Eigen::VectorX
         return -(ln_chi2_tail(ratio, freedom) + looks) / std::numbers::ln10;
       };
       if (minus_log_p(white) <= kOneInAMillion) continue;
-      const FreeWave wave{travel / turns, minus_log_p(white / background_at(passes, turns / travel, travel / densest))};
+      const FreeWave wave{travel / turns, passes.begin()->second.unit,
+                          minus_log_p(white / background_at(passes, turns / travel, travel / densest))};
       if (wave.minus_log_p > kOneInAMillion && (!strongest || wave.minus_log_p > strongest->minus_log_p))
         strongest = wave;
     }

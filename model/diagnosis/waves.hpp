@@ -100,7 +100,8 @@ struct NamedWave {
 [[nodiscard]] bool may_be_wave(const EffectInstance& curve, const Observations& data);
 
 struct FreeWave {
-  double period_mm = 0.0;
+  double period = 0.0;
+  std::string_view unit;     ///< of the period: "mm" or "deg" (Observations::unit_along())
   double minus_log_p = 0.0;  ///< base 10, for having been sought among all frequencies
 };
 /// The strongest wave along the moving axis whose phase and size differ from pass to pass; nothing where noise shows

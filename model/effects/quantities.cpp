@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 
 #include "core/terms.hpp"
 #include "laser/analysis/normalise.hpp"
@@ -210,16 +212,40 @@ constexpr double kTimesAssumed = 3.0, kLeastTime_s = 1.0;
 /// Temperatures that change less do not show a lag beside the noise of sensors, some 0.02 degC.
 constexpr double kLeastChange_degC = 0.2;
 
-ValueRange time_constant_limits(const Observations& data, const EffectInstance&, const Acting& acting, double) {
-  const double last_s = extent_of(data.time_s, acting).second;
+/// Greatest time constant that readings show. Without a sensor that is the longest stretch in which the effect was read
+/// without a pause: whatever changes in a pause or before the first reading would pass for a longer one.
+double longest_shown_s(const Observations& data, const EffectInstance& effect, const Acting& acting) {
+  if (effect.traits().has_lag) return extent_of(data.time_s, acting).second;
+  const auto set_up = data.extras.find("set_up");
+  std::map<std::tuple<Axis, std::ptrdiff_t, double>, std::pair<double, double>> stretches;
+  double longest_s = 0.0;
+  for (const std::size_t k : acting.rows) {
+    if (std::isnan(data.time_s[k])) continue;
+    const auto starts = data.sessions.find({data.axis[k], data.sense[k]});
+    const std::ptrdiff_t session =
+        starts == data.sessions.end()
+            ? 0
+            : std::ranges::count_if(starts->second, [&](int start) { return start <= data.run[k]; });
+    const double number = set_up == data.extras.end() || std::isnan(set_up->second[k]) ? 1.0 : set_up->second[k];
+    auto& [begin_s, end_s] =
+        stretches.try_emplace({data.axis[k], session, number}, data.time_s[k], data.time_s[k]).first->second;
+    begin_s = std::min(begin_s, data.time_s[k]);
+    end_s = std::max(end_s, data.time_s[k]);
+    longest_s = std::max(longest_s, end_s - begin_s);
+  }
+  return longest_s;
+}
+
+ValueRange time_constant_limits(const Observations& data, const EffectInstance& effect, const Acting& acting, double) {
+  const double last_s = longest_shown_s(data, effect, acting);
   return {last_s / kShortestTimes, last_s};
 }
 
-TriedValues tried_time_constants(const Observations& data, const EffectInstance&, const Acting& acting,
+TriedValues tried_time_constants(const Observations& data, const EffectInstance& effect, const Acting& acting,
                                  const SearchExtent&) {
   TriedValues tried{.values = {0.0}};
   if (acting.rows.empty() || data.time_s.empty()) return tried;
-  const double last_s = extent_of(data.time_s, acting).second;
+  const double last_s = longest_shown_s(data, effect, acting);
   tried.values.clear();
   if (last_s > 0.0) tried.values = logarithmic(last_s / kShortestTimes, last_s, kTimes);
   tried.independent = kTrialsOfTime;

@@ -497,6 +497,11 @@ CoreFit fitted(Assembly& assembly, const Regressors& regressors, const CoreOptio
   VectorXd residual = y - assembly.fixed(data.size());
   MatrixXd columns;  // fitted in the round before
   Solved now;
+  if (!options.plain && options.beside == nullptr) {  // no period or place is sought in outliers
+    const MatrixXd linear = assembly.columns();
+    core.left_out = rows_left_out(
+        data, linear.cols() > 0 ? VectorXd(residual - linear * least_squares(linear, residual).sizes) : residual);
+  }
   for (int round = 0; round < 4; ++round) {
     if (options.beside != nullptr) {
       core.noise = options.beside->noise;

@@ -64,12 +64,20 @@ Parts parts_of(const Observations& data) {
   std::map<std::pair<Channel, Axis>, std::set<int>> runs_of;
   for (std::size_t k = 0; k < data.size(); ++k) runs_of[{data.channel(k), data.axis[k]}].insert(data.run[k]);
   const std::vector<std::size_t> targets = numbers_of_targets(data);
+  std::map<std::pair<Channel, Axis>, std::size_t> targets_of, readings_of;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    std::size_t& count = targets_of[{data.channel(k), data.axis[k]}];
+    count = std::max(count, targets[k]);
+  }
   for (std::size_t k = 0; k < data.size(); ++k) {
     std::size_t number = k / kBlock;
     if (parts.by_run) number = static_cast<std::size_t>(std::distance(runs.begin(), runs.find(data.run[k])));
-    // a line with too few runs would be left out as a whole; all readings of a pose belong together
-    if (parts.by_run && data.through_chain.empty() && runs_of[{data.channel(k), data.axis[k]}].size() < kFewestRuns)
-      number = targets[k];
+    // a line with too few runs would be left out as a whole, one with too few targets as well; all readings of a pose
+    // belong together
+    const std::pair<Channel, Axis> line{data.channel(k), data.axis[k]};
+    if (parts.by_run && data.through_chain.empty() && runs_of[line].size() < kFewestRuns)
+      number = targets_of[line] >= parts.count ? targets[k] : readings_of[line] / kBlock;
+    ++readings_of[line];
     parts.of.push_back(number % parts.count);
   }
   return parts;

@@ -142,7 +142,7 @@ bool many(const std::vector<double>& deviation, bool of_poses) {
 
 /// True for the readings of a kind of which there are enough, but too few were repeated.
 std::vector<bool> in_kinds_not_repeated(const Observations& data, const std::vector<double>& deviation, bool of_poses) {
-  std::array<std::vector<double>, kReadingKinds> of_kind;
+  std::map<ReadingKind, std::vector<double>> of_kind;
   for (std::size_t k = 0; k < data.size(); ++k) of_kind[kind_of(data, k)].push_back(deviation[k]);
   std::vector<bool> not_repeated;
   for (std::size_t k = 0; k < data.size(); ++k) {
@@ -345,10 +345,10 @@ std::vector<NoiseGroup> groups_of(const Observations& data) {
 
 }  // namespace
 
-std::size_t kind_of(const Observations& data, std::size_t k) {
-  if (data.on_path(k)) return 3;
-  if (is_rotation(data.sense[k])) return 2;
-  return !data.rotary && static_cast<std::size_t>(data.sense[k]) == index_of(data.axis[k]) ? 0 : 1;
+ReadingKind kind_of(const Observations& data, std::size_t k) {
+  if (data.on_path(k)) return ReadingKind::path;
+  if (is_rotation(data.sense[k])) return ReadingKind::angle;
+  return !data.rotary && direction_of(data.sense[k]) == data.axis[k] ? ReadingKind::position : ReadingKind::across;
 }
 
 double NoiseGroup::sigma() const { return std::sqrt(white * white + correlated * correlated); }

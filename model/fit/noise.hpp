@@ -4,7 +4,9 @@
 // Internal to model/ (Eigen). Does not live here: what is not noise (model/diagnosis/structure.hpp).
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <random>
@@ -28,10 +30,12 @@ inline constexpr double kSamePlace_mm = 1e-4;
 /// replicates would decide everything.
 inline constexpr double kFewestNoiseFreedom = 4.0;
 
-/// Kinds of readings, each of which has an instrument or optics of its own: positions, what lies across the motion (and
-/// all lengths of rotary axes), angles, paths such as circles.
-inline constexpr std::size_t kReadingKinds = 4;
-[[nodiscard]] std::size_t kind_of(const Observations& data, std::size_t k);
+/// Kinds of readings, each of which has an instrument or optics of its own. Lengths read while a rotary axis turns are
+/// all `across`; paths are circles, diagonals and the like.
+enum class ReadingKind : std::uint8_t { position, across, angle, path };
+inline constexpr std::array kReadingKinds = {ReadingKind::position, ReadingKind::across, ReadingKind::angle,
+                                             ReadingKind::path};
+[[nodiscard]] ReadingKind kind_of(const Observations& data, std::size_t k);
 
 /// Readings of one sense along one moving axis: one instrument, one noise.
 struct NoiseGroup {

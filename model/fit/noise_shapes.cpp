@@ -274,7 +274,7 @@ double evidence_of(std::vector<double> nats, const std::vector<double>& nats_whi
 void shrink_levels(const Observations& data, const std::vector<NoiseGroup>& groups, const std::vector<double>& freedom,
                    double information, std::vector<double>& variance) {
   constexpr double kAgreeing = 40.0, kDiffering = 4.0;  // degrees of freedom that the common level counts for: a choice
-  for (std::size_t kind = 0; kind < kReadingKinds; ++kind) {
+  for (const ReadingKind kind : kReadingKinds) {
     double all = 0.0, sum = 0.0, logs = 0.0, count = 0.0;
     const auto counts = [&](std::size_t g) {
       return kind_of(data, groups[g].rows.front()) == kind && freedom[g] >= 1.0 && variance[g] > 0.0;

@@ -1,9 +1,11 @@
 // Hampel's identifier: distance from a median in units of the median absolute deviation (Hampel 1974; Davies and Gather
 // 1993), against the largest of n normal deviates, √(2 ln n) (Donoho and Johnstone 1994).
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "model/fit/noise.hpp"
@@ -117,44 +119,52 @@ void keep_streaks(const Observations& data, const std::vector<double>& oddness, 
     }
 }
 
-/// Nor are the first ones after a reversal where every repeat shows it: the axis does that.
-void keep_after_reversal(const Observations& data, std::vector<bool>& out) {
-  if (data.travel_since_reversal_mm.empty()) return;
-  const Repeats repeats = places_of(data);
-  std::vector<std::size_t> readings(repeats.nodes), odd(repeats.nodes);
+/// Nor is a reading that all passes over its target repeat, two at least, in its approach or in both: the machine does
+/// that, a bad place or what follows a reversal.
+void keep_repeated(const Observations& data, std::vector<bool>& out) {
+  struct Target {
+    std::set<std::size_t> passes;
+    bool all_odd = true;
+  };
+  using Key = std::tuple<Channel, Axis, int, std::array<long long, kAxes>>;
   const std::vector<std::size_t> pass = passes_of(data);
-  std::map<std::size_t, double> shortest_mm;
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    ++readings[repeats.node_of[k]];
-    if (out[k]) ++odd[repeats.node_of[k]];
-    double& travel_mm = shortest_mm.try_emplace(pass[k], kBeyondAll).first->second;
-    travel_mm = std::min(travel_mm, data.travel_since_reversal_mm[k]);  // a missing one is not less
-  }
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    const std::size_t node = repeats.node_of[k];
-    const bool is_first = data.travel_since_reversal_mm[k] <= shortest_mm[pass[k]];
-    if (is_first && readings[node] > 1 && odd[node] == readings[node]) out[k] = false;
-  }
+  std::map<Key, Target> targets;
+  const auto key = [&](std::size_t k, int approach) {
+    const Vector3 place = data.place_of(k);
+    std::array<long long, kAxes> rounded{};
+    for (std::size_t a = 0; a < kAxes; ++a) rounded[a] = std::llround(place[a] / kSamePlace_mm);
+    return Key{data.channel(k), data.axis[k], approach, rounded};
+  };
+  constexpr int kBoth = 0;
+  const auto approaches = [&](std::size_t k) { return std::set{data.approach[k], kBoth}; };
+  for (std::size_t k = 0; k < data.size(); ++k)
+    for (const int approach : approaches(k)) {
+      Target& target = targets[key(k, approach)];
+      target.passes.insert(pass[k]);
+      target.all_odd = target.all_odd && out[k];
+    }
+  const std::vector<bool> odd = out;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    for (const int approach : approaches(k)) {
+      const Target& target = targets[key(k, approach)];
+      if (odd[k] && target.all_odd && target.passes.size() > 1) out[k] = false;
+    }
 }
 
-/// A circle is read on the fly, where several readings follow a reversal closely: what every repeat shows there, or
-/// what a single one shows within five degrees, the axis does.
+/// A circle is read on the fly, where several readings follow a reversal closely: what a single pass shows within five
+/// degrees of one, the axis does.
 void keep_on_circles(const Observations& data, std::vector<bool>& out) {
   constexpr double kClose = 0.004;  // of the radius: 1 - cos 5 degrees
-  if (data.paths.empty()) return;
   const Repeats repeats = places_of(data);
-  std::vector<std::size_t> readings(repeats.nodes), odd(repeats.nodes);
+  std::vector<std::size_t> readings(repeats.nodes);
+  for (const std::size_t node : repeats.node_of) ++readings[node];
   for (std::size_t k = 0; k < data.size(); ++k) {
-    ++readings[repeats.node_of[k]];
-    if (out[k]) ++odd[repeats.node_of[k]];
-  }
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    if (!out[k] || !data.on_path(k) || data.path_of(k).kind != PathKind::circle) continue;
-    const std::size_t node = repeats.node_of[k];
+    if (!out[k] || !data.on_path(k) || data.path_of(k).kind != PathKind::circle || readings[repeats.node_of[k]] > 1)
+      continue;
     const PlaceOnPath place = place_on(data.path_of(k), data.position_mm[k], data.approach[k]);
-    const bool after_reversal = std::ranges::any_of(
-        place.since_reversal_mm, [&](const auto& mm) { return mm && *mm < kClose * data.path_of(k).radius_mm; });
-    if (readings[node] > 1 ? odd[node] == readings[node] : after_reversal) out[k] = false;
+    if (std::ranges::any_of(place.since_reversal_mm,
+                            [&](const auto& mm) { return mm && *mm < kClose * data.path_of(k).radius_mm; }))
+      out[k] = false;
   }
 }
 
@@ -200,7 +210,7 @@ std::vector<bool> isolated_outliers(const Observations& data, const Eigen::Vecto
     for (std::size_t i = 0; i < isolated(found, rows.size() / kReadingsAnOutlier); ++i) out[found[i].second] = true;
   }
   keep_streaks(data, oddness, out);
-  keep_after_reversal(data, out);
+  keep_repeated(data, out);
   keep_on_circles(data, out);
   return out;
 }

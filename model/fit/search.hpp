@@ -199,6 +199,7 @@ class Search {
   void build_bank();
   void build_shapes(std::size_t family);
   void build_grams(std::size_t family);
+  void store_own_grams(const FamilyBank& bank, Eigen::Index from, const Eigen::MatrixXd& white);
   void store_grams(const FamilyBank& bank, Eigen::Index from, const Eigen::MatrixXf& left, const Eigen::MatrixXf& right,
                    const Eigen::MatrixXf& absorbed);
   /// Values for products with whitened readings as values for products with motions (Regressors::motions()).

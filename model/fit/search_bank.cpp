@@ -172,6 +172,24 @@ void Search::store_grams(const FamilyBank& bank, Index from, const MatrixXf& lef
   }
 }
 
+/// The same in double precision, for columns that vary by little beside what the base takes, such as the time at a line
+/// that was measured a day after the first one: they count as absorbed only by what the base leaves of them.
+void Search::store_own_grams(const FamilyBank& bank, Index from, const MatrixXd& white) {
+  const MatrixXd own = white - base_.q * (base_.q.transpose() * white);
+  for (std::size_t i = bank.first; i < bank.last; ++i) {
+    Item& item = items_[i];
+    if (item.start < from || item.start + item.count > from + white.cols()) continue;
+    item.gram = grams_.size();
+    grams_.resize(grams_.size() + static_cast<std::size_t>(item.count * (item.count + 1)));
+    Eigen::Map<MatrixXd> gram(grams_.data() + item.gram, item.count, item.count);
+    Eigen::Map<VectorXd> original(grams_.data() + item.gram + item.count * item.count, item.count);
+    const auto columns = own.middleCols(item.start - from, item.count);
+    gram = columns.transpose().lazyProduct(columns);
+    const VectorXd whole = white.middleCols(item.start - from, item.count).colwise().squaredNorm().transpose();
+    for (Index j = 0; j < item.count; ++j) original(j) = gram(j, j) > kAbsorbed * whole(j) ? gram(j, j) : whole(j);
+  }
+}
+
 /// Products of the shapes of each item, whitened, base removed.
 void Search::build_grams(std::size_t f) {
   FamilyBank& bank = banks_[f];
@@ -202,8 +220,7 @@ void Search::build_grams(std::size_t f) {
     if (weight.size() > 0) {
       store_grams(bank, from, piece, weighted(weight, piece), base_q.transpose() * piece);
     } else {
-      const MatrixXf white = white_of(f, piece.cast<double>()).cast<float>();
-      store_grams(bank, from, white, white, base_.q.cast<float>().transpose() * white);
+      store_own_grams(bank, from, white_of(f, piece.cast<double>()));
     }
     from = end;
   }

@@ -584,7 +584,7 @@ std::optional<std::string> nothing_in_doubt(const Diagnosis& diagnosis) {
   if (diagnosis.verdict != Verdict::missing_effect) return std::nullopt;
   for (const Candidate& candidate : diagnosis.candidates)
     if (candidate.in_answer() && !is_settled(candidate)) return std::nullopt;
-  return "No further measurement is needed: the cause is proved" + odds_of_others(diagnosis) + ".";
+  return "No further measurement is needed to name the cause: it is proved" + odds_of_others(diagnosis) + ".";
 }
 
 NextMeasurement planned_next(const Model& model, const Observations& data, Diagnosis& diagnosis,

@@ -175,13 +175,12 @@ bool seen_by_line(const Observations& all, const EffectInstance& effect, bool fe
 
 /// A few lengths, such as those of gauge blocks: each has a calibration error of its own, so that they show no shape.
 bool are_few_lengths(const Observations& all) {
-  constexpr std::size_t kFewLengths = 12;  // as of targets with values of their own (search_screen.cpp)
   std::map<Channel, std::set<double>> ends;
   for (std::size_t k = 0; k < all.size(); ++k)
     if (all.on_path(k)) ends[all.channel(k)].insert(all.along_of(k));
   std::size_t lengths = 0;
   for (const auto& each : ends) lengths += std::max<std::size_t>(each.second.size(), 2) - 1;
-  return lengths <= kFewLengths;
+  return lengths <= kFreeTargets;
 }
 
 /// Error motions of the rotary axes that moved, in all six senses: they reach readings of a ball through the chain.

@@ -64,7 +64,7 @@ constexpr NeedFacts kNeeds[] = {
     {Need::travel_since_reversal, "the column travel_since_reversal_mm", "travel_since_reversal_mm",
      [](Data data) { return data.travel_since_reversal_mm.empty(); },
      [](Data data, std::size_t k, Effect) { return cell(data.travel_since_reversal_mm, k); }},
-    {Need::time_since_reversal, "the column feed_mm_min along a circle", kTimeSinceReversalColumn,
+    {Need::time_since_reversal, "a circle whose file states feed_mm_min", kTimeSinceReversalColumn,
      [](Data data) { return !data.extras.contains(kTimeSinceReversalColumn); },
      [](Data data, std::size_t k, Effect) {
        const auto found = data.extras.find(kTimeSinceReversalColumn);

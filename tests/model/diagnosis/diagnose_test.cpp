@@ -556,6 +556,38 @@ TEST_CASE("a slope is found beside a warming up of the model that could take it 
   CHECK(stands_for(found.candidates.front(), "scale:X:EX"));
 }
 
+TEST_CASE("a slope that only the readings after a long pause have is no warming up") {
+  auto set = measured({.runs = 6}, 0.3, nothing);
+  for (Reading& r : set.readings) {
+    if (r.run <= 3) continue;
+    r.time_s = *r.time_s + 72000.0;
+    r.error += 6.0 * p(r) / 1000.0;
+  }
+  const Diagnosis found = diagnosed(straight(), set);
+  CHECK(found.verdict != Verdict::adequate);
+  for (const Candidate& one : found.candidates) CHECK_FALSE((one.in_answer() && one.effect.id == warm_up));
+}
+
+TEST_CASE("a step keeps its place and its size beside a gross outlier") {
+  auto set = measured({.targets = 21, .runs = 2}, 0.3, [](const Reading& r) { return p(r) > 330.0 ? 3.0 : 0.0; });
+  set.readings[5].error -= 400.0;
+  const Diagnosis found = diagnosed(straight(), set);
+  REQUIRE(count_named(found) == 1);
+  const Candidate& step = found.candidates.front();
+  CHECK(stands_for(step, "step:X:EX"));
+  CHECK(step.parameters.front().value == Approx(330.0).epsilon(0.05));
+  CHECK(step.parameters.back().value == Approx(3.0).epsilon(0.15));
+}
+
+TEST_CASE("one target that is off in every pass is told as structure, not left out as outliers") {
+  auto set = measured({.targets = 24, .runs = 2}, 0.3, nothing);
+  for (std::size_t k = 0; k < set.readings.size(); ++k)
+    if (k % 48 == 9 || k % 48 == 38) set.readings[k].error += 6.0;  // the tenth target, there and back
+  const Diagnosis found = diagnosed(straight(), set);
+  CHECK(found.outliers.empty());
+  CHECK(found.verdict != Verdict::adequate);
+}
+
 TEST_CASE("the set of periods holds the pitch and what looks like it at even targets, a strong second harmonic too") {
   auto set = measured({}, 0.2, nothing);
   for (Reading& r : set.readings) {  // every 23 mm: 10 and 76.7 mm are the same there

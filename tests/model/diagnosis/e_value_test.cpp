@@ -104,6 +104,31 @@ TEST_CASE("of sixteen readings a true step or spike has evidence, and noise has 
   for (const char* name : {"step:X:EX", "warm_up:X:EX"}) CHECK(on_noise(candidate(name), few, 400).mean <= 1.0);
 }
 
+TEST_CASE("a wave of four steps has evidence in a single run") {
+  const auto wave = [](const Reading& r) { return std::sin(0.5 * std::numbers::pi * p(r) / 10.0 + 0.4); };
+  auto set = measured({.step_mm = 10.0, .targets = 72, .runs = 1}, kSigma_um, nothing);
+  for (Reading& r : set.readings) {
+    r.position_mm[0] = 10.0 * std::round(r.position_mm[0] / 10.0);  // even targets
+    r.error += wave(r);
+  }
+  CHECK(must(Weighed(set).e_value(candidate("cyclic:X:EX"))) > 1e6);
+}
+
+TEST_CASE("a curve across, read on few targets beside many positions, has the evidence that it has alone") {
+  const auto bow = [](const Reading& r) {
+    return r.sense == Sense::EY ? 3.0 * std::sin(2.0 * std::numbers::pi * p(r) / 700.0) : 0.0;
+  };
+  const Plan across{.sense = Sense::EY, .step_mm = 80.0, .targets = 12, .runs = 1};
+  const Model model{.effects = {effect(offset, Axis::X, Sense::EX), effect(offset, Axis::X, Sense::EY)}};
+  auto set = measured({.runs = 5}, kSigma_um, bow);
+  measure(set, across, kSigma_um, bow);
+  const Diagnosis found = diagnosed(model, set);
+  CHECK(count_named(found) == 1);
+  REQUIRE_FALSE(found.candidates.empty());
+  CHECK(found.candidates.front().standing == Standing::proved);
+  CHECK(found.candidates.front().effect.sense == Sense::EY);
+}
+
 TEST_CASE("evidence for a false cause stays below that for the true one") {
   const Weighed of(measured_line(lost_motion_of_two_um));
   for (const char* text : {"cyclic:X:EX", "sag:X:EX", "step:X:EX", "time_drift:X:EX"}) {

@@ -142,6 +142,11 @@ TEST_CASE("an effect that leaves no point to be predicted has no chance of its o
   CHECK(must(chance_of_points(data, all, zero, slope, errors)) > 0.01);
   CHECK(must(chance_of_points(data, all, zero, free, target)) == 1.0);
   CHECK_FALSE(chance_of_points(data, all, zero, visit, target));
+  // in its own sense a slope is like a turned set-up of the base, which the other sense tells from it
+  Eigen::MatrixXd turned = slope;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (data.sense[k] == Sense::EY) turned(static_cast<Eigen::Index>(k), 0) = -data.position_mm[k][0] / 1000.0;
+  CHECK(must(chance_of_points(data, all, turned, slope, target)) < 1e-6);
 }
 
 TEST_CASE("points on a line, and senses that were measured apart, show no rigid motion") {

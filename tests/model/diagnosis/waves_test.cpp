@@ -347,7 +347,7 @@ TEST_CASE("a wave with another phase in every pass is found at its period") {
         free_wave_in(with_free_wave(kTravel_mm / turns, 0.6, static_cast<unsigned>(*rc::gen::inRange(1, 10'000))));
     RC_ASSERT(found.has_value());
     // frequencies closer than half a turn over the travel are one
-    RC_ASSERT(std::abs(kTravel_mm / found->period_mm - turns) < 0.6);
+    RC_ASSERT(std::abs(kTravel_mm / found->period - turns) < 0.6);
   }));
 }
 
@@ -379,7 +379,7 @@ TEST_CASE("a stronger free wave is the more certain one, and its size does not d
   const Searching of(with_free_wave(62.5, 0.6, 3), kSigma_um, {});
   const auto scaled = must(free_wave(of.data, 1e3 * of.search.base().y, std::vector<bool>(of.data.size(), false)));
   CHECK(scaled.minus_log_p == Approx(strong.minus_log_p));
-  CHECK(scaled.period_mm == strong.period_mm);
+  CHECK(scaled.period == strong.period);
 }
 
 TEST_CASE("a slow shape of fewer than two turns over the travel is no wave") {
@@ -401,5 +401,5 @@ TEST_CASE("outliers neither make a free wave nor hide one") {
     residual(static_cast<Index>(k)) = 1e4;
     left_out[k] = true;
   }
-  CHECK(must(free_wave(of.data, residual, left_out)).period_mm == Approx(62.5).epsilon(0.03));
+  CHECK(must(free_wave(of.data, residual, left_out)).period == Approx(62.5).epsilon(0.03));
 }

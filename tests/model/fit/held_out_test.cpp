@@ -1,5 +1,7 @@
 #include "model/fit/held_out.hpp"
 
+#include <map>
+
 #include "model/diagnosis/structure.hpp"
 #include "tests/model/support/measured_lines.hpp"
 #include "tests/support/normal_matrix.hpp"
@@ -43,6 +45,21 @@ TEST_CASE("three runs and more are held out whole") {
   CHECK(parts.by_run);
   CHECK(parts.count == 4);
   for (std::size_t k = 0; k < data.size(); ++k) CHECK(parts.of[k] == static_cast<std::size_t>(data.run[k] - 1));
+}
+
+TEST_CASE("of lines with few runs targets are held out, and neighbours if there is one target only") {
+  auto set = measured({.targets = 10, .runs = 4}, 0.0, nothing);
+  measure(set, {.axis = Axis::Y, .sense = Sense::EY, .targets = 10, .runs = 1, .both_ways = false}, 0.0, nothing);
+  for (int k = 0; k < 40; ++k)  // a drift test
+    measure(set, {.axis = Axis::Z, .sense = Sense::EZ, .targets = 1, .runs = 1, .both_ways = false}, 0.0, nothing);
+  const Observations data = observations_of(set, straight(), mill());
+  const Parts parts = parts_of(data);
+  std::map<Axis, std::vector<std::size_t>> in_part;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    in_part.try_emplace(data.axis[k], parts.count).first->second[parts.of[k]] += 1;
+  CHECK(parts.count == 4);
+  for (const Axis axis : {Axis::X, Axis::Y, Axis::Z})
+    for (const std::size_t readings : in_part.at(axis)) CHECK(readings >= 2);
 }
 
 TEST_CASE("of two runs neighbours are held out together, four at a time in five parts") {

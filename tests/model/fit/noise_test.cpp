@@ -519,18 +519,17 @@ TEST_CASE("two neighbours far off, one to each side, are a jump that the model h
   CHECK(alone.outliers() == std::vector<std::size_t>{20});
 }
 
-TEST_CASE("the first reading after a reversal is no outlier where every run is off there") {
-  Spoiled set(4, {.runs = 2});
-  const std::vector<std::size_t> first{0, 82};  // of either forward pass of 41 targets
-  for (const std::size_t k : first) set.raise(k, 40.0);
-  CHECK(set.outliers() == first);  // as long as nobody says how far the axis has moved since its reversal
-  for (std::size_t k = 0; k < set.data.size(); ++k) {
-    const double p_mm = set.data.p_mm(k, Axis::X);
-    set.data.travel_since_reversal_mm.push_back(set.data.approach[k] > 0 ? 10.0 + p_mm : 1010.0 - p_mm);
-  }
-  CHECK(set.outliers().empty());
-  set.raise(82, -40.0);  // one run only
-  CHECK(set.outliers() == std::vector<std::size_t>{0});
+TEST_CASE("a reading that every pass over its target repeats is no outlier, in one approach or in both") {
+  Spoiled forward(4, {.runs = 2});
+  for (const std::size_t k : {0U, 82U}) forward.raise(k, 40.0);  // first reading of either forward pass of 41 targets
+  CHECK(forward.outliers().empty());
+  forward.raise(82, -40.0);  // one run only
+  CHECK(forward.outliers() == std::vector<std::size_t>{0});
+  Spoiled place(5, {.runs = 1});
+  for (const std::size_t k : {10U, 71U}) place.raise(k, 40.0);  // one target, there and back
+  CHECK(place.outliers().empty());
+  place.raise(71, -40.0);
+  CHECK(place.outliers() == std::vector<std::size_t>{10});
 }
 
 TEST_CASE("the transposed whitener is the transpose of the whitener, rows left out and all") {
