@@ -290,7 +290,7 @@ TEST_CASE("a model file that does not exist yet is created after a question, and
   const auto screen = form.opens_by_itself();
   REQUIRE(screen != nullptr);
   CHECK(fs::exists(fresh));
-  CHECK(contains(picture(*screen), "with offset and slope"));
+  CHECK(contains(picture(*screen), "with an offset and a slope"));
   finish(*screen, "d");
   CHECK(contains(picture(*screen), "cyclic:X:EX"));
   finish(*screen, "a");
