@@ -143,6 +143,29 @@ std::optional<RunOffset> best_run_offset(const Observations& data, const Whitene
   return best;
 }
 
+std::optional<TargetOffset> best_target_offset(const Observations& data, const Whitener& whitener, const Space& space) {
+  constexpr std::size_t kMostTargets = 400;
+  using Target = std::tuple<Channel, Axis, long long>;
+  std::map<Target, std::vector<std::size_t>> targets;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    targets[{data.channel(k), data.axis[k], std::llround(data.along_of(k) / kSamePlace_mm)}].push_back(k);
+  if (targets.size() > kMostTargets) return std::nullopt;
+  constexpr int kBoth = 0;
+  const double price =
+      std::log(static_cast<double>(data.size())) + 2.0 * std::log(3.0 * static_cast<double>(targets.size()));
+  std::optional<TargetOffset> best;
+  for (const auto& [target, rows] : targets)
+    for (const int approach : {kBoth, 1, -1}) {
+      Eigen::VectorXd column = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(data.size()));
+      for (const std::size_t k : rows)
+        if (approach == kBoth || data.approach[k] == approach) column(static_cast<Eigen::Index>(k)) = 1.0;
+      const double score = gain_of(space, whitener(Eigen::MatrixXd(column))) - price;
+      if (!best || score > best->score)
+        best = TargetOffset{data.along_of(rows.front()), data.unit_along(rows.front()), score};
+    }
+  return best;
+}
+
 namespace {
 
 /// By run: ratio of its mean absolute residual to that of the others, where it is larger by more than chance.

@@ -26,6 +26,16 @@ struct RunOffset {
 [[nodiscard]] std::optional<RunOffset> best_run_offset(const Observations& data, const Whitener& whitener,
                                                        const Space& space, std::size_t fewest = 3);
 
+/// A target of one line at which all readings, or those of one approach, are off.
+struct TargetOffset {
+  double along = 0.0;     ///< where it is along the line
+  std::string_view unit;  ///< of `along`
+  double score = 0.0;     ///< fall of χ² less the price of one coefficient and of the choice among targets
+};
+/// The best one beyond what `space` absorbs; nothing where there are too many targets to be compared.
+[[nodiscard]] std::optional<TargetOffset> best_target_offset(const Observations& data, const Whitener& whitener,
+                                                             const Space& space);
+
 /// A run, or its pass of one line and approach, that stands off the others.
 struct OddPass {
   int run = 0;

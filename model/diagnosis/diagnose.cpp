@@ -462,16 +462,14 @@ Result<NamedCauses> names_alone(const ReportInput& in) {
 /// and no curve without slope is a rival of it.
 std::optional<std::string> slope_note(const Candidate& one, const Regressors& regressors) {
   const auto is_curve = [](const EffectInstance& effect, bool keeps_slope) {
-    return effect.traits().is_curve && effect.traits().keeps_slope == keeps_slope;
+    return effect.traits().is_curve && !effect.traits().of_approach && effect.traits().keeps_slope == keeps_slope;
   };
   if (!one.in_answer() || !is_curve(one.effect, true) || regressors.lever_varies(one.effect) ||
       std::ranges::any_of(one.rivals, [&](const EffectInstance& rival) { return is_curve(rival, false); }))
     return std::nullopt;
   return fmt::format(
       "{} has the same shape in these readings as a scale error and a smooth error along the travel together. One "
-      "cause "
-      "is "
-      "more probable than two; measure a second line at another distance to exclude them",
+      "cause is more probable than two; measure a second line at another distance to exclude them",
       place_text(one.effect));
 }
 

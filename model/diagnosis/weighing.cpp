@@ -319,6 +319,22 @@ void deny_sets_of_a_run(const Observations& data, const Search& search, const Wh
   }
 }
 
+/// Waves are no cause where one target that is off explains as much as all of them do, as the end of a sentence; ""
+/// where there are none, or they explain more.
+std::string objection_by_target(const Observations& data, const Search& search, const Whitener& whitener,
+                                const Found& found) {
+  std::vector<Choice> kept;
+  for (const Choice& one : found.solution.chosen)
+    if (!found.families[one.family].effect.traits().periodic) kept.push_back(one);
+  if (kept.size() == found.solution.chosen.size()) return "";
+  const Solution rest = search.solution(kept, found.solution.own);
+  const auto target = best_target_offset(data, whitener, rest.space);
+  if (!target || target->score < found.solution.score() - rest.score()) return "";
+  return fmt::format(
+      "one target, at {:.6g} {}, that is off explains as much as the periodic errors do: check that place first",
+      target->along, target->unit);
+}
+
 }  // namespace
 
 void judge(const Regressors& regressors, const Base& base, const Search& search, const Whitener& whitener,
@@ -351,6 +367,7 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
   found.objection = found.bad_run ? fmt::format("an offset of run {} explains it equally well: check that run first",
                                                 found.bad_run->run)
                                   : objection_to_waves(data, found.families, members, proved, periods);
+  if (found.objection.empty()) found.objection = objection_by_target(data, search, whitener, found);
   const auto effect_of_member = [&](std::size_t i) -> const EffectInstance& {
     return found.families[chosen[i].family].effect;
   };

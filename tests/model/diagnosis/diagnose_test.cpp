@@ -568,6 +568,15 @@ TEST_CASE("a slope that only the readings after a long pause have is no warming 
   for (const Candidate& one : found.candidates) CHECK_FALSE((one.in_answer() && one.effect.id == warm_up));
 }
 
+TEST_CASE("a lost motion that varies along the axis is not said to look like a scale error and a curve") {
+  const Diagnosis found = diagnosed(
+      straight(), measured({}, 0.3, [](const Reading& r) { return d(r) * (1.0 + 2.0 * std::sin(p(r) / 250.0)); }));
+  CHECK(std::ranges::any_of(found.candidates, [](const Candidate& one) {
+    return one.in_answer() && stands_for(one, "reversal_curve:X:EX");
+  }));
+  for (const std::string& note : found.notes) CHECK(note.find("same shape") == std::string::npos);
+}
+
 TEST_CASE("a step keeps its place and its size beside a gross outlier") {
   auto set = measured({.targets = 21, .runs = 2}, 0.3, [](const Reading& r) { return p(r) > 330.0 ? 3.0 : 0.0; });
   set.readings[5].error -= 400.0;
@@ -585,7 +594,13 @@ TEST_CASE("one target that is off in every pass is told as structure, not left o
     if (k % 48 == 9 || k % 48 == 38) set.readings[k].error += 6.0;  // the tenth target, there and back
   const Diagnosis found = diagnosed(straight(), set);
   CHECK(found.outliers.empty());
-  CHECK(found.verdict != Verdict::adequate);
+  CHECK(found.verdict == Verdict::unexplained_structure);
+  for (int runs = 3; runs <= 5; ++runs) {  // nor as waves, however well the readings repeat them
+    auto more = measured({.targets = 33, .runs = runs}, 0.3, nothing, static_cast<unsigned>(runs));
+    for (std::size_t k = 0; k < more.readings.size(); ++k)
+      if (k % 66 == 12 || k % 66 == 53) more.readings[k].error += 4.0;
+    CHECK(count_named(diagnosed(straight(), more)) == 0);
+  }
 }
 
 TEST_CASE("the set of periods holds the pitch and what looks like it at even targets, a strong second harmonic too") {
