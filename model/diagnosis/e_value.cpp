@@ -53,7 +53,8 @@ bool acts_on_few(const Regressors& regressors, const EffectInstance& effect) {
   return regressors.acting(effect).rows.size() <= kFewReadings;
 }
 
-/// Targets from which a wave of four steps is a cause that is told: eight periods of it. A choice.
+/// With more targets than this, the halves must also show a wave of four steps, which then has eight periods or more. A
+/// choice.
 constexpr std::size_t kManyTargets = 32;
 
 /// True: the first half.

@@ -210,8 +210,8 @@ Result<MemoryDump> dump_from(VerbContext& context, const std::string& file_or_un
   return file_or_unit == kUnitWord ? dump_of_unit(context, DumpScope::all) : read_dump(file_or_unit);
 }
 
-/// What is wrong with one of the two on its own: its file, or the image that its unit would use. Bytes that the file
-/// has lost change the checksum of their image too, which is told once.
+/// What is wrong with one of the two on its own: its file, or the image that its unit would use. Damaged bytes of a
+/// file also spoil the checksum of the image; that is reported once.
 std::vector<std::string> damage_in(const MemoryDump& dump) {
   std::vector<std::string> damage = dump.damage;
   const DecodedMemory memory = decoded(dump);

@@ -588,7 +588,7 @@ TEST_CASE("a step keeps its place and its size beside a gross outlier") {
   CHECK(step.parameters.back().value == Approx(3.0).epsilon(0.15));
 }
 
-TEST_CASE("one target that is off in every pass is told as structure, not left out as outliers") {
+TEST_CASE("one target that is off in every pass is structure: neither outliers nor waves") {
   auto set = measured({.targets = 24, .runs = 2}, 0.3, nothing);
   for (std::size_t k = 0; k < set.readings.size(); ++k)
     if (k % 48 == 9 || k % 48 == 38) set.readings[k].error += 6.0;  // the tenth target, there and back
