@@ -30,6 +30,7 @@
 #include "model/fit/compare.hpp"
 #include "model/fit/core.hpp"
 #include "model/fit/held_out.hpp"
+#include "model/fit/noise.hpp"
 #include "model/fit/statistics.hpp"
 #include "model/regression/needs.hpp"
 
@@ -650,8 +651,12 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.reservation = reservation_for(data, names_a_wave(diagnosis));
   diagnosis.cannot_tell = cannot_tell;
   diagnosis.best_sum_leaves = !in.found.solution.chosen.empty() && leaves_structure(in.found, in.options);
+  const auto passes = diagnosis.verdict == Verdict::adequate
+                          ? scatter_of_passes(data, in.base.residual, in.base.core.left_out)
+                          : std::nullopt;
   diagnosis.headline =
-      headline_for(diagnosis, data, diagnosis.different_run ? diagnosis.different_run->text : run_note(in.found));
+      headline_for(diagnosis, data, diagnosis.different_run ? diagnosis.different_run->text : run_note(in.found),
+                   passes.has_value());
   diagnosis.headline += beside_formulas(in.model, diagnosis);
   if (std::ranges::any_of(in.model.effects, [](const auto& effect) { return !effect.tied_with.empty(); }) ||
       std::ranges::find(in.base.core.undetermined, true) != in.base.core.undetermined.end())
@@ -659,13 +664,11 @@ Result<Diagnosis> reported(const ReportInput& in) {
   if (motions) diagnosis.headline = words_for(*motions) + " " + diagnosis.headline;
   if (diagnosis.verdict != Verdict::adequate)
     diagnosis.headline = unmodelled_lines(in.model, in.regressors) + diagnosis.headline;
-  if (diagnosis.verdict == Verdict::adequate)
-    if (const auto passes = scatter_of_passes(data, in.base.residual, in.base.core.left_out))
-      diagnosis.headline += fmt::format(
-          " Each pass has a zero of its own: passes differ by {:.3g} {} (one standard deviation), but readings within "
-          "a "
-          "pass by {:.3g}. No map corrects that: check datum, lost motion, clamping and instrument.",
-          passes->between_um, in.found.noise.pure.unit, passes->within_um);
+  if (passes)
+    diagnosis.headline += fmt::format(
+        " Each pass has a zero of its own: passes differ by {:.3g} {} (one standard deviation), but readings within a "
+        "pass by {:.3g}. No map corrects that: check datum, lost motion, clamping and instrument.",
+        passes->between_um, in.found.noise.pure.unit, passes->within_um);
   return diagnosis;
 }
 
@@ -698,6 +701,15 @@ Result<Answered> searched_and(Result<Answered> (*answer)(const ReportInput&), co
 
 bool names_any(const Diagnosis& diagnosis) { return std::ranges::any_of(diagnosis.candidates, &Candidate::in_answer); }
 bool names_any(const NamedCauses& causes) { return !causes.causes.empty(); }
+
+/// Without the readings for which what follows a sensor cannot be computed.
+Observations with_sensors(const Observations& data) {
+  const std::vector<bool> missing = without_sensor(data);
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!missing[k]) kept.push_back(k);
+  return kept.size() == data.size() ? data : subset(data, kept);
+}
 
 /// @param few  what is said where there are too few readings to say anything
 template <class Answered, class Few>
@@ -732,12 +744,14 @@ std::vector<EffectInstance> Candidate::open_rivals() const {
   return open;
 }
 
-Result<Diagnosis> diagnose(const Model& model, const Observations& data, const DiagnoseOptions& options) {
+Result<Diagnosis> diagnose(const Model& model, const Observations& all, const DiagnoseOptions& options) {
+  const Observations data = with_sensors(all);
   auto diagnosis = diagnosed<Diagnosis>(
       reported, [&](const Base& base) { return too_few(data, base); }, model, data, options);
   if (diagnosis && diagnosis->candidates_tried > 0 && data.size() > options.largest_search)
     diagnosis->notes.push_back(fmt::format("searched on {} evenly chosen readings; sizes and evidence from all {}",
                                            searched_part(data, options.largest_search).size(), data.size()));
+  if (const auto note = note_of_missing_sensors(all); note && diagnosis) diagnosis->notes.push_back(*note);
   return diagnosis;
 }
 
@@ -747,7 +761,7 @@ Result<NamedCauses> named_causes(const Model& model, const Observations& data, c
       [](const Base&) {
         return NamedCauses{Verdict::cannot_tell, {}, 1.0};
       },
-      model, data, options);
+      model, with_sensors(data), options);
 }
 
 }  // namespace ecs::model

@@ -393,13 +393,13 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
         "these readings do not determine the noise well enough: {} would explain the residual, but noise alone looks "
         "like it in {:.1g} % of cases: measure the same lines again",
         place_text(in.found.families[closest->family].effect), kPercent * *in.found.chance_of_closest);
-  if (closest && is_like_wander(in.found.families[closest->family].effect) &&
+  const bool is_wander = closest && is_like_wander(in.found.families[closest->family].effect);
+  if (closest && (is_wander || (lack_of_fit && lack_of_fit->is_in_doubt())) &&
       in.found.false_naming(closest->score()) <= in.options.false_naming_limit)
     return fmt::format(
-        "{}, or a zero that wanders, would explain a part of the residual, and noise alone hardly ever looks like "
-        "that, "
-        "but held-out readings do not confirm it: measure the same lines again",
-        place_text(in.found.families[closest->family].effect));
+        "{}{} would explain a part of the residual, and noise alone hardly ever looks like that, but held-out readings "
+        "do not confirm it: measure the same lines again",
+        place_text(in.found.families[closest->family].effect), is_wander ? ", or a zero that wanders," : "");
   if (!in.found.noise.pure.from_repeats && in.found.noise.pure.dof < kDegreesWithoutRepeats)
     return "no line was repeated, and so few readings cannot distinguish noise from a missing effect: measure the same "
            "lines again";
@@ -472,6 +472,9 @@ Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise)
   const std::string again = "Measure the same lines again in both directions";
   if (ranked.wander && is_like_wander(ranked.effect))
     return {"a zero that wanders without any law explains the same nearly as well", again};
+  if (ranked.wander && ranked.effect.traits().of_approach && ranked.effect.traits().is_curve)
+    return {"a zero that drifts alike in every run explains it equally well",
+            "Measure the same lines again with a pause of several minutes at the turning point"};
   if (ranked.wander)
     return {"no line was measured twice, and a slow drift of the readings explains it equally well", again};
   if (!noise) return {why_not_explained(found), "Measure the same lines again on targets between the present ones"};

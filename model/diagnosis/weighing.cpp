@@ -5,7 +5,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <map>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -335,6 +337,24 @@ std::string objection_by_target(const Observations& data, const Search& search, 
       target->along, target->unit);
 }
 
+/// Whether a zero that drifts alike in every run, from its first reading on, explains as much as this effect does: on
+/// the way back the later reading is the one nearer to the start, and a lost motion that grows along the travel looks
+/// the same.
+bool drifts_alike_in_runs(const Observations& data, const Whitener& whitener, const Space& rest,
+                          const EffectInstance& effect, const Choice& member) {
+  constexpr double kAsGood = 9.0;  // Δχ² of three standard deviations
+  if (!effect.traits().is_curve || !effect.traits().of_approach || data.time_s.empty() || !data.paths.empty())
+    return false;
+  std::map<std::pair<int, int>, double> begins;  // by run and line
+  MatrixXd since_start = MatrixXd::Zero(static_cast<Eigen::Index>(data.size()), 1);
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (data.axis[k] == effect.axis && data.sense[k] == effect.sense && !std::isnan(data.time_s[k]))
+      since_start(static_cast<Eigen::Index>(k), 0) =
+          data.time_s[k] - begins.try_emplace({data.run[k], data.line_of(k)}, data.time_s[k]).first->second;
+  const double gain = rest.chi2() - added_by(rest, whitener(since_start)).chi2();
+  return gain - std::log(static_cast<double>(data.size())) >= member.score() - kAsGood;
+}
+
 }  // namespace
 
 void judge(const Regressors& regressors, const Base& base, const Search& search, const Whitener& whitener,
@@ -404,6 +424,10 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
     });
   }
   if (found.objection.empty()) hold_against_wander(data, base, search, found);
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    if (drifts_alike_in_runs(data, whitener, search.solution(others(chosen, i), found.solution.own).space,
+                             effect_of_member(i), found.groups[i].member))
+      found.groups[i].wander = true;
 }
 
 }  // namespace ecs::model

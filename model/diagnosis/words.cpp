@@ -531,17 +531,18 @@ bool names_a_wave(const Diagnosis& diagnosis) {
                              [](const Candidate& one) { return one.in_answer() && one.effect.traits().periodic; });
 }
 
-std::string headline_for(const Diagnosis& d, const Observations& data, const std::string& bad_run) {
+std::string headline_for(const Diagnosis& d, const Observations& data, const std::string& bad_run, bool within_pass) {
   std::string text = bad_run;
   const auto add = [&text](const std::string& sentence) {
     if (!sentence.empty()) text += (text.empty() ? "" : " ") + sentence;
   };
   switch (d.verdict) {
     case Verdict::adequate:
-      add(fmt::format("{}: {}{} is noise.",
+      add(fmt::format("{}: {}{} is noise{}.",
                       d.reservation.empty() ? "The model explains the readings" : "No further effect is detected",
                       d.outliers.empty() ? "" : "apart from outliers ",
-                      d.reservation.empty() ? "its residual" : "the residual of the model"));
+                      d.reservation.empty() ? "its residual" : "the residual of the model",
+                      within_pass ? " within each pass" : ""));
       add(d.reservation);
       break;
     case Verdict::missing_effect:

@@ -39,9 +39,9 @@ inline constexpr double kPercent = 100.0;
 
 /// The first sentence of an answer: the bad run first, then the causes with their ids in brackets.
 /// @param diagnosis  with verdict, candidates, where and reservation  @param bad_run  a sentence; "" where there is
-/// none
-[[nodiscard]] std::string headline_for(const Diagnosis& diagnosis, const Observations& data,
-                                       const std::string& bad_run);
+/// none  @param within_pass  passes have zeros of their own
+[[nodiscard]] std::string headline_for(const Diagnosis& diagnosis, const Observations& data, const std::string& bad_run,
+                                       bool within_pass);
 
 /// What all named effects do together, outliers left out; of one alone its own numbers say it.
 struct JointProof {

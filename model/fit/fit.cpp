@@ -506,9 +506,9 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
   fit.condition = core.condition;
   name_undetermined(assembly, core, fit);
   add_correlations(assembly, core, fit);
-  const std::vector<bool> unknown = of_unknown_approach(data);
+  const std::vector<bool> unusable = rows_unusable(data);
   for (std::size_t k = 0; k < data.size(); ++k)
-    if (core.left_out[k] && !unknown[k]) fit.outliers.push_back(data.row[k]);
+    if (core.left_out[k] && !unusable[k]) fit.outliers.push_back(data.row[k]);
   std::ranges::sort(fit.outliers);
   fit.noise = core.noise.pure;
   for (const NoiseGroup& group : core.noise.groups)
@@ -516,6 +516,7 @@ Fit reported(const Assembly& assembly, const Regressors& regressors, const CoreF
   fit.lack_of_fit =
       lack_of_fit_of(data, core.residual, core.noise, core.left_out, static_cast<double>(fit.fitted_parameters));
   fit.origin = data.origin;
+  if (const auto note = note_of_missing_sensors(data)) fit.notes.push_back(*note);
   fit.notes.insert(fit.notes.end(), data.notes.begin(), data.notes.end());
   if (!core.noise.relative.empty())
     fit.notes.push_back(words_for(stated_uncertainty(data, fit.residual, fit.noise.noise_um), fit.noise.unit));

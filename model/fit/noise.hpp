@@ -194,8 +194,15 @@ class Whitener {
 /// Readings of unknown approach in a run whose other readings, four fifths or more, have one, as its first reading: an
 /// effect of approach acts on them with a sign that nobody knows, so they judge none.
 [[nodiscard]] std::vector<bool> of_unknown_approach(const Observations& data);
+/// Readings without the temperature of a sensor that two thirds or more of those of their channel along their axis
+/// have: what follows that sensor cannot be computed for them.
+[[nodiscard]] std::vector<bool> without_sensor(const Observations& data);
+/// Both of these, which no fit uses.
+[[nodiscard]] std::vector<bool> rows_unusable(const Observations& data);
+/// How many lack a temperature; nothing where none does.
+[[nodiscard]] std::optional<std::string> note_of_missing_sensors(const Observations& data);
 
-/// Both of these.
+/// Outliers, and those that are unusable.
 [[nodiscard]] std::vector<bool> rows_left_out(const Observations& data, const Eigen::VectorXd& residual);
 
 }  // namespace ecs::model

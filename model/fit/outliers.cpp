@@ -5,8 +5,13 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
+#include <string>
 #include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "model/fit/noise.hpp"
 #include "model/fit/statistics.hpp"
@@ -232,10 +237,42 @@ std::vector<bool> of_unknown_approach(const Observations& data) {
   return out;
 }
 
+std::vector<bool> without_sensor(const Observations& data) {
+  constexpr std::size_t kReadingsAMissing = 3;
+  std::vector<bool> out(data.size(), false);
+  for (const auto& [name, degC] : data.sensors_degC) {
+    std::map<std::pair<Channel, Axis>, std::pair<std::size_t, std::size_t>> kinds;  // missing, of all
+    const auto of_kind = [&](std::size_t k) -> auto& { return kinds[{data.channel(k), data.axis[k]}]; };
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      of_kind(k).first += std::isnan(cell(degC, k)) ? 1U : 0U;
+      ++of_kind(k).second;
+    }
+    for (std::size_t k = 0; k < data.size(); ++k)
+      if (std::isnan(cell(degC, k)) && kReadingsAMissing * of_kind(k).first <= of_kind(k).second) out[k] = true;
+  }
+  return out;
+}
+
+std::vector<bool> rows_unusable(const Observations& data) {
+  std::vector<bool> out = of_unknown_approach(data);
+  const std::vector<bool> missing = without_sensor(data);
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = out[k] || missing[k];
+  return out;
+}
+
+std::optional<std::string> note_of_missing_sensors(const Observations& data) {
+  const std::vector<bool> missing = without_sensor(data);
+  const auto count = std::ranges::count(missing, true);
+  if (count == 0) return std::nullopt;
+  return fmt::format(
+      "{} of {} readings lack a temperature that most readings of their kind have: they are left out of every fit",
+      count, data.size());
+}
+
 std::vector<bool> rows_left_out(const Observations& data, const Eigen::VectorXd& residual) {
   std::vector<bool> out = isolated_outliers(data, residual);
-  const std::vector<bool> unknown = of_unknown_approach(data);
-  for (std::size_t k = 0; k < out.size(); ++k) out[k] = out[k] || unknown[k];
+  const std::vector<bool> unusable = rows_unusable(data);
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = out[k] || unusable[k];
   return out;
 }
 

@@ -295,6 +295,39 @@ TEST_CASE("a wander over more than a run is structure, however many drifts come 
   CHECK((found.where.front().variable == "time_s" || found.where.front().variable == "run"));
 }
 
+TEST_CASE("readings without the temperature that the others have are left out, and a note counts them") {
+  const auto degC = [](const Reading& r) { return 20.0 + 2.0 * std::sin(*r.time_s / 900.0); };
+  auto set = measured({.targets = 15, .runs = 6}, 0.3, [&](const Reading& r) { return 1.5 * (degC(r) - 20.0); });
+  for (auto& r : set.readings)
+    if (r.run != 4) r.sensors_degC["t_spindle_degC"] = degC(r);
+  const Diagnosis found = diagnosed(straight(), set);
+  CHECK(found.observations == 150);
+  CHECK(found.verdict == Verdict::missing_effect);
+  CHECK(count_named(found) == 1);
+  CHECK(stands_for(found.candidates[0], "thermal_drift:X:EX"));
+  CHECK(std::ranges::any_of(
+      found.notes, [](const std::string& note) { return note.starts_with("30 of 180 readings lack a temperature"); }));
+}
+
+TEST_CASE("lost motion is proved only where a zero that drifts alike in every run does not explain as much") {
+  const auto standing_of = [](const Truth& truth) {
+    const auto set = measured({.targets = 21, .runs = 5}, 0.3, truth);
+    const Diagnosis found = diagnosed(usual_model(set), set);
+    REQUIRE_FALSE(found.candidates.empty());
+    CHECK(stands_for(found.candidates[0], "reversal_curve:X:EX"));
+    return std::pair(found.candidates[0].standing, found.candidates[0].but);
+  };
+  const auto drifting = standing_of([](const Reading& r) {
+    constexpr double kFromRunToRun_s = 620.0;
+    return 0.006 * (*r.time_s - (r.run - 1) * kFromRunToRun_s);
+  });
+  CHECK(drifting.first == Standing::likely);
+  CHECK(drifting.second.find("drifts alike in every run") != std::string::npos);
+  const auto worn =
+      standing_of([](const Reading& r) { return 2.0 * static_cast<int>(r.approach) * std::sin(p(r) / 160.0); });
+  CHECK(worn.first == Standing::proved);
+}
+
 TEST_CASE("a scale of its own in every run is structure, though turbulence could bend a single short pass") {
   const double slopes[] = {4.0, -3.0, 1.0, -5.0, 2.5, 3.5, -1.5, -2.0};
   const auto set = measured({.targets = 21, .runs = 8}, 0.3,
