@@ -53,8 +53,8 @@ constexpr GlossaryRow kGlossary[] = {
     {"lack of fit", "the means deviate from the model by more than the scatter of repeated readings allows (F test)"},
     {"likely",
      "not proved, but improbable by chance: at most 1 in 100 simulated noise-only data sets is fitted as well by any "
-     "effect; it explains at least half of the part above noise that the proved effects do not explain; another cause "
-     "is not excluded"},
+     "effect, and held-out readings do not contradict it; with the proved effects it leaves only noise, or it explains "
+     "at least half of the rest above noise; another cause is not excluded"},
     {"machine file",
      "description of the machine that is given with --machine: axes, travels, pitches, measurement lines (from which "
      "lever arms are counted), inputs of the unit"},
@@ -81,9 +81,9 @@ constexpr GlossaryRow kGlossary[] = {
     {"sense", "which error is measured, not the direction of travel: EX, EY, EZ translations; EA, EB, EC rotations"},
     {"sigma", "standard deviation of the number that it belongs to, for example of one reading or of a fitted value"},
     {"slope", "the part of a curve that is proportional to the position, in um/m"},
-    {"squareness", "deviation of two axes from 90 degrees, one number per pair of axes, in um/m"},
+    {"squareness", "deviation of the angle between two axes from 90 degrees, one number per pair of axes, in um/m"},
     {"staging", "writing a new map into the inactive bank of the unit's memory; the old one stays active"},
-    {"tie|tied", "a group of rivals: they contribute the same to these data, and a further measurement decides"},
+    {"tie|tied", "a group of rivals: they fit these data equally well, and a further measurement decides"},
 };
 
 bool is_letter_of_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
