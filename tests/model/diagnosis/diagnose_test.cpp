@@ -130,7 +130,7 @@ TEST_CASE("lost motion that grows along the axis is one cause, a line or a curve
   const auto named_for = [&](const Truth& truth) {
     std::vector<std::string> names;
     for (const Candidate& candidate : diagnosed(model, measured({}, 0.2, truth)).candidates)
-      if (candidate.named) names.push_back(to_text(candidate.effect));
+      if (candidate.in_answer()) names.push_back(to_text(candidate.effect));
     return names;
   };
   const std::vector<std::string> only{"reversal_curve:X:EX"};
