@@ -10,6 +10,7 @@
 #include "model/diagnosis/trial.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/held_out.hpp"
+#include "model/fit/noise.hpp"
 
 namespace ecs::model {
 namespace {
@@ -164,7 +165,8 @@ bool Check::holds() const {
   return objections.empty() && std::ranges::all_of(numbers, [](const CheckedNumber& number) { return number.holds; });
 }
 
-Result<Check> checked(const Model& model, const Observations& data, const Claim& claim) {
+Result<Check> checked(const Model& model, const Observations& all, const Claim& claim) {
+  const Observations data = with_sensors(all);
   if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to check");
   const Regressors regressors(data);
   ECS_TRY(base, base_of(model, regressors, claim.plain, nullptr));

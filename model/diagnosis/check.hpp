@@ -42,6 +42,6 @@ struct Check {
 inline constexpr double kNumberTolerance = 1e-6, kLnTolerance = 0.02, kLeastLnTolerance = 0.1, kSigmaTolerance = 0.01;
 
 /// Refits the model alone and with the effects named. Refuses what diagnose() refuses.
-[[nodiscard]] Result<Check> checked(const Model& model, const Observations& data, const Claim& claim);
+[[nodiscard]] Result<Check> checked(const Model& model, const Observations& all, const Claim& claim);
 
 }  // namespace ecs::model

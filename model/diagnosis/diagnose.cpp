@@ -702,15 +702,6 @@ Result<Answered> searched_and(Result<Answered> (*answer)(const ReportInput&), co
 bool names_any(const Diagnosis& diagnosis) { return std::ranges::any_of(diagnosis.candidates, &Candidate::in_answer); }
 bool names_any(const NamedCauses& causes) { return !causes.causes.empty(); }
 
-/// Without the readings for which what follows a sensor cannot be computed.
-Observations with_sensors(const Observations& data) {
-  const std::vector<bool> missing = without_sensor(data);
-  std::vector<std::size_t> kept;
-  for (std::size_t k = 0; k < data.size(); ++k)
-    if (!missing[k]) kept.push_back(k);
-  return kept.size() == data.size() ? data : subset(data, kept);
-}
-
 /// @param few  what is said where there are too few readings to say anything
 template <class Answered, class Few>
 Result<Answered> diagnosed(Result<Answered> (*answer)(const ReportInput&), const Few& few, const Model& model,

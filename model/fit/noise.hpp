@@ -197,7 +197,9 @@ class Whitener {
 /// Readings without the temperature of a sensor that two thirds or more of those of their channel along their axis
 /// have: what follows that sensor cannot be computed for them.
 [[nodiscard]] std::vector<bool> without_sensor(const Observations& data);
-/// Both of these, which no fit uses.
+/// The rest, which a diagnosis is of.
+[[nodiscard]] Observations with_sensors(const Observations& data);
+/// Readings of unknown approach and without a temperature, which no fit uses.
 [[nodiscard]] std::vector<bool> rows_unusable(const Observations& data);
 /// How many lack a temperature; nothing where none does.
 [[nodiscard]] std::optional<std::string> note_of_missing_sensors(const Observations& data);

@@ -253,6 +253,14 @@ std::vector<bool> without_sensor(const Observations& data) {
   return out;
 }
 
+Observations with_sensors(const Observations& data) {
+  const std::vector<bool> missing = without_sensor(data);
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!missing[k]) kept.push_back(k);
+  return kept.size() == data.size() ? data : subset(data, kept);
+}
+
 std::vector<bool> rows_unusable(const Observations& data) {
   std::vector<bool> out = of_unknown_approach(data);
   const std::vector<bool> missing = without_sensor(data);
