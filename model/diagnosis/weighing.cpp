@@ -424,7 +424,7 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
     });
   }
   if (found.objection.empty()) hold_against_wander(data, base, search, found);
-  for (std::size_t i = 0; i < chosen.size(); ++i)
+  for (std::size_t i = 0; i < chosen.size() && found.objection.empty(); ++i)
     if (drifts_alike_in_runs(data, whitener, search.solution(others(chosen, i), found.solution.own).space,
                              effect_of_member(i), found.groups[i].member))
       found.groups[i].wander = true;

@@ -197,7 +197,7 @@ class Whitener {
 /// Readings without the temperature of a sensor that two thirds or more of those of their channel along their axis
 /// have: what follows that sensor cannot be computed for them.
 [[nodiscard]] std::vector<bool> without_sensor(const Observations& data);
-/// The rest, which a diagnosis is of.
+/// All other readings: those that a diagnosis, and a check of it, use.
 [[nodiscard]] Observations with_sensors(const Observations& data);
 /// Readings of unknown approach and without a temperature, which no fit uses.
 [[nodiscard]] std::vector<bool> rows_unusable(const Observations& data);

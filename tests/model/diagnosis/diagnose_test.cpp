@@ -328,6 +328,23 @@ TEST_CASE("lost motion is proved only where a zero that drifts alike in every ru
   CHECK(worn.first == Standing::proved);
 }
 
+TEST_CASE("no model is adequate beside a doubtful test where noise hardly ever looks like the best candidate") {
+  int doubtful = 0;
+  for (unsigned seed = 130; seed <= 240; ++seed) {
+    const auto weak = [&](const Reading& r) {
+      return (0.08 + 0.0006 * seed) * static_cast<int>(r.approach) * std::sin(p(r) / 60.0);
+    };
+    const auto set = measured({.targets = 17, .runs = 3}, 0.3, weak, seed);
+    const Diagnosis found = diagnosed(usual_model(set), set);
+    if (found.candidates.empty() || found.candidates[0].in_answer() || !found.lack_of_fit ||
+        !found.lack_of_fit->is_in_doubt() || found.candidates[0].false_naming > DiagnoseOptions{}.false_naming_limit)
+      continue;
+    ++doubtful;
+    CHECK(found.verdict != Verdict::adequate);
+  }
+  CHECK(doubtful > 0);
+}
+
 TEST_CASE("a scale of its own in every run is structure, though turbulence could bend a single short pass") {
   const double slopes[] = {4.0, -3.0, 1.0, -5.0, 2.5, 3.5, -1.5, -2.0};
   const auto set = measured({.targets = 21, .runs = 8}, 0.3,
