@@ -314,51 +314,58 @@ double spread(std::vector<double> deviations) {
   return kSigmaPerMad * upper_median(std::move(deviations));
 }
 
-/// Of the runs at a place, without two of them.
-double median_without(const std::map<int, double>& of_runs, int run, int other) {
-  std::vector<double> rest;
-  for (const auto& [each, reading] : of_runs)
-    if (each != run && each != other) rest.push_back(reading);
-  std::ranges::sort(rest);
-  return 0.5 * (rest[(rest.size() - 1) / 2] + rest[rest.size() / 2]);
+/// Readings of a place by their group: a run, or a line.
+using ByGroup = std::map<int, std::vector<double>>;
+/// By place.
+template <class Place>
+using Places = std::map<Place, ByGroup>;
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
 }
 
-/// A run beside the medians of the other runs at the places that two or more of these share with it.
-struct RunBesideOthers {
+/// A group beside the medians of the others, at the places of which these have two readings or more.
+struct GroupBesideOthers {
   std::vector<double> own, others;
-  std::vector<double> among_others;  ///< readings of the others less the median of the rest of these
+  std::vector<double> among_others;  ///< each reading of the others less the median of the rest of these
 };
-RunBesideOthers beside_others(const std::map<std::size_t, std::map<int, double>>& places, int run) {
-  RunBesideOthers beside;
-  for (const auto& [place, of_runs] : places) {
-    const auto own = of_runs.find(run);
-    if (own == of_runs.end() || of_runs.size() < kFewestRuns) continue;
-    beside.own.push_back(own->second);
-    beside.others.push_back(median_without(of_runs, run, run));
-    for (const auto& [other, reading] : of_runs)
-      if (other != run) beside.among_others.push_back(reading - median_without(of_runs, run, other));
+template <class Place>
+GroupBesideOthers beside_others(const Places<Place>& places, int group) {
+  GroupBesideOthers beside;
+  for (const auto& [place, by_group] : places) {
+    const auto own = by_group.find(group);
+    if (own == by_group.end()) continue;
+    std::vector<double> others;
+    for (const auto& [other, readings] : by_group)
+      if (other != group) others.insert(others.end(), readings.begin(), readings.end());
+    if (others.size() + 1 < kFewestRuns) continue;
+    beside.own.push_back(median(own->second));
+    beside.others.push_back(median(others));
+    for (std::size_t i = 0; i < others.size(); ++i) {
+      std::vector<double> rest = others;
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
+      beside.among_others.push_back(others[i] - median(std::move(rest)));
+    }
   }
   return beside;
 }
 
-}  // namespace
-
-std::optional<ScaledRun> scaled_run(const Observations& data) {
+struct ScaledGroup {
+  int group = 0;
+  double factor = 1.0;
+};
+/// The group, if any, that repeats the others as well as these each other once it is divided by a factor between units
+/// or by -1, and that lies at least twice as far from them if only its zero may change.
+template <class Place>
+std::optional<ScaledGroup> scaled_group(const Places<Place>& places, const std::set<int>& groups) {
   /// As the others among themselves, with room for chance; a zero alone explains less where it leaves this much more;
   /// and the others must show an error larger than what is left by this, or a run divided by 1000 is as good as 0.
   constexpr double kAsTheOthers = 1.6, kBetterThanZero = 2.0, kShown = 3.0;
-  const Repeats repeats = repeats_of(data);
-  std::map<std::size_t, std::map<int, double>> places;
-  std::set<int> runs;
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    places[repeats.node_of[k]][data.run[k]] = data.reading[k] + data.of_map_in(k);
-    runs.insert(data.run[k]);
-  }
-  if (runs.size() < kFewestRuns || runs.size() > kMostRunsCompared) return std::nullopt;
-  std::optional<ScaledRun> best;
+  std::optional<ScaledGroup> best;
   double least = 1.0 / kBetterThanZero;
-  for (const int run : runs) {
-    const RunBesideOthers beside = beside_others(places, run);
+  for (const int group : groups) {
+    const GroupBesideOthers beside = beside_others(places, group);
     if (static_cast<double>(beside.own.size()) < kFewestInRun) continue;
     const auto deviations = [&](double factor, double zero) {
       std::vector<double> of;
@@ -373,7 +380,7 @@ std::optional<ScaledRun> scaled_run(const Observations& data) {
       const double left = spread(deviations(factor, 0.0));
       if (left > usual || left >= least * of_zero) return;
       least = left / of_zero;
-      best = {run, factor};
+      best = {group, factor};
     };
     consider(-1.0);
     for (const double factor : kUnitFactors) consider(factor);
@@ -381,11 +388,90 @@ std::optional<ScaledRun> scaled_run(const Observations& data) {
   return best;
 }
 
+using Line = std::tuple<Channel, Axis, int>;
+Line line_of(const Observations& data, std::size_t k) { return {data.channel(k), data.axis[k], data.line[k]}; }
+
+/// The same on all lines of a quantity along an axis.
+using Target = std::tuple<Channel, Axis, int, long long>;
+Target target_of(const Observations& data, std::size_t k) {
+  return {data.channel(k), data.axis[k], data.approach[k], std::llround(data.along_of(k) / kSamePlace_mm)};
+}
+
+std::string_view why_scaled(double factor, std::string_view unit) {
+  return factor == -1.0                    ? ", as with the wrong sign"
+         : factor == 0.001 && unit == "um" ? ", as in mm instead of um"
+                                           : ", as in another unit";
+}
+
+}  // namespace
+
+std::optional<ScaledRun> scaled_run(const Observations& data) {
+  const Repeats repeats = repeats_of(data);
+  Places<std::size_t> places;
+  std::set<int> runs;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    places[repeats.node_of[k]][data.run[k]].push_back(data.reading[k] + data.of_map_in(k));
+    runs.insert(data.run[k]);
+  }
+  if (runs.size() < kFewestRuns || runs.size() > kMostRunsCompared) return std::nullopt;
+  const auto scaled = scaled_group(places, runs);
+  return scaled ? std::optional(ScaledRun{scaled->group, scaled->factor}) : std::nullopt;
+}
+
+std::optional<ScaledLine> scaled_line(const Observations& data) {
+  if (data.line.empty() || data.rotary || !data.paths.empty()) return std::nullopt;
+  std::map<Line, std::size_t> first_of;
+  for (std::size_t k = 0; k < data.size(); ++k) first_of.try_emplace(line_of(data, k), k);
+  if (first_of.size() < 2 || first_of.size() > kMostRunsCompared) return std::nullopt;
+  Places<Target> places;
+  std::set<int> groups;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const int group = static_cast<int>(first_of.at(line_of(data, k)));
+    groups.insert(group);
+    places[target_of(data, k)][group].push_back(data.reading[k] + data.of_map_in(k));
+  }
+  const auto scaled = scaled_group(places, groups);
+  if (!scaled) return std::nullopt;
+  ScaledLine found{static_cast<std::size_t>(scaled->group), 0, scaled->factor};
+  for (const auto& [line, first] : first_of)
+    if (first != found.first && data.channel(first) == data.channel(found.first) &&
+        data.axis[first] == data.axis[found.first])
+      ++found.others;
+  return found;
+}
+
+std::vector<std::pair<std::size_t, std::size_t>> same_targets(const Observations& data, const ScaledLine& line) {
+  std::map<Target, std::size_t> of_others;
+  const Line own = line_of(data, line.first);
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (line_of(data, k) != own) of_others.try_emplace(target_of(data, k), k);
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (line_of(data, k) == own)
+      if (const auto other = of_others.find(target_of(data, k)); other != of_others.end())
+        pairs.emplace_back(k, other->second);
+  return pairs;
+}
+
 std::string words_for(const ScaledRun& run, std::string_view unit) {
-  const std::string_view why = run.factor == -1.0                    ? ", as with the wrong sign"
-                               : run.factor == 0.001 && unit == "um" ? ", as in mm instead of um"
-                                                                     : ", as in another unit";
-  return fmt::format("The readings of run {} are {:.4g} times those of the other runs{}", run.run, run.factor, why);
+  return fmt::format("The readings of run {} are {:.4g} times those of the other runs{}", run.run, run.factor,
+                     why_scaled(run.factor, unit));
+}
+
+std::string words_for(const ScaledLine& line, const Observations& data) {
+  std::string where;
+  for (const Axis a : {Axis::X, Axis::Y, Axis::Z})
+    if (a != data.axis[line.first])
+      where += fmt::format("{}{} {:.5g}", where.empty() ? " at " : ", ", letter_of(a),
+                           data.position_mm[line.first][index_of(a)]);
+  if (const auto set_up = data.extras.find("set_up"); set_up != data.extras.end())
+    where += fmt::format(", set-up {:.5g}", set_up->second[line.first]);
+  return fmt::format(
+      "The line of {} along {}{} (from run {}) reads {:.4g} times as much as the other line{} at the same targets{}.{} "
+      "Check the file before anything else.",
+      name_of(data.sense[line.first]), letter_of(data.axis[line.first]), where, data.run[line.first], line.factor,
+      line.others > 1 ? "s" : "", why_scaled(line.factor, data.reading_unit()),
+      line.others > 1 ? "" : " One of the two is wrong.");
 }
 
 std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::VectorXd& residual,

@@ -8,6 +8,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "model/fit/search.hpp"
 
@@ -77,6 +79,22 @@ struct ScaledRun {
 [[nodiscard]] std::optional<ScaledRun> scaled_run(const Observations& data);
 /// "The readings of run 3 are 0.001 times those of the other runs, as in mm instead of um"
 [[nodiscard]] std::string words_for(const ScaledRun& run, std::string_view unit);
+
+/// A line in another unit than the others of its quantity along its axis, or with the wrong sign.
+struct ScaledLine {
+  std::size_t first = 0;   ///< row of its first reading
+  std::size_t others = 1;  ///< lines that it is compared with; with one, either may be the wrong one
+  double factor = 1.0;     ///< its readings are this multiple of the others: -1 or of kUnitFactors
+};
+/// The same as scaled_run of a line among those that share its targets. Such a line looks like an angular error that
+/// acts through the distance between the lines. Nothing for rotary axes and paths.
+[[nodiscard]] std::optional<ScaledLine> scaled_line(const Observations& data);
+/// Pairs of rows at the same target and approach: one of this line, one of another.
+[[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> same_targets(const Observations& data,
+                                                                            const ScaledLine& line);
+/// "The line of EX along X at Y 100, Z 370 (from run 4) reads 25.4 times as much as the other line at the same targets,
+/// as in another unit. One of the two is wrong. Check the file before anything else."
+[[nodiscard]] std::string words_for(const ScaledLine& line, const Observations& data);
 
 /// All readings of one sense after a run lie higher or lower than those before it: another zero, or a slip.
 struct StepOfRuns {

@@ -539,7 +539,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.candidates_tried = in.found.candidates_tried;
   diagnosis.noise_replicates = in.found.replicate_scores.size();
   ECS_TRY(answer, answer_of(in));
-  const auto& [verdict, order, cannot_tell] = answer;
+  const auto& [verdict, order, cannot_tell, other_unit] = answer;
   diagnosis.verdict = verdict;
   diagnosis.own_terms = in.own;
   std::vector<FoundEffect> in_answer;
@@ -662,6 +662,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
       std::ranges::find(in.base.core.undetermined, true) != in.base.core.undetermined.end())
     diagnosis.headline += undecided_text(in.model, data);
   if (motions) diagnosis.headline = words_for(*motions) + " " + diagnosis.headline;
+  if (!other_unit.empty()) diagnosis.headline = other_unit + " " + diagnosis.headline;
   if (diagnosis.verdict != Verdict::adequate)
     diagnosis.headline = unmodelled_lines(in.model, in.regressors) + diagnosis.headline;
   if (passes)

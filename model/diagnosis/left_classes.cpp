@@ -188,6 +188,7 @@ class Conditions {
       for (const EffectFit& effect : r_.fit.effects) add_delay_of(effect);
     for (const EffectFit& effect : r_.fit.effects) add_factor_of(effect);
     add_factor_of_run();
+    add_factor_of_line();
   }
   std::vector<Condition> list;
 
@@ -311,22 +312,24 @@ class Conditions {
     else
       add_arithmetic(h, factor, sigma, says);
   }
-  /// Readings of one run in another unit than the others.
+  /// Readings of one run or line in another unit than the others.
+  template <class IsOfGroup>
+  void add_factor_of_group(double factor, const std::string& says, const IsOfGroup& is_of_group) {
+    const VectorXd of_group = r_.column([&](std::size_t k) { return is_of_group(k) ? data_.reading[k] : 0.0; });
+    if (!of_group.isZero())
+      list.push_back({"arithmetic", fmt::format("{:.5g}", factor), of_group, true, true, says, {}, false, true});
+  }
   void add_factor_of_run() {
-    const auto scaled = scaled_run(data_);
-    if (!scaled) return;
-    const VectorXd of_run =
-        r_.column([&](std::size_t k) { return data_.run[k] == scaled->run ? data_.reading[k] : 0.0; });
-    if (!of_run.isZero())
-      list.push_back({"arithmetic",
-                      fmt::format("{:.5g}", scaled->factor),
-                      of_run,
-                      true,
-                      true,
-                      words_for(*scaled, data_.reading_unit()),
-                      {},
-                      false,
-                      true});
+    if (const auto scaled = scaled_run(data_))
+      add_factor_of_group(scaled->factor, words_for(*scaled, data_.reading_unit()),
+                          [&](std::size_t k) { return data_.run[k] == scaled->run; });
+  }
+  void add_factor_of_line() {
+    if (const auto scaled = scaled_line(data_))
+      add_factor_of_group(scaled->factor, words_for(*scaled, data_), [&](std::size_t k) {
+        return data_.channel(k) == data_.channel(scaled->first) && data_.axis[k] == data_.axis[scaled->first] &&
+               data_.line[k] == data_.line[scaled->first];
+      });
   }
 
   const LeftReadings& r_;

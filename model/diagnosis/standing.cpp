@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "model/diagnosis/bad_run.hpp"
 #include "model/diagnosis/structure.hpp"
 #include "model/diagnosis/visits.hpp"
 #include "model/diagnosis/waves.hpp"
@@ -440,6 +441,24 @@ bool deny_errors_of_points(const ReportInput& in, std::vector<Standing>& standin
   return !denied.empty();
 }
 
+/// Whether effects that leave nothing act on this line by the same factor more than on the others, as an angular error
+/// does by the ratio of their distances from the axis. With another ratio, the factor of the readings would be chance.
+bool causes_factor(const ReportInput& in, const ScaledLine& line) {
+  constexpr double kSameFactor = 0.05;
+  const Observations& data = in.regressors.data();
+  for (const Group& group : in.found.groups) {
+    const Choice& choice = group.member;
+    const Eigen::MatrixXd columns = columns_on(in.regressors, in.found.families[choice.family].effect, choice).of;
+    double products = 0.0, squares = 0.0;
+    for (const auto& [a, b] : same_targets(data, line)) {
+      products += columns.row(static_cast<Eigen::Index>(a)).dot(columns.row(static_cast<Eigen::Index>(b)));
+      squares += columns.row(static_cast<Eigen::Index>(b)).squaredNorm();
+    }
+    if (squares > 0.0 && std::abs(products / squares / line.factor - 1.0) < kSameFactor) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 /// Why the best effects of the library do not count as an explanation.
@@ -488,7 +507,15 @@ Result<Answer> answer_of(const ReportInput& in) {
   const bool noise = noise_left(in.found, in.options);
   std::vector<Standing> standings = standings_of(in, noise);
   const bool of_points = deny_errors_of_points(in, standings);
-  Answer answer{verdict_of(in, standings, noise), ranked_candidates(in.found, standings), ""};
+  Answer answer{verdict_of(in, standings, noise), {}, "", ""};
+  if (answer.verdict != Verdict::adequate)
+    if (const auto scaled = scaled_line(in.regressors.data());
+        scaled && !(answer.verdict == Verdict::missing_effect && causes_factor(in, *scaled))) {
+      answer.other_unit = words_for(*scaled, in.regressors.data());
+      answer.verdict = Verdict::unexplained_structure;
+      std::ranges::fill(standings, Standing::possible);
+    }
+  answer.order = ranked_candidates(in.found, standings);
   if (of_points && !found_any(standings)) {
     answer.verdict = Verdict::cannot_tell;
     answer.cannot_tell = fmt::format(

@@ -53,6 +53,7 @@ struct Answer {
   Verdict verdict = Verdict::adequate;
   std::vector<RankedCandidate> order;
   std::string cannot_tell;  ///< why the verdict is that; else ""
+  std::string other_unit;   ///< a line in another unit than others, which effects do not explain, as sentences; else ""
 };
 /// Fails where the model does not fit.
 [[nodiscard]] Result<Answer> answer_of(const ReportInput& in);

@@ -378,3 +378,65 @@ TEST_CASE("another zero, another size, or more scatter of a run is no factor of 
   }
   CHECK(turned >= 38);
 }
+
+namespace {
+
+/// The line of with_run_written at two heights, three runs each; at the second one as it was written.
+laser::MeasurementSet with_line_written(const std::function<double(double error_um, const Reading& r)>& written,
+                                        unsigned seed) {
+  std::mt19937_64 random(seed);
+  NormalDraws noise(0.0, kNoise_um);
+  laser::MeasurementSet set = measured({.targets = 17, .runs = 6}, kNoise_um, nothing, seed);
+  for (Reading& r : set.readings) {
+    r.error = 2.5 + 0.014 * p(r) + 3.0 * std::sin(p(r) / 170.0) + 1.6 * d(r) + noise(random);
+    r.position_mm[2] = r.run > 3 ? 370.0 : 50.0;
+    if (r.run > 3) r.error = written(r.error, r);
+  }
+  return set;
+}
+
+}  // namespace
+
+TEST_CASE("a line in another unit than the other one is told with the factor, and no angle is named for it") {
+  for (const double factor : {-1.0, 0.001, 25.4, 1.0 / 25.4, 2.0}) {
+    CAPTURE(factor);
+    Model model = straight();
+    for (const EffectId id : {backlash, progressive}) model.effects.push_back(effect(id, Axis::X, Sense::EX));
+    const Diagnosis found =
+        diagnosed(model, with_line_written([&](double error_um, const Reading&) { return factor * error_um; }, 1));
+    CAPTURE(found.headline);
+    CHECK(found.headline.starts_with("The line of EX along X at Y 0, Z "));
+    CHECK(contains(found.headline, "times as much as the other line at the same targets"));
+    CHECK(found.verdict == Verdict::unexplained_structure);
+    CHECK(std::ranges::none_of(found.candidates, &Candidate::in_answer));
+    CHECK(std::ranges::find(found.left, "arithmetic", &LeftProperty::property) != found.left.end());
+  }
+}
+
+TEST_CASE("an angle that acts through the distance of two lines, another zero and noise are no other unit") {
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    const auto scaled = [&](const std::function<double(double, const Reading&)>& written) {
+      return scaled_line(observations_of(with_line_written(written, seed), straight(), mill()));
+    };
+    CHECK_FALSE(scaled([](double error_um, const Reading&) { return error_um; }));
+    CHECK_FALSE(scaled([](double error_um, const Reading&) { return error_um + 12.0; }));
+    CHECK_FALSE(scaled([](double error_um, const Reading& r) { return error_um + 0.012 * p(r); }));
+    CHECK_FALSE(scaled([](double error_um, const Reading& r) { return error_um + 5.0 * std::sin(p(r) / 90.0); }));
+  }
+}
+
+TEST_CASE("an angle alone that acts twice as much on the farther line is named") {
+  std::mt19937_64 random(3);
+  NormalDraws noise(0.0, kNoise_um);
+  laser::MeasurementSet set = measured({.targets = 17, .runs = 6}, kNoise_um, nothing, 3);
+  for (Reading& r : set.readings) {
+    r.position_mm[2] = r.run > 3 ? 400.0 : 200.0;  // of the line Z 0 along which X was measured
+    r.error = 0.02 * r.position_mm[2] * std::sin(p(r) / 170.0) + noise(random);
+  }
+  REQUIRE(must(scaled_line(observations_of(set, straight(), mill()))).factor == 2.0);
+  const Diagnosis found = diagnosed(straight(), set);
+  CAPTURE(found.headline);
+  CHECK(found.verdict == Verdict::missing_effect);
+  CHECK(count_named(found) == 1);
+  CHECK(stands_for(found.candidates.front(), "angular:X:EBX"));
+}
