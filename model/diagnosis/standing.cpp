@@ -224,6 +224,17 @@ bool bends_to_structure(const Found& found, std::size_t g, const Observations& d
   return (is_curve(group.member) || std::ranges::any_of(group.rivals, is_curve)) && leaves_shape(found, g, data);
 }
 
+/// Whether this is an effect along a rotary axis whose scale error leaves a shape: such a ramp is a part of that shape,
+/// as a wave is, and what was found beside it, too.
+bool is_beside_ramp(const Found& found, std::size_t g, const Observations& data) {
+  const auto axis_of = [&](std::size_t i) { return found.families[found.groups[i].member.family].effect.axis; };
+  for (std::size_t i = 0; i < found.groups.size(); ++i)
+    if (found.families[found.groups[i].member.family].effect.traits().adds_up && axis_of(i) == axis_of(g) &&
+        leaves_shape(found, i, data))
+      return true;
+  return false;
+}
+
 /// Whether what these readings cannot tell from a shape holds the shape itself: beside others that are no causes
 /// another one may follow them far better.
 bool is_in_own_set(const Found& found, std::size_t g) {
@@ -252,6 +263,7 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
   std::vector<std::size_t> proved, likely;
   for (std::size_t g = 0; g < found.groups.size(); ++g) {
     const Group& group = found.groups[g];
+    if (!explained && is_beside_ramp(found, g, in.regressors.data())) continue;
     if (group.denied || (found.stands_out && group.e_value.value_or(kSpeaksFor) < kSpeaksFor)) continue;
     if (!group.wander && !found.proves_nothing && (group.e_value ? *group.e_value >= kProved : replicates_prove))
       proved.push_back(g);

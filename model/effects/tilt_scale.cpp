@@ -7,10 +7,15 @@
 namespace ecs::model::effects {
 namespace {
 
+/// Angles over a turn at which a ramp is no sum of a few waves: the first five leave a ninth of its variance.
+constexpr std::size_t kManyAngles = 12;
+
 /// The readings distinguish it from waves: the axis cannot make a whole turn (by its travel where the machine file
 /// gives it, else where the readings leave out a quarter of a turn, for an axis that turns fully is measured over all
-/// of it), or the readings cover a whole turn, so that they show whether the error is the same again.
+/// of it), or the readings cover a whole turn, so that they show whether the error is the same again, or many angles
+/// of it were measured without a ball.
 bool is_seen(const Site& site) {
+  if (site.data.through_chain.empty() && site.places >= kManyAngles) return true;
   constexpr double kWholeTurn_deg = 360.0, kMostOfReadings_deg = 270.0, kSamePlace_deg = 1e-6;
   double least = 0.0, greatest = 0.0;
   for (std::size_t k = 0; k < site.data.size(); ++k) {

@@ -532,23 +532,24 @@ TEST_CASE(
 }
 
 TEST_CASE("an angle that is not the same again after a whole turn is a wrong ratio; one that is, is a wave") {
-  const auto found_with = [](double um_per_degree, double wave_um) {
+  const auto found_with = [](double um_per_degree, double wave_um, int last = 24, double tooth_um = 0.0) {
     laser::MeasurementSet set;
     std::mt19937_64 random(9);
     NormalDraws noise(0.0, 1.0);
     for (int run = 1; run <= 3; ++run)
       for (const bool forward : {true, false})
-        for (int k = 0; k <= 24; ++k) {
-          const double c_deg = 15.0 * (forward ? k : 24 - k);
-          set.readings.push_back(
-              {.row = static_cast<int>(set.readings.size()) + 1,
-               .axis = Axis::Z,
-               .rotary = true,
-               .angle_deg = {0.0, 0.0, c_deg},
-               .sense = Sense::EC,
-               .error = um_per_degree * c_deg + wave_um * std::sin(c_deg * std::numbers::pi / 180.0) + noise(random),
-               .approach = forward ? Approach::forward : Approach::reverse,
-               .run = run});
+        for (int k = 0; k <= last; ++k) {
+          const double c_deg = 15.0 * (forward ? k : last - k);
+          set.readings.push_back({.row = static_cast<int>(set.readings.size()) + 1,
+                                  .axis = Axis::Z,
+                                  .rotary = true,
+                                  .angle_deg = {0.0, 0.0, c_deg},
+                                  .sense = Sense::EC,
+                                  .error = um_per_degree * c_deg +
+                                           wave_um * std::sin(c_deg * std::numbers::pi / 180.0) +
+                                           (std::abs(c_deg - 225.0) < 20.0 ? tooth_um : 0.0) + noise(random),
+                                  .approach = forward ? Approach::forward : Approach::reverse,
+                                  .run = run});
         }
     const Model model = usual_model(set);
     const Diagnosis found = must(diagnose(model, observations_of(set, model, std::nullopt)));
@@ -564,6 +565,11 @@ TEST_CASE("an angle that is not the same again after a whole turn is a wrong rat
   const auto wave = found_with(0.0, 10.0);
   REQUIRE(wave.size() == 1);
   CHECK(wave.contains("cyclic:C:EC"));
+  const auto open = found_with(40.0 / 360.0, 10.0, 23);
+  REQUIRE(open.size() == 2);
+  CHECK(open.at("tilt_scale:C:EC") == Approx(40.0 / 360.0).epsilon(0.03));
+  for (const double tooth_um : {-6.0, 6.0, 15.0})
+    CHECK_FALSE(found_with(0.0, 10.0, 23, tooth_um).contains("tilt_scale:C:EC"));
 
   EffectInstance scale = effect(effect_named("tilt_scale"), Axis::Z, Sense::EC);
   scale.rotary = true;
