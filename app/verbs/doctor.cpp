@@ -64,7 +64,7 @@ Result<Outcome> examine(VerbContext& context, const DoctorRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kDoctor{
-    action("doctor", "find out why a link does not work, and how to correct it; reads only",
+    action("doctor", "find out why a link does not work, and how to correct it; changes nothing in the unit",
            "ecs doctor --link rtu:/dev/ttyUSB0:115200\n  ecs doctor --link rtu:/dev/ttyUSB0:115200 --save", examine,
            {.link = Link::reads})};
 

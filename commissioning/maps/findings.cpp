@@ -97,8 +97,9 @@ std::string verdict_text(const laser::ErrorMap& map, const std::vector<laser::Ma
   if (findings.empty() && coverage.empty()) return fmt::format("the map is complete and {}\n", sent);
   if (findings.empty()) return paragraph(fmt::format("the map {}: {}", sent, coverage));
   if (has_objections(findings)) return "the map is not complete: `ecs map send` refuses it until this is corrected\n";
-  return fmt::format("the map is {}: read {} before sending; the map {}\n{}", completeness(findings),
-                     findings.size() == 1 ? "it" : "them", sent, coverage.empty() ? "" : paragraph(coverage));
+  return fmt::format("the map is complete and {}. Read the {} first\n{}", sent,
+                     findings.size() == 1 ? "remark" : remarks_counted(findings.size()),
+                     coverage.empty() ? "" : paragraph(coverage));
 }
 
 bool squareness_differs(const UnitParameters& a, const UnitParameters& b) {

@@ -253,7 +253,7 @@ Cell table_cell(const std::vector<TableRow>& rows) {
                                      "unit", " published", "  measured", "A", "E", "x"));
   table.text += fmt::format("\n{}:\n{}", laser::kBandDefinition, slopes_text(rows));
   table.text +=
-      "A, E: accuracy and systematic deviation (ISO 230-2) after compensation (before,\nif only that was measured); x: "
+      "A, E: accuracy and systematic error (ISO 230-2) after compensation (before,\nif only that was measured); x: "
       "ratio of the bands; published: bands stated in the plan; 40.0->10.0: before -> after; !: more than published.\n";
   for (const TableRow& row : rows)
     for (const Problem& p : row.problems) table.text += fmt::format("{}: {}\n", row.planned.name, to_text(p));

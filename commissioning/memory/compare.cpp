@@ -206,8 +206,8 @@ void compare_bytes(const DumpRegion& a, const DumpRegion& b, const DecodedImage*
   }
   if (count > 0) {
     const std::size_t at = first - a.address;
-    out.push_back({fmt::format("bytes of {}: {} differ{}, the first at {}", a.name, count, count == 1 ? "s" : "",
-                               hex_address(first)),
+    out.push_back({fmt::format("byte at {} of {}, the {}", hex_address(first), a.name,
+                               count == 1 ? "only one that differs" : fmt::format("first of {} that differ", count)),
                    fmt::format("{:02X}", a.bytes[at]), fmt::format("{:02X}", b.bytes[at])});
   }
   if (a.bytes.size() != b.bytes.size())
@@ -226,9 +226,9 @@ void compare_images(std::span<const std::uint8_t> a, std::span<const std::uint8_
     out.push_back({"length of the image", fmt::format("{} bytes", a.size()), fmt::format("{} bytes", b.size())});
   const auto [in_a, in_b] = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
   if (in_a != a.end() && in_b != b.end())
-    out.push_back(
-        {fmt::format("bytes of the image, the first at {}", hex_address(static_cast<Address>(in_a - a.begin()))),
-         fmt::format("{:02X}", *in_a), fmt::format("{:02X}", *in_b)});
+    out.push_back({fmt::format("byte at {} of the image, the first that differs",
+                               hex_address(static_cast<Address>(in_a - a.begin()))),
+                   fmt::format("{:02X}", *in_a), fmt::format("{:02X}", *in_b)});
 }
 
 }  // namespace

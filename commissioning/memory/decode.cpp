@@ -309,12 +309,13 @@ Cell below_a_gap(Cell cell) {
 
 Cell image_cell(const DecodedImage& image, const MemoryDump& dump, bool with_bytes) {
   const ImageVerdict& verdict = image.verdict;
-  const Cell block_check =
+  Cell block_check =
       record_cell(verdict.check_expected == verdict.check_found
                       ? "checksum (CRC-32) {stored}, as computed\n"
                       : "checksum (CRC-32) {stored} stored, {computed} computed: {agrees}\n",
                   "stored"_is(hex_cell(verdict.check_expected)), "computed"_is(hex_cell(verdict.check_found)),
                   "agrees"_is(verdict.check_expected == verdict.check_found, "", "they differ"));
+  if (verdict.fault == ImageFault::block_check) block_check.text.clear();  // the fault states both
   return record_cell(
       "\n== {region} at {address}, {bytes} "
       "bytes{active}\n{identity}{block_check}{faults}{fields}{parameters}\n{tables}{header}",

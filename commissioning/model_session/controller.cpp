@@ -98,7 +98,7 @@ Result<std::unique_ptr<ModelController>> ModelController::begin_new(const ModelA
   Message& message = (*controller)->message_;
   const std::string begun =
       fmt::format("new model {} with {}; press d to find missing effects, a to add one",
-                  std::filesystem::path(files.model).filename().string(), usual_in_words((*controller)->work_->data));
+                  std::filesystem::path(files.model).filename().string(), usual_in_words(*(*controller)->work_));
   if (message.text().empty())
     message.say(begun);
   else

@@ -145,10 +145,15 @@ std::string outliers_text(const Comparison& c) {
 Cell comparison_cell(const Comparison& c, std::size_t readings) {
   const Cell lack_of_fit = lack_of_fit_cell(c.lack_of_fit);
   const std::string judged = lack_of_fit_text(c.lack_of_fit, c.outliers.empty() ? c.rms_um : 0.0, c.noise.noise_um);
+  constexpr std::size_t kFewForNoise = 16;  // as neighbours judge it from (model/fit/noise.cpp)
+  const std::string few = readings < kFewForNoise && !c.noise.from_repeats
+                              ? fmt::format(", uncertain with only {} readings", readings)
+                              : std::string();
   const std::string summary = paragraph(fmt::format(
-      "{} readings: rms {}, peak {}; noise of one reading {}; lack-of-fit test of the model with these values: {}",
+      "{} readings: rms {}, peak {}; noise of one reading {}; lack-of-fit test of the model with its present values: "
+      "{}",
       readings, in_each_unit(c.rms_um, c.rms_by_unit, c.noise.unit),
-      in_each_unit(c.peak_um, c.peak_by_unit, c.noise.unit), noise_text(c.noise), judged));
+      in_each_unit(c.peak_um, c.peak_by_unit, c.noise.unit), noise_text(c.noise) + few, judged));
   Cell answer = record_cell(
       "{summary}\n{directions}{variables}{worst}{outliers}", "observations"_is(readings), "summary"_shown(summary),
       "rms_um"_is(c.rms_um), "peak_um"_is(c.peak_um), "noise_um"_is(c.noise.noise_um),
@@ -176,9 +181,10 @@ std::string summary(const Diagnosis& d) {
                                           in_each_unit(d.kept_rms_um, d.kept_by_unit, d.noise.unit)),
                                  noise_text(d.noise));
   if (d.verdict != Verdict::adequate && d.rms_after_um < d.rms_um)
-    text += fmt::format("With {} the residual is {}. ", d.add ? "the proved or likely effects" : "the named effects",
+    text += fmt::format("With {} the residual is {}{}. ", d.add ? "the proved or likely effects" : "the named effects",
                         rms_text(d, in_each_unit(d.rms_after_um, d.rms_after_by_unit, d.noise.unit),
-                                 in_each_unit(d.kept_rms_after_um, d.kept_after_by_unit, d.noise.unit)));
+                                 in_each_unit(d.kept_rms_after_um, d.kept_after_by_unit, d.noise.unit)),
+                        d.outliers.empty() && d.rms_after_um <= d.noise.noise_um ? ", no more than the noise" : "");
   const bool is_judged = d.outliers.empty() || d.verdict != Verdict::adequate;
   text += "Lack-of-fit test: " + lack_of_fit_text(d.lack_of_fit, is_judged ? d.rms_um : 0.0, d.noise.noise_um);
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)
@@ -413,7 +419,7 @@ Cell where_cell(const Diagnosis& d) {
           : "\nvariables on which the residual depends (share of its variance that each explains alone)\n"};
   for (const model::Dependence& one : d.where)
     where.add(record_cell(
-        "  {variable} {strength:>8}  chance of this share in noise alone: {p_value}\n",
+        "  {variable} {strength:>8}  probability of such a share in noise alone: {p_value}\n",
         "variable"_is(one.variable, padded(one.variable, 26)), "strength"_is(one.strength, percent(one.strength)),
         "p_value"_is(one.p_value, one.p_value <= kLeastProbability ? "< 1e-300" : fmt::format("{:.1g}", one.p_value)),
         "at"_is(numbers_json(one.at)), "mean_um"_is(numbers_json(one.mean_um)),

@@ -245,6 +245,9 @@ Cell ladder_cell(const model::Model& model) {
                                            i == 0 ? ", and the rms before it," : "", history[i].outliers,
                                            history[i].outliers == 1 ? "" : "s"),
                                6, 8);
+  if (std::any_of(history.begin(), history.end(),
+                  [](const LadderStep& one) { return is_just_below(one.rms_um, one.noise_um); }))
+    ladder.text += paragraph(std::string(kBelowNoise), 6, 8);
   return ladder;
 }
 

@@ -99,6 +99,15 @@ struct ShapePoint {
 /// "3, 17, 250 and 12 more"
 [[nodiscard]] std::string rows_text(const std::vector<int>& rows, std::size_t most = 20);
 
+/// Smaller than the noise of one reading, as a fit leaves it; far below it is another matter.
+[[nodiscard]] inline bool is_just_below(double rms_um, double noise_um) {
+  constexpr double kFar = 0.8;  // a choice
+  return rms_um < noise_um && rms_um > kFar * noise_um;
+}
+/// Below a table with such an rms.
+inline constexpr std::string_view kBelowNoise =
+    "an rms a little below the noise is no mistake: the noise is an estimate, and the fit uses up degrees of freedom";
+
 /// The ladder: step, effect, rms, peak, noise floor, held-out rms; the file of each step where they differ.
 [[nodiscard]] Cell ladder_cell(const model::Model& model);
 

@@ -197,8 +197,8 @@ Result<std::optional<Achieved>> achieved(MessageSink& messages, const ModelWork&
 }
 
 Cell effects_cell(const WhatIfAnswer& answer) {
-  Cell effects{Json::array(),
-               fmt::format("{} {:>9}  {}\n", padded("effect", 34), rms_heading(answer.unit), "compensated by")};
+  Cell effects{Json::array(), fmt::format("{} {:>9}  {}\n", padded("effect", 34), rms_heading(answer.unit),
+                                          "compensated by, or why not")};
   for (const model::WhatIf::Share& share : answer.what.shares) {
     const AnswerFields fields = described(
         "effect"_is(share.effect, padded(name_with_alternatives(answer.model, share.effect), 34)),
@@ -207,6 +207,10 @@ Cell effects_cell(const WhatIfAnswer& answer) {
     effects.add({object_of(fields),
                  paragraph_after(laid_out("{effect} {rms_um:>9}  ", fields), laid_out("{carried}{how}", fields))});
   }
+  if (!answer.what.shares.empty())
+    effects.text += paragraph(
+        "rms: over the readings on which the effect acts; the figures above are over all readings. The rms values of "
+        "several causes add as squares.");
   return effects;
 }
 
@@ -343,7 +347,7 @@ std::string what_if_summary(const model::WhatIf& what, const model::Model& model
   if (measurement.empty())
     return text + fmt::format(" The remaining {:.3f} {} rms would consist of {}.", what.machine_um, unit, rest);
   return text + fmt::format(
-                    " Of the remaining {:.3f} {} rms, {:.3f} {} belong to the measurement, not to the "
+                    " Of the remaining {:.3f} {} rms, {:.3f} {} come from the measurement, not from the "
                     "machine: {}. Without them {:.3f} {} rms remain: {}.",
                     what.rms_after_um, unit, what.measurement_um, unit, fmt::join(measurement, ", "), what.machine_um,
                     unit, rest);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -248,8 +249,8 @@ cli::Fields<ModelArguments> ModelArguments::fields(cli::Need data_need) {
   return {
       {"MODEL", &A::model, "model file (.toml)", cli::Need::required},
       {"DATA", &A::data,
-       "measurement files in any format that `laser import` reads, of lines or of a ball on the table, and files of "
-       "circles, diagonals and gauge blocks",
+       "measurement files: lines, or a ball on the table, in any format that `laser import` reads; circles, diagonals "
+       "and gauge blocks",
        data_need},
       {"--machine", &A::machine, kMachineHelp},
       &A::import};
@@ -347,13 +348,22 @@ Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& argum
   return work;
 }
 
-std::string usual_in_words(const model::Observations& data) {
+std::string usual_in_words(const ModelWork& work) {
+  const model::Observations& data = work.data;
   if (!data.through_chain.empty())
     return "the position of the ball, the location errors of the rotary axes that it shows, and their backlash where "
            "both approaches were measured";
-  return data.rotary
-             ? "an offset for each error and axis measured, backlash where both approaches were measured"
-             : "an offset and a slope for each error and axis measured, backlash where both approaches were measured";
+  if (work.model.effects.empty()) return "no effects yet";
+  std::set<std::pair<Sense, Axis>> measured;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!data.on_path(k)) measured.emplace(data.sense[k], data.axis[k]);
+  const auto slopes = std::count_if(work.model.effects.begin(), work.model.effects.end(),
+                                    [](const auto& effect) { return effect.id == model::effect_named("scale"); });
+  return fmt::format("an offset{} for each error and axis measured,{} backlash where both approaches were measured",
+                     !data.rotary && static_cast<std::size_t>(slopes) >= measured.size() ? " and a slope" : "",
+                     !data.rotary && static_cast<std::size_t>(slopes) < measured.size()
+                         ? " a slope where there are three targets or more,"
+                         : "");
 }
 
 Problem in_file(Problem why, const std::string& file) {

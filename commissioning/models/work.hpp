@@ -64,7 +64,7 @@ struct ModelWork {
 [[nodiscard]] Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& arguments);
 
 /// What a new model begins with, in words: "offset and slope of what was measured, ...".
-[[nodiscard]] std::string usual_in_words(const model::Observations& data);
+[[nodiscard]] std::string usual_in_words(const ModelWork& work);
 
 /// A problem that names no file is one of `file`.
 [[nodiscard]] Problem in_file(Problem why, const std::string& file);

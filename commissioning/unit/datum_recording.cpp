@@ -211,8 +211,10 @@ std::string graph_of(const DatumRecording& recording) {
     text += fmt::format("{} {}\n", label, rows[static_cast<std::size_t>(y)]);
   }
   const double end_s = recording.time_s(speeds.size() - 1);
-  return text + fmt::format("  switch {}\n  marker {}\n  mm/min over 0 to {:.2f} s; # switch closed, | marker\n",
-                            closed, marker, end_s);
+  return text +
+         fmt::format(
+             "  switch {}\n  marker {}\n  speed in mm/min against time, 0 to {:.2f} s; # switch closed, | marker\n",
+             closed, marker, end_s);
 }
 
 }  // namespace ecs::commissioning

@@ -516,7 +516,7 @@ Cell status_cell(const StatusSnapshot& snapshot) {
       "ram_test"_is(ram_test_cell(s)), "block_check"_is(block_check_cell(s)), "map"_is(map_cell(s)),
       "battery"_is(lines ? row("battery", battery_cell(*lines)) : null_cell()),
       "battery_age_s"_is(lines ? cell_of(lines->battery_age_s) : null_cell()),
-      "control_on"_is(lines ? row("CNC control", control_cell(*lines)) : null_cell()),
+      "control_on"_is(lines ? row("control", control_cell(*lines)) : null_cell()),
       "loop"_is(record_cell("loop         period {period_us} us, {overruns} overruns; {ticks} periods since power-up",
                             "period_us"_is(s.loop_period_us), "overruns"_is(s.loop_overruns), "ticks"_is(s.ticks))),
       "uptime_s"_is(s.uptime_s), "watchdog_trips"_is(s.watchdog_trips), "axes"_is(axes_cell(snapshot)),

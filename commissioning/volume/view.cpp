@@ -312,7 +312,9 @@ std::string heading_of(const VolumeWork& work) {
                                configuration_of(machine.parameters), travels_in_words(machine.travel_mm),
                                work.prepared.travels_of_machine ? "" : " (as far as the map reaches)",
                                settings * work.answer.grid.places())) +
-         (rotary.empty() ? "" : paragraph(rotary)) + fmt::format("errors from {}\n", work.prepared.errors_from) +
+         (rotary.empty() ? "" : paragraph(rotary)) +
+         fmt::format("errors from {}; P95: at 95 % of the positions the error is no larger\n",
+                     work.prepared.errors_from) +
          fmt::format("{:<16} {:>8} {:>8} {:>8}   {}\n", "error vector, um", "largest", "P95", "rms",
                      place_heading(work));
 }

@@ -167,8 +167,8 @@ std::string rotary_in_words(const VolumeWork& work) {
       angles.push_back(fmt::format("{} {:.4g}", rotary_letter(r), rotary->angles_deg[r]));
     }
   return fmt::format(
-      "rotary axes {} deg, {} settings; chain {}; slice and picture at {} deg, the place of the largest error before "
-      "compensation",
+      "rotary axes {} deg, {} settings; chain {}; largest error before compensation at {} deg, where slices and "
+      "pictures are drawn",
       fmt::join(travels, ", "), work.answer.settings.size(), kinematics::iso_notation(rotary->machine.chain),
       fmt::join(angles, ", "));
 }
@@ -264,15 +264,21 @@ void note_missing(VolumeWork& work) {
   }
   for (const laser::DeclaredZero& z : map.header.declared_zero)
     if (is_squareness(z.component)) zero.emplace_back(name_of(z.component));
+  std::vector<std::string_view> without_lever;
   for (const std::string_view name : missing) {
     const auto is_it = [&](const ComponentShare& one) { return one.rotary.empty() && name_of(one.component) == name; };
-    if (work.prepared.errors_from != "the errors file" && std::ranges::any_of(work.shares, is_it))
-      work.unmeasured.push_back(name);
+    if (work.prepared.errors_from == "the errors file") continue;
+    (std::ranges::any_of(work.shares, is_it) ? work.unmeasured : without_lever).push_back(name);
   }
   if (!missing.empty())
     work.notes.push_back(
-        fmt::format("{} {} neither in the map nor declared zero: assumed to be zero. The true error can be larger",
-                    fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are"));
+        fmt::format("{} {} neither in the map nor declared zero: assumed to be zero. The true error can be larger{}",
+                    fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are",
+                    without_lever.empty() || work.unmeasured.empty()
+                        ? ""
+                        : fmt::format(". Of these, {} {} no lever arm here and {} not act on the error vector",
+                                      fmt::join(without_lever, ", "), without_lever.size() == 1 ? "has" : "have",
+                                      without_lever.size() == 1 ? "does" : "do")));
   if (!zero.empty())
     work.notes.push_back(fmt::format("{} {} declared zero: standard uncertainty {:g} um or um/m (--zero-uncertainty)",
                                      fmt::join(zero, ", "), zero.size() == 1 ? "is" : "are",

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <set>
 #include <span>
@@ -288,6 +289,25 @@ std::string other_periods_text(const Candidate& candidate) {
   }
   if (others < 2) return others == 1 ? ", or a different period that fits equally well" : "";
   return fmt::format(", or one of {} other periods that fit equally well", others);
+}
+
+/// Of a wave of which the readings cover less than half a period: an offset and a slope together absorb over four
+/// fifths of its variance there. Else "".
+std::string short_range_text(const EffectInstance& effect, const Observations& data) {
+  constexpr double kHalf = 0.5;
+  const auto period = searched_value(effect);
+  if (!effect.traits().periodic || !effect.axis || !period || !data.paths.empty()) return "";
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (data.axis[k] != *effect.axis) continue;
+    low = std::min(low, data.p_mm(k, *effect.axis));
+    high = std::max(high, data.p_mm(k, *effect.axis));
+  }
+  if (high - low >= kHalf * *period || high < low) return "";
+  return fmt::format(
+      ". The readings cover {:.3g} {}, less than half of the period. There, an offset or a slope of the model can "
+      "absorb most of the wave, so its amplitude can far exceed the residual",
+      high - low, data.position_unit());
 }
 
 NamedWave wave_of(const Candidate& candidate) { return larger_wave({candidate.effect, candidate.parameters}); }
@@ -590,6 +610,7 @@ std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, c
     if (const std::string pitch = pitch_text(candidate.effect, one.sigma, data);
         one.name == candidate.effect.definition().searched_parameter() && !pitch.empty())
       text += fmt::format("; the period of {:.5g} {} is {}", one.value, data.position_unit(), pitch);
+  if (candidate.in_answer()) text += short_range_text(candidate.effect, data);
   if (candidate.in_answer() && std::ranges::any_of(candidate.parameters, &ParameterEstimate::undetermined))
     text += fmt::format(". Its presence is {}, but these data do not determine how large it is",
                         name_of(candidate.standing));

@@ -144,7 +144,9 @@ std::string rotary_axes_refused(const params::Machine& machine) {
           "there is one, or use machine data or a table of the control",
           letter);
   }
-  return machine.rotary_configuration.empty() ? "no machine file with rotary axes was given" : "";
+  return machine.rotary_configuration.empty()
+             ? "this is known only with a machine file that has rotary axes (--machine)"
+             : "";
 }
 
 namespace {

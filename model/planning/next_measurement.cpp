@@ -555,6 +555,9 @@ void take_line_over_travel(NextMeasurement& next, const Setting& in) {
 std::string step_after_proof(const EffectInstance& effect, const params::Machine& machine) {
   if (is_carried(effect, machine))
     return " Add it to the model, compensate, and repeat the same measurement to confirm it.";
+  if (is_rotary_error(effect) && machine.rotary_configuration.empty())
+    return " Add it to the model. Whether the unit can compensate it is known only with a machine file that has rotary "
+           "axes (--machine).";
   return fmt::format(" Add it to the model. The unit cannot compensate it ({}).", how_compensated(effect, machine));
 }
 

@@ -52,7 +52,8 @@ struct BallSet {
 
 /// One run as a person sets it up. Positions in machine coordinates.
 struct MeasurementProposal {
-  std::string condition;  ///< what differs from the present set-up, in words: "as now", "at a quarter of the feed", …
+  std::string condition;  ///< what differs from the present set-up, in words: "with the present set-up", "at a quarter
+                          ///< of the feed", …
   Axis axis = Axis::X;    ///< moving
   Sense sense = Sense::EX;
   std::vector<double> targets_mm;  ///< ascending

@@ -77,7 +77,7 @@ std::vector<double> with_room(std::vector<double> targets, const Range& range, d
 MeasurementProposal as_now(const Observations& data, Axis axis, Sense sense, const std::vector<std::size_t>& rows,
                            const MeasuringTimes& times) {
   MeasurementProposal now;
-  now.condition = "as now";
+  now.condition = "with the present set-up";
   now.axis = axis;
   now.sense = sense;
   now.parked_mm = data.position_mm[rows.front()];
@@ -132,7 +132,7 @@ class Conditions {
       : data_(data), now_(now), times_(times) {}
 
   std::vector<MeasurementProposal> all() {
-    add("as now, another run", [](MeasurementProposal&) {});
+    add("with the present set-up, another run", [](MeasurementProposal&) {});
     motion();
     temperatures();
     time_and_air();
@@ -150,7 +150,7 @@ class Conditions {
   }
 
   void motion() {
-    add("as now, targets between the present ones", [](MeasurementProposal& p) {
+    add("with the present set-up, targets between the present ones", [](MeasurementProposal& p) {
       std::vector<double> between;
       for (std::size_t i = 0; i + 1 < p.targets_mm.size(); ++i)
         between.push_back(

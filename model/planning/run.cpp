@@ -180,7 +180,7 @@ std::vector<MeasurementProposal> circle_options(const Observations& data, const 
   for (std::size_t path = 1; path <= data.paths.size(); ++path) {
     if (data.paths[path - 1].kind != PathKind::circle) continue;
     const MeasurementProposal now = circle_as_now(data, path, times);
-    add_at_feeds(all, now, "as now", "the feed", times);
+    add_at_feeds(all, now, "with the present set-up", "the feed", times);
     if (now.feed_mm_min != kUsualFeed_mm_min) feed_mm_min = now.feed_mm_min;
     MeasurementProposal closer = now;
     closer.circle_step_deg = readable_step_deg(now.circle_step_deg / kCloser);

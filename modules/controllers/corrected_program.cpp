@@ -45,10 +45,10 @@ class ProgramCorrector {
     }
     if (!reader_.findings().empty()) return tl::unexpected(reader_.findings().as_problem());
     if (const int line = reader_.whole_numbers_in(); line > 0)
-      made_.notes.push_back(
-          fmt::format("words without a decimal point count as whole mm (inches), first in line {}: on a control that "
-                      "counts them in its smallest increment the correction would be wrong",
-                      line));
+      made_.notes.push_back(fmt::format(
+          "words without a decimal point, the first in line {}, are read as whole mm (inches). If the control "
+          "reads them in its smallest increment, the correction is wrong",
+          line));
     return std::move(made_);
   }
 

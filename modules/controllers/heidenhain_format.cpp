@@ -309,7 +309,7 @@ extern const ControllerFormat heidenhain_format{
     .id = "heidenhain",
     .title = "HEIDENHAIN compensation tables",
     .name = "HEIDENHAIN",
-    .summary = "compensation-value tables of each axis (.com, .cma): for KinematicsComp, or with axis columns only",
+    .summary = "compensation-value tables of each axis (.com, .cma), for controls with or without KinematicsComp",
     .example = "ecs export heidenhain map.csv --params mill.toml -o heidenhain/",
     .output_help = "folder for x.com, y.com, z.com and config.cma",
     .marks = "a first line BEGIN NAME.COM",
@@ -319,8 +319,9 @@ extern const ControllerFormat heidenhain_format{
     .resolution_um = 0.1,
     .write_options =
         {{.name = "tables",
-          .help = "kinematics: straightness and rotations in C2 to C6 (default); plain: axis columns only, without "
-                  "rotations",
+          .help =
+              "kinematics: straightness and rotations in columns of their own, for KinematicsComp (default); plain: "
+              "straightness in the columns of the other axes, without rotations",
           .fallback = "kinematics",
           .words = {"kinematics", "plain"}},
          {.name = "com-sign",

@@ -341,7 +341,8 @@ Cell program_cell(const ProgramAnswer& answer) {
   return record_cell(
       "{program} {done} by {map}\n\nmoves       {moves}, of these changed {corrected}; blocks added "
       "{blocks_added}\narcs        {arcs_kept} kept as arcs, {arcs_divided} divided into lines\ncorrection  at most "
-      "{largest_correction_um}\nrounding    at most {rounding_um}\n\nerror along feed moves, predicted from {from}: "
+      "{largest_correction_um}\nrounding    of the words in the program: at most {rounding_um}\n\nerror along feed "
+      "moves, predicted from {from}: "
       "largest / rms, um\n{predicted}\n{not_corrected}{notes}{written}",
       "program"_is(answer.request.program), "map"_is(answer.source.name), "sha256"_is(answer.source.sha256),
       "done"_shown(made.corrected > 0 ? "corrected" : "not changed"), "moves"_is(made.moves),

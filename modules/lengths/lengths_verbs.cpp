@@ -174,7 +174,8 @@ cli::Fields<LengthsArguments> LengthsArguments::fields() {
           {&A::settings,
            cli::Fields<S>{
                {"--reversal-degree", &S::reversal_degree,
-                "degree of the reversal error as a polynomial; -1: no reversal error", Range{-1, 6}},
+                "degree of the polynomial that describes the reversal error along an axis; -1: no reversal error",
+                Range{-1, 6}},
                {"--scale", &S::scale_um_per_m,
                 "standard uncertainty of the scale of each set-up (air, wavelength) [um/m]; 0: none", Range{0.0}}}},
           {"--zero", &A::zero, "declare a component zero: EBY=\"too small to measure\""},
@@ -274,9 +275,10 @@ cli::Fields<LengthsPlanAsked> LengthsPlanAsked::fields() {
   return {
       {"--machine", &A::machine, "machine file: kinematic chain, travels, datum", Need::required},
       {"--volume-um", &A::volume_um,
-       "required expanded uncertainty (k = 2) of the error vector, root mean square over the volume for all tools [um]",
+       "expanded uncertainty (k = 2) to reach: of the error vector, as rms over the volume and all tools [um]",
        Need::required, Range{0.01, 1e6}},
-      {"--instrument", &A::instrument, "instrument: laser tracker, laser interferometer or telescoping ball bar",
+      {"--instrument", &A::instrument,
+       "instrument: tracking interferometer, laser interferometer or telescoping ball bar",
        Words{"tracker", "interferometer", "ball_bar"}},
       {"-o,--output", &A::output, "plan to write (.csv), for manual measurement or `ecs-emulator lengths`", Is::output},
       {"--tools", &A::tools,
@@ -289,7 +291,8 @@ cli::Fields<LengthsPlanAsked> LengthsPlanAsked::fields() {
        "distance between the knots (points) of the error curves of X,Y,Z [mm]; default: a twelfth of the travel"},
       {&A::settings,
        cli::Fields<S>{
-           {"--reversal-degree", &S::reversal_degree, "degree of the reversal error as a polynomial", Range{0, 6}},
+           {"--reversal-degree", &S::reversal_degree,
+            "degree of the polynomial that describes the reversal error along an axis", Range{0, 6}},
            {"--instrument-um", &S::instrument_um, "standard deviation of a reading [um]", Range{0.001}},
            {"--scatter-um", &S::scatter_um,
             "standard deviation of the position at which the machine stops, each axis and direction [um]", Range{0.0}},

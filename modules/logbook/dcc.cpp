@@ -1,3 +1,4 @@
+#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
@@ -145,14 +146,20 @@ void add_administration(Xml& xml, const Certificate& c) {
   xml.close();
 }
 
+/// Without the last digits of a double, in which the arithmetic rounds: "-10.7", not "-10.700000000000001".
+std::string certified(double value) {
+  constexpr double kSteps = 1e9;  // to a billionth of the unit
+  return fmt::format("{:.12g}", std::round(value * kSteps) / kSteps + 0.0);
+}
+
 /// D-SI 2.1 of DCC 3.2 has expandedUnc; in D-SI 2.2 that is deprecated for measurementUncertaintyUnivariate.
 void add_uncertainty(Xml& xml, double expanded, bool before_3_3) {
   if (before_3_3) {
-    xml.open("si:expandedUnc").leaf("si:uncertainty", shortest(expanded));
+    xml.open("si:expandedUnc").leaf("si:uncertainty", certified(expanded));
   } else {
     xml.open("si:measurementUncertaintyUnivariate")
         .open("si:expandedMU")
-        .leaf("si:valueExpandedMU", shortest(expanded));
+        .leaf("si:valueExpandedMU", certified(expanded));
   }
   xml.leaf("si:coverageFactor", shortest(kCoverageFactor))
       .leaf("si:coverageProbability", shortest(kCoverageProbability));
@@ -163,14 +170,14 @@ void add_uncertainty(Xml& xml, double expanded, bool before_3_3) {
 void add_value(Xml& xml, const CertifiedValue& one, bool before_3_3) {
   xml.open("dcc:result", fmt::format("refType=\"{}\"", escaped(one.ref_type))).words("dcc:name", one.name);
   xml.open("dcc:data").open("dcc:quantity").open("si:real");
-  xml.leaf("si:value", shortest(one.value)).leaf("si:unit", escaped(one.unit));
+  xml.leaf("si:value", certified(one.value)).leaf("si:unit", escaped(one.unit));
   if (one.expanded && *one.expanded > 0.0) add_uncertainty(xml, *one.expanded, before_3_3);
   xml.close().close().close().close();
 }
 
 std::string list_of(const std::vector<double>& values) {
   std::string text;
-  for (const double value : values) text += (text.empty() ? "" : " ") + shortest(value);
+  for (const double value : values) text += (text.empty() ? "" : " ") + certified(value);
   return text;
 }
 

@@ -162,7 +162,7 @@ Markup notes_of(const std::vector<TableRow>& rows) {
 ReportSection components_section(const ReportContent& content, const std::vector<std::string>& ids) {
   Markup body = paragraph_of(
       "Grey bars: from the smallest to the largest reading at each target. Before and after have the same scale. "
-      "Symbols of ISO 230-2: A accuracy, E systematic deviation, M range of the mean, R repeatability, B reversal "
+      "Symbols of ISO 230-2: A accuracy, E systematic error, M range of the mean, R repeatability, B reversal "
       "error and its mean; ↑ forward, ↓ reverse. ±3s: band of mean ± 3 standard deviations, 6s: largest 6 standard "
       "deviations (BS 4656 Part 16).",
       "class=\"small intro\"");
@@ -305,9 +305,9 @@ std::string volume_sentence(const ReportedVolume& volume) {
   return fmt::format(
       "{0}. After compensation, {2} of these errors remains{3}. With a probability of 95 %, at most {4} remains "
       "anywhere; this figure includes the known remaining errors and the uncertainty of the map. Errors that {1} does "
-      "not contain come in addition.{5}",
+      "not contain add to this.{5}",
       before, volume.prepared.errors_from, after,
-      volume.from_map() ? ", from interpolation between the points of the tables" : "",
+      volume.from_map() ? ", because the unit interpolates between the points of the tables" : "",
       size(volume.uncertainty.largest_95_um),
       unmeasured.empty() ? ""
                          : fmt::format(" This assumes that the components declared zero ({} of {}: {}) are zero within "

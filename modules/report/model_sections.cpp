@@ -191,8 +191,8 @@ std::string parameters_in_words(const model::EffectFit& fit) {
 }
 
 Markup effects_table(const ReportedModel& model) {
-  TableMarkup table(
-      columns("effect in the model|cause|values (±: standard uncertainty, k = 1)|>rms [µm]|compensated by"));
+  TableMarkup table(columns(
+      "effect in the model|cause|values (±: standard uncertainty, k = 1)|>rms [µm]|compensated by, or why not"));
   for (const model::EffectFit& fit : model.effects) {
     const auto share = std::find_if(model.what_if.shares.begin(), model.what_if.shares.end(),
                                     [&](const auto& s) { return s.effect == to_text(fit.effect); });

@@ -203,7 +203,7 @@ ReportSection summary_section(const ReportContent& content, const Judgement& jud
   body += paragraph_of(
       "Bars: pale before, solid after. Before, after: error band, the largest minus the smallest of all readings, both "
       "approaches and all runs, after the slope named with each component is removed. Ratio: before over after. E, R: "
-      "systematic deviation and repeatability by ISO 230-2 of the remaining error; R is computed "
+      "systematic error and repeatability by ISO 230-2 of the remaining error; R is computed "
       "from standard deviations, so with few runs it may exceed the band. Where R is nearly as large as A, a map can "
       "hardly reduce the error further." +
           std::string(content.planned ? " Limit: the largest band that the plan allows or cites as published." : ""),

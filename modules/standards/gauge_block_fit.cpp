@@ -119,8 +119,7 @@ void noise_of_residuals(const BlockTest& test, const BlockData& data, const Matr
 }
 
 /// @param birge  by which the scatter about the straight line exceeds that of repeats and certificates together
-BlockValue value_of(const BlockData& data, const Solution& solution, Index place, const BlockFit& fit, double birge,
-                    double degrees_of_freedom) {
+BlockValue value_of(const BlockData& data, const Solution& solution, Index place, const BlockFit& fit, double birge) {
   const VectorXd weights = solution.weights.row(place).transpose();
   const double of_certificates = weights.dot(data.certificate * weights);
   BlockValue made{solution.sizes[place], {}, 0.0, 0.0};
@@ -129,8 +128,7 @@ BlockValue value_of(const BlockData& data, const Solution& solution, Index place
     const double of_noise = std::pow(*fit.noise_um, 2) * weights.squaredNorm();
     made.u_readings = std::sqrt(birge * birge * (of_noise + of_certificates) - of_certificates);
   }
-  made.U = std::hypot(model::coverage_factor(degrees_of_freedom) * made.u_readings.value_or(0.0),
-                      kCoverage * made.u_calibration);
+  made.U = std::hypot(fit.coverage_factor * made.u_readings.value_or(0.0), kCoverage * made.u_calibration);
   return made;
 }
 
@@ -165,9 +163,9 @@ void add_notes(const BlockTest& test, BlockFit& fit) {
     note("no length was measured twice: the scatter is that about the straight line, and lack of fit cannot be tested");
   if (fit.lack_of_fit_p.value_or(1.0) < kBlocksLackFit)
     note(
-        "the errors deviate from a straight line by more than repeated readings differ: the error of the axis is not "
-        "proportional to the length. The uncertainties contain this deviation; measure the axis with `ecs laser` or a "
-        "step gauge");
+        "the errors deviate from a straight line by more than the scatter of repeated readings explains: the error of "
+        "the axis is not proportional to the length. The uncertainties include this deviation. Measure the axis with "
+        "`ecs laser` or a step gauge");
   const auto any = [&](auto member) {
     return std::ranges::any_of(test.readings, [&](const BlockReading& one) { return (one.*member).has_value(); });
   };
@@ -207,7 +205,9 @@ BlockFit block_fit_of(const BlockTest& test) {
       freedom = beyond;
     }
   }
-  const auto value = [&](Index place) { return value_of(data, solution, place, fit, birge, freedom); };
+  fit.coverage_degrees = freedom;
+  fit.coverage_factor = model::coverage_factor(freedom);
+  const auto value = [&](Index place) { return value_of(data, solution, place, fit, birge); };
   if (separated || !any_touch) fit.scale_um_per_m = value(0);
   if (separated) {
     fit.constant_um = value(1);

@@ -36,6 +36,8 @@ struct BlockFit {
   std::optional<double> correlation;   ///< of scale and constant, where both are given
   std::optional<double> noise_um;      ///< standard deviation of one reading
   double degrees_of_freedom = 0.0;     ///< of it
+  double coverage_factor = 0.0;        ///< of the readings' part of U (Student's t); of the calibration's it is 2
+  double coverage_degrees = 0.0;       ///< degrees of freedom to which that factor belongs
   bool noise_from_repeats = false;     ///< else from the residuals of different lengths
   std::optional<double> lack_of_fit_p;
   std::vector<BlockMean> means;    ///< in the order of the file

@@ -38,6 +38,15 @@ Cell mean_cell(const laser::BlockMean& mean) {
                      "count"_is(mean.count), "error_um"_is(mean.error_um, 2), "residual_um"_is(mean.residual_um, 2));
 }
 
+/// The factors of both parts of U, which are joined as the root of the sum of their squares.
+std::string coverage_text(const laser::BlockFit& fit) {
+  if (!fit.noise_um) return "  +-: expanded uncertainty U (95.45 %), k = 2\n";
+  return fmt::format(
+      "  +-: expanded uncertainty U (95.45 %): k = {:.2f} for the readings ({:g} degree{} of freedom), 2 for the "
+      "calibration\n",
+      fit.coverage_factor, fit.coverage_degrees, fit.coverage_degrees == 1.0 ? "" : "s");
+}
+
 std::string scatter_text(const laser::BlockFit& fit) {
   if (!fit.noise_um) return {};
   return fmt::format("  standard deviation of a reading {:.2f} um ({} with {:g} degrees of freedom){}\n", *fit.noise_um,
@@ -50,18 +59,22 @@ Result<Outcome> blocks(VerbContext&, const BlocksRequest& request) {
   ECS_TRY(test, laser::parse_gauge_blocks(text, request.file));
   const laser::BlockFit fit = laser::block_fit_of(test);
   const std::string axis(1, letter_of(test.axis));
+  const auto of_readings = [&](double value) { return fit.noise_um ? std::optional(value) : std::nullopt; };
   const std::string heading = fmt::format("  {:<14} {:<8} {:>10} {:>8} {:>11} {:>13}\n", "block", "touched",
                                           "length mm", "readings", "error [um]", "residual [um]");
   return outcome_of(record_cell(
-      "{file}: {readings} lengths along {axis}, {kind}; error of the machine = actual - target\n{blocks}{scale}"
-      "{constant}{error}{scatter}{notes}",
+      "{file}: {readings} lengths along {axis}, {kind}; error = {error_is}\n{blocks}{scale}"
+      "{constant}{error}{coverage}{scatter}{notes}",
       "file"_is(request.file), "axis"_is(axis), "readings"_is(test.readings.size()), "cut"_is(test.cut),
       "kind"_shown(test.cut ? "cut by the machine" : "measured by the machine"),
+      "error_is"_shown(test.cut ? "length cut - programmed length" : "true length - length shown by the machine"),
       "blocks"_is(list_cell(fit.means, mean_cell, heading)),
       "scale"_is(value_cell(fit.scale_um_per_m, "scale error", "um/m", "")),
       "constant"_is(value_cell(fit.constant_um, "constant", "um",
                                " (positive: the tool or probe is larger than assumed); it includes the lost motion")),
       "error"_is(value_cell(fit.error_um, "error", "um", ", scale and constant together over this length")),
+      "coverage_factor"_is(of_readings(fit.coverage_factor)),
+      "coverage_degrees_of_freedom"_is(of_readings(fit.coverage_degrees)), "coverage"_shown(coverage_text(fit)),
       "correlation"_is(fit.correlation, 2), "noise_um"_is(fit.noise_um, 3),
       "degrees_of_freedom"_is(fit.degrees_of_freedom), "noise_from_repeats"_is(fit.noise_from_repeats),
       "lack_of_fit_p"_is(fit.lack_of_fit_p), "scatter"_shown(scatter_text(fit)),

@@ -160,16 +160,17 @@ Result<Outcome> warm_up_program(VerbContext& context, const WarmUpProgramRequest
   if (!request.output.empty()) ECS_DO(write_file(request.output, program));
   std::vector<std::string> notes;
   if (!machine.machine.rotary_configuration.empty()) notes.push_back("the rotary axes do not move in this program");
-  return outcome_of(record_cell(
-      "{shown} min{of}: {cycles} cycles of {cycle} s, without the time for acceleration\n{axes}{notes}{output}",
-      "minutes"_is(plan.minutes()), "shown"_shown(fmt::format("{:.1f}", plan.minutes())),
-      "of"_shown(request.readings.empty() ? std::string()
-                                          : fmt::format(", until {:g} % of the warm-up in {} remain",
-                                                        request.to_come_percent, request.readings)),
-      "cycles"_is(plan.cycles), "cycle_s"_is(60.0 * plan.cycle_min),
-      "cycle"_shown(fmt::format("{:.1f}", 60.0 * plan.cycle_min)), "axes"_is(list_cell(plan.axes, axis_cell_of)),
-      "notes"_is(lines_cell(notes, "note: ")), "program"_is(Json(program)),
-      "output"_is(written_cell("program", request.output, program))));
+  return outcome_of(
+      record_cell("{shown} min: {cycles} cycles of {cycle} s, acceleration not counted\n{of}{axes}{notes}{output}",
+                  "minutes"_is(plan.minutes()), "shown"_shown(fmt::format("{:.1f}", plan.minutes())),
+                  "of"_shown(request.readings.empty()
+                                 ? std::string()
+                                 : fmt::format("  afterwards, {:g} % of the warm-up measured in {} still remains\n",
+                                               request.to_come_percent, request.readings)),
+                  "cycles"_is(plan.cycles), "cycle_s"_is(60.0 * plan.cycle_min),
+                  "cycle"_shown(fmt::format("{:.1f}", 60.0 * plan.cycle_min)),
+                  "axes"_is(list_cell(plan.axes, axis_cell_of)), "notes"_is(lines_cell(notes, "note: ")),
+                  "program"_is(Json(program)), "output"_is(written_cell("program", request.output, program))));
 }
 
 }  // namespace

@@ -112,8 +112,10 @@ Cell point_cell(const laser::CurvePoint& before, const laser::CurvePoint& after)
 
 /// Processing keeps the targets, so that both curves have the same points.
 Cell points_cell(const laser::Curve& before, const laser::Curve& after) {
-  Cell points{Json::array(), fmt::format("{:>12} {:>14} {:>14} {:>14} {:>14}\n", "target [mm]", "fwd measured",
-                                         "rev measured", "fwd processed", "rev processed")};
+  Cell points{Json::array(),
+              fmt::format("  mean of the readings at each target, as measured and as processed\n"
+                          "{:>12} {:>14} {:>14} {:>14} {:>14}\n",
+                          "target [mm]", "fwd measured", "rev measured", "fwd processed", "rev processed")};
   for (std::size_t i = 0; i < after.points.size(); ++i) points.add(point_cell(before.points[i], after.points[i]));
   return points;
 }

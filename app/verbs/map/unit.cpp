@@ -182,7 +182,8 @@ Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {
     change.notes.push_back(fmt::format("{} does not contain the rotary axes", request.output));
   const Cell rotary = rotary_change_cell(change);
   Cell cell = record_cell(
-      "difference: errors of {second} minus errors of {first}; residual: rms without mean, slope and reversal\n"
+      "difference: errors of {second} minus errors of {first}; residual: rms after subtracting mean, slope and "
+      "reversal\n"
       "{curves}{rotary}{notes}{closing}{output}",
       "first"_is(request.first), "second"_is(request.second), "curves"_is(change_cell(change)),
       "notes"_is(lines_cell(change.notes, "note: ")),
@@ -357,12 +358,11 @@ extern const std::vector<Action> kMapOfUnit{
            "ecs map show map.csv --params mill.toml --component EXX --plot exx.svg", show, {.link = Link::reads}),
     action("map header", "show who made a map, when, for which machine, from which files and how",
            "ecs map header --unit", header, {.link = Link::reads}),
-    action(
-        "map compare",
-        "compare two error maps or two measurements line by line, for example of two dates or machines, or before and "
-        "after a repair",
-        "ecs map compare map-2025.csv map-2026.csv -o difference.csv", compare,
-        {.logged = Logged::when_written, .kind = "measurement"}),
+    action("map compare",
+           "compare two error maps or two measurements, component by component, for example of two dates or machines, "
+           "or before and after a repair",
+           "ecs map compare map-2025.csv map-2026.csv -o difference.csv", compare,
+           {.logged = Logged::when_written, .kind = "measurement"}),
     action("map send",
            "send a complete map with its parameters to the unit, all or nothing, and verify the unit's memory",
            "ecs map send map.csv --params mill.toml --link rtu:/dev/ttyUSB0:115200", send, {.link = Link::writes}),

@@ -40,8 +40,8 @@ struct AddRequest {
         {"--sensor2", &R::sensor2, "column of the second sensor, for an effect that follows the difference of two"},
         {"--sense", &R::sense, "sense in which the effect acts", Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
         {"--code", &R::code,
-         "component: ECX and so on for angular, squareness or map faults; EA, EB or EC for set_up_rotation; XOC and so "
-         "on for location"},
+         "component: such as ECX for angular and map faults, C0Y for squareness, XOC for location; EA, EB or EC for "
+         "set_up_rotation"},
         {"--machine", &R::machine, kMachineHelp},
         {"--or", &R::alternatives,
          "an alternative that `diagnose` cannot distinguish from it, as in \"thermal_drift:X:EX with t_bed_degC\": "
@@ -324,7 +324,7 @@ Result<Outcome> history(VerbContext&, const HistoryRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kModelLadder{
-    action("model add", "add an effect where it fits best; shows how far the error falls",
+    action("model add", "add an effect at the place where it fits best, and show the residual before and after",
            "ecs model add model.toml cyclic:X:EX data.csv --machine machine.toml -o model.toml", add,
            {.logged = Logged::always, .kind = "model"}),
     action("model undo", "remove the effect that was added last", "ecs model undo model.toml", undo,

@@ -76,7 +76,8 @@ Cell effects_cell(const Fit& fit, const model::Observations& data) {
     });
   };
   list.text += fmt::format(
-      "sigma: standard uncertainty (k = 1); rms: contribution of the effect to the readings{}{}\n",
+      "sigma: standard uncertainty (k = 1); rms: contribution of the effect to the readings on which it acts{}{}{}\n",
+      is_just_below(fit.rms_um, fit.noise.noise_um) ? fmt::format("\n{}", kBelowNoise) : "",
       any(true) ? "\nfixed: the fit does not change it (given, exact, or without effect)" : "",
       any(false) ? "\n-: no sigma is computed (a curve, a place found by trying, or a value at its limit)" : "");
   return list;

@@ -139,7 +139,7 @@ Result<Outcome> set_values(VerbContext& context, const SetRequest& request) {
   add_identity_change(changed, "identity.machine", owner_before.machine, file.identity.machine);
   add_identity_change(changed, "identity.serial_number", owner_before.serial_number, file.identity.serial_number);
   const bool same = changed.json.empty();
-  if (same) changed.text = "every value is already as stated\n";
+  if (same) changed.text = fmt::format("no value changes: {} already has these values\n", request.file);
   return outcome_of(record_cell("{changed}written to {file}", "file"_is(output), "changed"_is(changed)));
 }
 

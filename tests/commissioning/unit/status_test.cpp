@@ -92,7 +92,7 @@ TEST_CASE("battery and control are in the status, and unknown in a file of a uni
     CHECK(cell.json["battery"] == "low");
     CHECK(cell.json["battery_age_s"] == lines.battery_age_s);
     CHECK(contains(cell.text,
-                   wired ? "CNC control  off: every axis has to be referenced again" : "unknown whether on or off"));
+                   wired ? "control      off: every axis has to be referenced again" : "unknown whether on or off"));
     CHECK(cell.json["control_on"] == (wired ? Json(false) : Json(nullptr)));
   }
 }
