@@ -137,7 +137,7 @@ std::string inseparable_text(const Model& model, const EffectInstance& effect) {
       names.push_back(to_text(one));
     }
   if (others.empty()) return "";
-  const auto is_offset = [](const EffectInstance& one) { return one.traits().of_lines; };
+  const auto is_offset = [](const EffectInstance& one) { return one.id == effect_named("offset"); };
   const bool constants = is_offset(effect) && std::ranges::all_of(others, is_offset);
   return fmt::format("these data cannot distinguish it from {} of the model. {}", fmt::join(names, ", "),
                      constants ? "One of them is enough." : separating_measurement(effect, others));

@@ -498,8 +498,8 @@ class NextSets {
   std::map<std::vector<std::size_t>, std::optional<Solution>> best_;
 };
 
-/// Zeros of lines of their own take the place of effects that need no fewer parameters to explain the same: with as
-/// many as there are lines any zeros can be written as angles and slopes of the axes on which the lines differ.
+/// Zeros and slopes of lines of their own take the place of effects that need no fewer parameters to explain the same:
+/// with as many as there are lines any zeros can be written as angles and slopes of the axes on which the lines differ.
 Solution with_zeros_of_lines(const Search& search, Solution best) {
   const auto is_zero = [&](std::size_t f) {
     const EffectInstance& effect = search.families()[f].effect;

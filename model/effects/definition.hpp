@@ -357,6 +357,8 @@ struct Site {
   [[nodiscard]] bool is_across() const { return !is_rotation(sense) && direction_of(sense) != axis; }
   /// One instance here (its `id` is set by the caller), or none.
   [[nodiscard]] std::vector<EffectInstance> once(bool worth_trying = true) const;
+  /// One instance on each line of the sense along the axis but the first; none of readings along paths.
+  [[nodiscard]] std::vector<EffectInstance> on_further_lines() const;
 };
 using CandidatesAt = std::vector<EffectInstance> (*)(const Site& site);
 
@@ -442,10 +444,10 @@ struct EffectDefinition {
 [[nodiscard]] bool is_carried(const EffectInstance& effect, const params::Machine& machine);
 /// The axis whose motion stands for the heat of the machine: the effect's own, else the first that the file names.
 [[nodiscard]] std::optional<Axis> live_motion_of(const EffectInstance& effect, const params::Machine& machine);
-/// Why an offset of a further line, or from a later run on, says nothing of the machine: it is a zero of the readout;
-/// "" of every other effect.
-[[nodiscard]] std::string_view zero_of_readout(const EffectInstance& effect);
-/// The readings have it and the machine does not: by its definition, or such an offset.
+/// Why an offset or slope of a further line, or from a later run on, says nothing of the machine: it is a zero of the
+/// readout, or the alignment of the optics; "" of every other effect.
+[[nodiscard]] std::string_view not_of_machine(const EffectInstance& effect);
+/// The readings have it and the machine does not: by its definition, or such an offset or slope.
 [[nodiscard]] bool is_of_measurement(const EffectInstance& effect);
 /// The sensor of the scale or workpiece.
 inline constexpr std::string_view kMaterialSensor = "t_material_degC";

@@ -1,7 +1,5 @@
 // A shift c of all readings of a sense: datum or laser zero; and of single lines of it, for the readout is set to zero
 // again when the optics move to another line, and when it is measured again in another session.
-#include <algorithm>
-
 #include "model/effects/definition.hpp"
 #include "model/effects/separations.hpp"
 
@@ -14,15 +12,11 @@ namespace {
 std::vector<EffectInstance> of_further_lines(const Site& site) {
   std::vector<EffectInstance> each;
   if (site.data.line.empty() || !site.data.paths.empty()) return each;
-  int lines = 0;
-  for (std::size_t k = 0; k < site.data.size(); ++k)
-    if (site.data.axis[k] == site.axis && site.data.sense[k] == site.sense)
-      lines = std::max(lines, site.data.line_of(k));
-  const bool natural = site.data.natural_axis(site.sense) == site.axis;
-  for (int number = natural ? 2 : 1; number <= lines; ++number) {
+  if (site.data.natural_axis(site.sense) != site.axis) {
     each.push_back(site.once().front());
-    each.back().line = number;
+    each.back().line = 1;
   }
+  for (EffectInstance& one : site.on_further_lines()) each.push_back(std::move(one));
   if (const auto starts = site.data.sessions.find({site.axis, site.sense}); starts != site.data.sessions.end())
     for (const int run : starts->second) {
       each.push_back(site.once().front());

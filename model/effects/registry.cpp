@@ -164,23 +164,25 @@ std::string rotary_error_refused(const EffectInstance& effect, const params::Mac
 
 }  // namespace
 
-std::string_view zero_of_readout(const EffectInstance& effect) {
+std::string_view not_of_machine(const EffectInstance& effect) {
+  if (effect.line > 1 && effect.id == effect_named("scale"))
+    return "the alignment of the optics on one line, not an error of the machine";
   if (effect.from_run > 0) return "the zero of the readout in some runs, not an error of the machine";
   return effect.line > 1 ? "the zero of the readout on one line, not an error of the machine" : "";
 }
 
 bool is_of_measurement(const EffectInstance& effect) {
-  return effect.traits().of_measurement || !zero_of_readout(effect).empty();
+  return effect.traits().of_measurement || !not_of_machine(effect).empty();
 }
 
 bool is_carried(const EffectInstance& effect, const params::Machine& machine) {
-  if (!zero_of_readout(effect).empty()) return false;
+  if (!not_of_machine(effect).empty()) return false;
   if (acts_on_rotary_axes(effect)) return is_rotary_error(effect) && rotary_error_refused(effect, machine).empty();
   return effect.definition().is_carried() && !missing_axis(effect, machine) && missing_input(effect, machine).empty();
 }
 
 std::string how_compensated(const EffectInstance& effect, const params::Machine& machine) {
-  if (const auto zero = zero_of_readout(effect); !zero.empty()) return std::string(zero);
+  if (const auto zero = not_of_machine(effect); !zero.empty()) return std::string(zero);
   if (is_rotary_error(effect)) {
     std::string refused = rotary_error_refused(effect, machine);
     if (!refused.empty() || effect.definition().place != Place::axis_and_sense)

@@ -1,8 +1,21 @@
-// A slope k·p over the position: lead of a screw, factor of a scale.
+// A slope k·p over the position: lead of a screw, factor of a scale. Across the axis it is that of the optics too,
+// which are aligned again for every line (ISO 230-1: straightness counts from a line fitted to the readings).
 #include "model/effects/definition.hpp"
 #include "model/effects/separations.hpp"
 
 namespace ecs::model::effects {
+
+namespace {
+
+/// The slope of the axis, and that of further lines across it. An artefact that is turned over shows its own.
+std::vector<EffectInstance> of_lines(const Site& site) {
+  std::vector<EffectInstance> each = site.once();
+  if (site.is_across() && !site.data.rotary && !site.data.extras.contains("reversed"))
+    for (EffectInstance& one : site.on_further_lines()) each.push_back(std::move(one));
+  return each;
+}
+
+}  // namespace
 
 EffectDefinition scale() {
   return {
@@ -19,10 +32,10 @@ EffectDefinition scale() {
       .carrier = Carrier::error_map,
       .how = "a table of the error map",
       .separated_by = separations::kFinerTargets,
-      .traits = {.is_usual = true, .one_per_axis = true},
+      .traits = {.of_lines = true, .is_usual = true, .one_per_axis = true},
       .preference = 10,
       .columns = [](const ReadingAt& at, std::span<double> row) { row[0] = at.p_m(); },
-      .along_axis = [](const Site& site) { return site.once(); },
+      .along_axis = of_lines,
   };
 }
 

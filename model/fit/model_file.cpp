@@ -244,8 +244,8 @@ void complete(TomlReader& reader, const toml::table& table, EffectInstance& effe
   };
   want(!table.contains("ball") || definition.place == Place::artefact,
        "no key ball, which is of ball_on_table and ball_in_spindle");
-  want(!table.contains("line") || definition.traits.of_lines, "no key line, which is of offset");
-  want(!table.contains("run") || definition.traits.of_lines, "no key run, which is of offset");
+  want(!table.contains("line") || definition.traits.of_lines, "no key line, which is of offset and scale");
+  want(!table.contains("run") || definition.traits.of_lines, "no key run, which is of offset and scale");
   const auto take_number = [&](const char* key, int& taken) {
     const auto number = reader.number(table, key);
     want(!number || (*number >= 1.0 && *number == std::floor(*number)),

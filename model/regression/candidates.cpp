@@ -306,6 +306,19 @@ std::vector<EffectInstance> Site::once(bool worth_trying) const {
   return {effect};
 }
 
+std::vector<EffectInstance> Site::on_further_lines() const {
+  std::vector<EffectInstance> each;
+  if (data.line.empty() || !data.paths.empty()) return each;
+  int lines = 0;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (data.axis[k] == axis && data.sense[k] == sense) lines = std::max(lines, data.line_of(k));
+  for (int number = 2; number <= lines; ++number) {
+    each.push_back(once().front());
+    each.back().line = number;
+  }
+  return each;
+}
+
 Axis natural_axis(const Observations& all, Sense sense) { return all.motions().natural_axis(sense); }
 
 std::vector<Axis> varied_axes(const Observations& all, Sense sense) {
@@ -382,7 +395,7 @@ std::vector<EffectInstance> usual_effects(const Observations& all) {
     }
   }
   std::erase_if(usual, [&](const EffectInstance& one) {
-    return one.from_run > 0 || (one.line > 1 && !has_own_set_up(data, one));
+    return one.from_run > 0 || (one.line > 1 && (one.id != effect_named("offset") || !has_own_set_up(data, one)));
   });
   return usual;
 }

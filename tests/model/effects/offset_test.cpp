@@ -191,3 +191,31 @@ TEST_CASE("the zero of a session is written to a model file and read again, and 
   REQUIRE(map.not_carried.size() == 1);
   CHECK(contains(map.not_carried.front(), "not an error of the machine"));
 }
+
+TEST_CASE("slopes of single straightness lines are named as such, not as an angle of the carriage, and are in no map") {
+  const std::map<double, double> slope_um_per_m{{0.0, 4.0}, {150.0, -9.0}, {300.0, 16.0}};
+  laser::MeasurementSet set;
+  for (const auto& [z_mm, slope] : slope_um_per_m) {
+    laser::MeasurementSet line;
+    measure(
+        line, {.axis = Axis::X, .sense = Sense::EY, .step_mm = 40.0, .targets = 17, .runs = 2}, kNoise_um,
+        [&](const Reading& r) { return slope * p(r) / 1000.0 + 2.0 * std::sin(p(r) / 170.0); },
+        static_cast<unsigned>(z_mm) + 1);
+    for (Reading& r : line.readings) {
+      r.position_mm[2] = z_mm;
+      set.readings.push_back(r);
+    }
+  }
+  Model model = usual_model(set, mill());
+  model.effects.push_back(effect(effect_named("progressive"), Axis::X, Sense::EY));
+  const Diagnosis found = diagnosed(model, set);
+  CAPTURE(found.headline);
+  std::set<std::string> names;
+  for (const Candidate& one : found.candidates)
+    if (one.in_answer()) {
+      names.insert(to_text(one.effect));
+      CHECK_FALSE(is_carried(one.effect, mill()));
+    }
+  CHECK(names == std::set<std::string>{"scale:X:EY:2", "scale:X:EY:3"});
+  CHECK(contains(found.headline, "in line 2"));
+}
