@@ -94,11 +94,16 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, const std::ve
       members.push_back({to_text(member), shares[i], place_text(member)});
       probability_in[g].try_emplace(members.back().name, shares[i]);
     }
-    RankedCandidate one{instance(group.member), group.member,
-                        standing_of(&group),    {},
-                        shares.front(),         credible_set(std::move(members)),
-                        group.values,           group.e_value,
-                        group.wander,           group.p_value,
+    RankedCandidate one{instance(group.member),
+                        group.member,
+                        standing_of(&group),
+                        {},
+                        shares.front(),
+                        credible_set(std::move(members)),
+                        group.values,
+                        group.e_value,
+                        group.alias,
+                        group.p_value,
                         group.p_value_alone};
     for (const Choice& rival : group.rivals) one.rivals.push_back(instance(rival));
     for (const Choice& weaker : group.weaker)  // which sensor it follows is open, too
@@ -265,10 +270,12 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
     const Group& group = found.groups[g];
     if (!explained && is_beside_ramp(found, g, in.regressors.data())) continue;
     if (group.denied || (found.stands_out && group.e_value.value_or(kSpeaksFor) < kSpeaksFor)) continue;
-    if (!group.wander && !found.proves_nothing && (group.e_value ? *group.e_value >= kProved : replicates_prove))
+    if (group.alias == Alias::none && !found.proves_nothing &&
+        (group.e_value ? *group.e_value >= kProved : replicates_prove))
       proved.push_back(g);
     else if (!(found.step && is_like_wander(found.families[group.member.family].effect)) &&
-             (explained || group.wander || group.e_value.value_or(0.0) >= kSpeaksFor || is_nearly_all_of_few(in, g)) &&
+             (explained || group.alias != Alias::none || group.e_value.value_or(0.0) >= kSpeaksFor ||
+              is_nearly_all_of_few(in, g)) &&
              found.false_naming(group.member.score()) <= kLikelyChance)
       likely.push_back(g);
   }
@@ -501,12 +508,15 @@ std::string why_not_explained(const Found& found) {
 
 Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise) {
   const std::string again = "Measure the same lines again in both directions";
-  if (ranked.wander && is_like_wander(ranked.effect))
+  if (ranked.alias == Alias::wander && is_like_wander(ranked.effect))
     return {"a zero that wanders without any law explains the same nearly as well", again};
-  if (ranked.wander && ranked.effect.traits().of_approach && ranked.effect.traits().is_curve)
+  if (ranked.alias == Alias::single_targets)
+    return {"errors of single targets without any order explain it nearly as well",
+            "Measure the same lines again on targets between the present ones"};
+  if (ranked.alias == Alias::drift_in_runs)
     return {"a zero that drifts alike in every run explains it equally well",
             "Measure the same lines again with a pause of several minutes at the turning point"};
-  if (ranked.wander)
+  if (ranked.alias == Alias::wander)
     return {"no line was measured twice, and a slow drift of the readings explains it equally well", again};
   if (!noise) return {why_not_explained(found), "Measure the same lines again on targets between the present ones"};
   if (ranked.e_value)

@@ -42,7 +42,7 @@ struct RankedCandidate {
   std::vector<SetMember> set{};
   std::vector<Choice> values{};  ///< of the searched parameter that fit as well
   std::optional<double> e_value{};
-  bool wander = false;
+  Alias alias = Alias::none;
   double p_value = 1.0, p_value_alone = 1.0;
   std::vector<RivalOfPart> in_part{};
   [[nodiscard]] bool in_answer() const { return standing != Standing::possible; }

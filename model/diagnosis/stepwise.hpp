@@ -36,6 +36,10 @@ struct DirectionSet {
 /// @param beside  what is absorbed already
 [[nodiscard]] std::vector<DirectionSet> direction_sets(const Search& search, const Space& beside, std::size_t most);
 
+/// What may look like an effect: a slow wander of the readings, a zero that drifts alike in every run, or errors of
+/// single targets without any order.
+enum class Alias : std::uint8_t { none, wander, drift_in_runs, single_targets };
+
 /// A member of a solution and the rivals that these data cannot distinguish from it.
 struct Group {
   Choice member;
@@ -50,9 +54,9 @@ struct Group {
   /// less), the facts of the machine first; of one without a derivative (a place) at the least and the greatest.
   std::vector<Choice> values;
   double hidden_by_sensor = 0.0;  ///< fall of χ² that the noise of its sensor takes from it
-  bool denied = false;  ///< something speaks against it although it explains: a run, waves that can be anything
-  double change = 0.0;  ///< gain of a change of this wave along the travel or in time
-  bool wander = false;  ///< a slow wander of the readings explains it nearly as well
+  bool denied = false;        ///< something speaks against it although it explains: a run, waves that can be anything
+  double change = 0.0;        ///< gain of a change of this wave along the travel or in time
+  Alias alias = Alias::none;  ///< what explains it nearly as well without being a cause
   std::optional<double> e_value;  ///< on readings it was not fitted to, for having been chosen among all candidates
   double p_value = 1.0;           ///< e_value.hpp, beside the other effects of the solution
   double p_value_alone = 1.0;     ///< the same beside the model

@@ -10,9 +10,11 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/linear/decompositions.hpp"
 #include "model/diagnosis/e_value.hpp"
+#include "model/diagnosis/single_targets.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
 #include "model/fit/noise.hpp"
@@ -184,7 +186,7 @@ double tests_of(const Family& family, std::size_t candidates) {
 void state_p_values(const Regressors& regressors, const Base& base, const Search& search, Found& found) {
   const auto p_value_beside = [&](const Solution& rest, const Group& group) {
     const Family& family = found.families[group.member.family];
-    if (found.wander_is_evident || group.wander || family.effect.is_user())
+    if (found.wander_is_evident || group.alias == Alias::wander || family.effect.is_user())
       return 1.0 / std::max(1.0, group.e_value.value_or(1.0));
     const std::vector<Choice> values = search.peaks_of(rest.space, group.member.family);
     if (values.empty()) return 1.0;
@@ -278,7 +280,10 @@ void hold_against_wander(const Observations& data, const Base& base, const Searc
                         better > coefficients + evidence * std::max(0.0, static_cast<double>(drifts) - 1.0);
     std::vector<std::string> names;
     for (const std::size_t i : set) {
-      (rivals ? found.groups[i].wander : found.groups[i].denied) = true;
+      if (rivals)
+        found.groups[i].alias = Alias::wander;
+      else
+        found.groups[i].denied = true;
       names.push_back(to_text(effect_of(i)));
     }
     std::string& why = rivals ? found.doubt : found.objection;
@@ -423,11 +428,12 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
       return one.axis == wave.axis && one.sense == wave.sense && (j == i || !is_pitch);
     });
   }
+  hold_against_single_targets(data, search, whitener, found);
   if (found.objection.empty()) hold_against_wander(data, base, search, found);
   for (std::size_t i = 0; i < chosen.size() && found.objection.empty(); ++i)
     if (drifts_alike_in_runs(data, whitener, search.solution(others(chosen, i), found.solution.own).space,
                              effect_of_member(i), found.groups[i].member))
-      found.groups[i].wander = true;
+      found.groups[i].alias = Alias::drift_in_runs;
 }
 
 }  // namespace ecs::model

@@ -201,15 +201,16 @@ TEST_CASE("a resolver that distorts: a wave of a quarter turn with its harmonic,
 }
 
 TEST_CASE(
-    "a positioning test on nine targets: lost motion and curves explain most of it, the rest is structure over x") {
+    "a positioning test on nine targets: a curve explains most of it, and is not proved where each target may be off") {
   SKIP_UNLESS(!real_data("ecmc-iso230-2/b02_x_ISO230.dat").empty(), kNoRealData);
   const auto set = positioning_test("b02_x");
   const Diagnosis found = diagnosed_real("b02 X", straight(), set);
   // nine targets 5 mm apart, errors of -50 to 73 um with 1.4 um of noise, 25 um apart between the ways: curves are free
   // at every target, and what changes with run and target is left
-  CHECK(found.verdict == partly_explained);
+  CHECK(found.verdict == Verdict::unexplained_structure);
   CHECK(found.rms_um == Approx(33.0).epsilon(0.01));
-  CHECK(found.rms_after_um < 3.0);
+  CHECK(found.rms_after_um < 4.0);
+  CHECK(contains(found.headline, "errors of single targets without any order explain it nearly as well"));
   for (const Candidate& c : found.candidates)
     if (c.named)
       CHECK(std::set<std::string>{"progressive:X:EX", "backlash:X:EX", "reversal_curve:X:EX"}.contains(

@@ -129,11 +129,15 @@ TEST_CASE("a head that bends is never adequate: repeats show that what is left i
   CHECK(!contains(found.headline, "adequate"));
 }
 
-TEST_CASE("five targets are enough for a curve") {
+TEST_CASE("five targets are enough for a likely curve, with what they cannot tell and what would decide") {
   const Diagnosis found = diagnosis_of("five_targets");
-  CHECK(found.verdict == Verdict::missing_effect);
-  const std::vector<Candidate> named = named_in(found);
-  CHECK(to_text(only(named).effect) == "progressive:X:EX");
+  CHECK(found.verdict == Verdict::likely_effect);
+  REQUIRE(!found.candidates.empty());
+  const Candidate& curve = found.candidates.front();
+  CHECK(to_text(curve.effect) == "progressive:X:EX");
+  CHECK(curve.standing == Standing::likely);
+  CHECK(contains(curve.but, "errors of single targets"));
+  CHECK(contains(curve.decide, "between the present ones"));
 }
 
 TEST_CASE("a wave that is read at 100 Hz has its name beside noise that lasts for a tenth of a second") {

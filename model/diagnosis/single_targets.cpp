@@ -1,0 +1,197 @@
+// Marginal likelihoods with a normal prior of unknown variance (empirical Bayes: Berger 2006). The prior of a smooth
+// curve is that of a cubic smoothing spline (Wahba 1978), its penalty as in Green and Silverman 1994, 2.3; that of
+// single targets has the same variance at each, and no correlation.
+#include "model/diagnosis/single_targets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/linear/decompositions.hpp"
+#include "model/diagnosis/weighing.hpp"
+#include "model/effects/definition.hpp"
+#include "model/fit/statistics.hpp"
+
+namespace ecs::model {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Twice the logarithm of the evidence for so many coefficients that explain this fall of χ², against none: their prior
+/// has the variance that they show.
+double evidence_of(double gain, double coefficients) {
+  return gain > coefficients ? gain - coefficients - coefficients * std::log(gain / coefficients) : 0.0;
+}
+
+/// Covariance of a cubic smoothing spline at these positions, without the straight line that it leaves free. A power of
+/// its variances, the largest 1, makes it smoother.
+MatrixXd smooth_covariance(const VectorXd& at, double power) {
+  const Index n = at.size();
+  MatrixXd second = MatrixXd::Zero(n, n - 2), weight = MatrixXd::Zero(n - 2, n - 2);
+  for (Index i = 0; i < n - 2; ++i) {
+    const double left = at(i + 1) - at(i), right = at(i + 2) - at(i + 1);
+    second(i, i) = 1.0 / left;
+    second(i + 1, i) = -1.0 / left - 1.0 / right;
+    second(i + 2, i) = 1.0 / right;
+    weight(i, i) = (left + right) / 3.0;
+    if (i > 0) weight(i, i - 1) = weight(i - 1, i) = left / 6.0;
+  }
+  const Spectrum penalty = spectrum_of(second * solved_symmetric(weight, second.transpose()));
+  VectorXd variance = VectorXd::Zero(n);  // values are in increasing order, those of the line are the first two
+  for (Index i = 2; i < n; ++i) variance(i) = std::pow(penalty.values(2) / penalty.values(i), power);
+  return penalty.vectors * variance.asDiagonal() * penalty.vectors.transpose();
+}
+
+/// Twice the logarithm of the evidence for values at targets with this covariance times an unknown factor, against
+/// none. @param values  white columns, one a target  @param y  white readings, both beside all else
+double evidence_of_values(const MatrixXd& values, const VectorXd& y, const MatrixXd& covariance) {
+  constexpr double kLeastShare = 1e-9, kLeastFactor = 1e-3, kStep = 1.25;
+  constexpr int kSteps = 155;  // to 1e12
+  const MatrixXd q = PivotedQr(values, kLeastShare).basis(), r = q.transpose() * values;
+  const Spectrum parts = spectrum_of(r * covariance * r.transpose());
+  const VectorXd seen = parts.vectors.transpose() * (q.transpose() * y);
+  const double largest = std::max(parts.values.maxCoeff(), kLeastDivisor);
+  double best = 0.0;
+  for (int step = 0; step < kSteps; ++step) {
+    const double factor = kLeastFactor * std::pow(kStep, step);
+    double evidence = 0.0;
+    for (Index i = 0; i < seen.size(); ++i) {
+      const double variance = factor * std::max(parts.values(i), 0.0) / largest;
+      evidence += seen(i) * seen(i) * variance / (1.0 + variance) - std::log1p(variance);
+    }
+    best = std::max(best, evidence);
+  }
+  return best;
+}
+
+/// What the effects of one line act on: means of both approaches, half their differences, or each approach on its own.
+enum class Acts : std::uint8_t { on_mean, on_reversal, on_one_way };
+struct Line {
+  Axis axis = Axis::X;
+  Sense sense = Sense::EX;
+  Acts acts = Acts::on_mean;
+  bool operator<(const Line& other) const {
+    return std::tie(axis, sense, acts) < std::tie(other.axis, other.sense, other.acts);
+  }
+};
+
+/// Positions of the targets of a line, in increasing order, and a column for the value at each. One-way effects have
+/// two values a target: one of each approach.
+std::pair<VectorXd, MatrixXd> targets_of_line(const Observations& data, const Line& line) {
+  std::map<std::pair<int, long long>, Index> targets;
+  const auto is_here = [&](std::size_t k) { return data.axis[k] == line.axis && data.sense[k] == line.sense; };
+  const auto target_of = [&](std::size_t k) {
+    return std::pair{line.acts == Acts::on_one_way ? data.approach[k] : 0,
+                     std::llround(data.along_of(k) / kSamePlace_mm)};
+  };
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (is_here(k)) targets[target_of(k)] = 0;
+  VectorXd at(static_cast<Index>(targets.size()));
+  Index number = 0;
+  for (auto& [target, index] : targets) {
+    at(number) = static_cast<double>(target.second) * kSamePlace_mm;
+    index = number++;
+  }
+  MatrixXd values = MatrixXd::Zero(static_cast<Index>(data.size()), at.size());
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (is_here(k))
+      values(static_cast<Index>(k), targets.at(target_of(k))) =
+          line.acts == Acts::on_reversal ? static_cast<double>(data.approach[k]) : 1.0;
+  return {at, values};
+}
+
+}  // namespace
+
+void hold_against_single_targets(const Observations& data, const Search& search, const Whitener& whitener,
+                                 Found& found) {
+  constexpr Index kFewestTargets = 4, kMostTargets = 60;
+  if (!data.paths.empty() || !data.through_chain.empty()) return;
+  const std::vector<Choice>& chosen = found.solution.chosen;
+  const auto effect_of = [&](std::size_t i) -> const EffectInstance& {
+    return found.families[chosen[i].family].effect;
+  };
+  std::map<Line, std::vector<std::size_t>> lines;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const EffectInstance& effect = effect_of(i);
+    if (!effect.traits().shape_of_position || effect.traits().of_measurement || !effect.axis || !effect.sense ||
+        found.groups[i].denied)
+      continue;
+    lines[{*effect.axis, *effect.sense,
+           effect.traits().of_approach             ? Acts::on_reversal
+           : effect.approach != ApproachMode::both ? Acts::on_one_way
+                                                   : Acts::on_mean}]
+        .push_back(i);
+  }
+  for (const auto& [line, members] : lines) {
+    const std::pair<VectorXd, MatrixXd> targets_here = targets_of_line(data, line);
+    const VectorXd& at = targets_here.first;
+    const MatrixXd& values = targets_here.second;
+    if (at.size() < kFewestTargets || at.size() > kMostTargets) continue;
+    bool curve = false;
+    double coefficients = 0.0, choice = 0.0;
+    std::vector<Choice> rest, beside_curve;
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const bool is_member = std::ranges::find(members, i) != members.end();
+      const bool is_curve = is_member && effect_of(i).traits().is_curve;
+      curve = curve || is_curve;
+      if (!is_member) rest.push_back(chosen[i]);
+      if (!is_curve) beside_curve.push_back(chosen[i]);
+      if (!is_member || is_curve) continue;
+      const double parameters = static_cast<double>(chosen[i].parameters);
+      coefficients += parameters;
+      choice += std::max(0.0, chosen[i].cost - parameters * found.families[chosen[i].family].ln_readings);
+    }
+    const auto space_of = [&](const std::vector<Choice>& set) {
+      return search.solution(set, found.solution.own).space;
+    };
+    const auto evidence_beside = [&](const Space& space, const MatrixXd& covariance) {
+      return evidence_of_values(ecs::without(space.q, whitener(values)), space.y, covariance);
+    };
+    const Space without = space_of(rest), with = space_of(beside_curve);
+    Space with_each = without;
+    absorb(with_each, whitener(values));
+    const double targets = static_cast<double>(with_each.q.cols() - without.q.cols());
+    double together = 0.0;
+    if (coefficients > 0.0) {
+      // what a curve takes is counted there; without one, what effects leave beyond the noise is for other tests
+      const double most = without.chi2() - with_each.chi2() - std::max(0.0, targets - coefficients);
+      together = evidence_of(curve ? without.chi2() - with.chi2() : most, coefficients) - choice;
+    }
+    if (curve) {  // its straight part has a size of its own
+      MatrixXd straight(at.size(), 2);
+      straight << VectorXd::Ones(at.size()), at;
+      Space beside_line = with;
+      absorb(beside_line, whitener(MatrixXd(values * straight)));
+      together +=
+          evidence_of(with.chi2() - beside_line.chi2(), static_cast<double>(beside_line.q.cols() - with.q.cols())) +
+          std::max(evidence_beside(beside_line, smooth_covariance(at, 1.0)),
+                   evidence_beside(beside_line, smooth_covariance(at, 2.0)));
+    }
+    const double better = together - evidence_beside(without, MatrixXd::Identity(at.size(), at.size()));
+    if (better > 2.0 * std::log(kProved)) continue;
+    const bool open = better > -2.0 * std::log(kPositive);
+    std::vector<std::string> names;
+    for (const std::size_t i : members) {
+      names.push_back(to_text(effect_of(i)));
+      if (open)
+        found.groups[i].alias = Alias::single_targets;
+      else
+        found.groups[i].denied = true;
+    }
+    if (!open && found.objection.empty())
+      found.objection = fmt::format(
+          "errors of single targets, without any order, explain as much as {}: measure at targets between the present "
+          "ones",
+          fmt::join(names, " and "));
+  }
+}
+
+}  // namespace ecs::model

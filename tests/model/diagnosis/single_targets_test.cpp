@@ -1,0 +1,57 @@
+// Curves, waves and steps on few targets, against errors of single targets that have no order.
+#include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+
+namespace {
+
+/// Errors of a line at so many targets, two runs both ways.
+Diagnosis diagnosed_line(int targets, unsigned seed, const std::function<double(int target)>& error_um) {
+  constexpr double kStep_mm = 47.3;  // no multiple of a pitch
+  const auto set = measured(
+      {.step_mm = kStep_mm, .targets = targets, .runs = 2}, kNoise_um,
+      [&](const Reading& r) { return error_um(static_cast<int>(std::lround(p(r) / kStep_mm))); }, seed);
+  return diagnosed(usual_model(set, mill()), set);
+}
+
+bool proves_any(const Diagnosis& found) {
+  return std::ranges::any_of(found.candidates, [](const Candidate& one) { return one.standing == Standing::proved; });
+}
+
+}  // namespace
+
+TEST_CASE("errors of single targets without any order are no proved curve, wave or step") {
+  int proved = 0, named = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const int targets = 8 + static_cast<int>(seed) % 7;
+    std::mt19937_64 random(seed);
+    NormalDraws draws(0.0, 8.0 * kNoise_um);
+    std::vector<double> errors_um;
+    for (int i = 0; i < targets; ++i) errors_um.push_back(draws(random));
+    const Diagnosis found =
+        diagnosed_line(targets, seed, [&](int target) { return errors_um.at(static_cast<std::size_t>(target)); });
+    CHECK(found.verdict != Verdict::adequate);
+    proved += proves_any(found) ? 1 : 0;
+    named += std::ranges::any_of(found.candidates, &Candidate::in_answer) ? 1 : 0;
+  }
+  CHECK(proved <= 1);
+  CHECK(named <= 4);
+}
+
+TEST_CASE("a smooth curve on eight targets and more is proved, on six it is likely at least") {
+  for (unsigned seed = 1; seed <= 10; ++seed)
+    for (const int targets : {6, 8, 12}) {
+      CAPTURE(seed);
+      CAPTURE(targets);
+      const Diagnosis found = diagnosed_line(targets, seed, [&](int target) {
+        const double u = target / (targets - 1.0);
+        return 40.0 * kNoise_um * u * (1.0 - u) * (1.0 + 0.1 * seed * u);
+      });
+      CAPTURE(found.headline);
+      CHECK(std::ranges::any_of(found.candidates, &Candidate::in_answer));
+      if (targets > 6) CHECK(proves_any(found));
+    }
+}
