@@ -474,25 +474,6 @@ std::optional<std::string> slope_note(const Candidate& one, const Regressors& re
       place_text(one.effect));
 }
 
-/// That a length or time of an effect of the answer (not a period, which has its own sentences) is the shortest or
-/// longest one that was tried.
-std::optional<std::string> limit_note(const Candidate& one, const Family& family, double value) {
-  constexpr double kAtLimit = 0.005;
-  const EffectDefinition& definition = one.effect.definition();
-  if (!one.in_answer() || family.grid.size() < 2 || !definition.search.has_slope || definition.traits.periodic)
-    return std::nullopt;
-  const bool shortest = value < (1.0 + kAtLimit) * family.grid.front();
-  if (!shortest && value < (1.0 - kAtLimit) * family.grid.back()) return std::nullopt;
-  const auto parameter = std::ranges::find_if(
-      one.parameters, [&](const ParameterEstimate& each) { return each.name == definition.searched_parameter(); });
-  if (parameter == one.parameters.end()) return std::nullopt;
-  return fmt::format(
-      "{} of {} is the {} value that these readings allow, {:.3g} {}: the true value may be {}, and then its size is "
-      "another one, too",
-      parameter->name, place_text(one.effect), shortest ? "smallest" : "largest", value, parameter->unit,
-      shortest ? "smaller" : "larger");
-}
-
 /// That axes may share a scale error, where circles and diagonals alone show it.
 std::optional<std::string> share_note(const Candidate& one) {
   const auto is_scale = [](const EffectInstance& effect) {
@@ -631,10 +612,6 @@ Result<Diagnosis> reported(const ReportInput& in) {
     for (const auto& note :
          {slope_note(candidate, in.regressors), lever_note(candidate, in.regressors), share_note(candidate)})
       if (note) diagnosis.notes.push_back(*note);
-  for (std::size_t i = 0; i < order.size(); ++i)
-    if (const auto note =
-            limit_note(diagnosis.candidates[i], in.found.families[order[i].choice.family], order[i].choice.nonlinear))
-      diagnosis.notes.push_back(*note);
   for (const Candidate& candidate : diagnosis.candidates)
     for (const RivalOfPart& rival : candidate.in_part)
       if (candidate.in_answer()) diagnosis.notes.push_back(note_of(rival));

@@ -165,10 +165,13 @@ std::string rotary_error_refused(const EffectInstance& effect, const params::Mac
 }  // namespace
 
 std::string_view not_of_machine(const EffectInstance& effect) {
-  if (effect.line > 1 && effect.id == effect_named("scale"))
-    return "the alignment of the optics on one line, not an error of the machine";
-  if (effect.from_run > 0) return "the zero of the readout in some runs, not an error of the machine";
-  return effect.line > 1 ? "the zero of the readout on one line, not an error of the machine" : "";
+  const bool slope = effect.id == effect_named("scale");
+  if (effect.from_run > 0)
+    return slope ? "the alignment of the optics in some runs, not an error of the machine"
+                 : "the zero of the readout in some runs, not an error of the machine";
+  if (effect.line <= 1) return "";
+  return slope ? "the alignment of the optics on one line, not an error of the machine"
+               : "the zero of the readout on one line, not an error of the machine";
 }
 
 bool is_of_measurement(const EffectInstance& effect) {

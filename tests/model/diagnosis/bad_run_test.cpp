@@ -397,7 +397,7 @@ laser::MeasurementSet with_line_written(const std::function<double(double error_
 
 }  // namespace
 
-TEST_CASE("a line in another unit than the other one is told with the factor, and no angle is named for it") {
+TEST_CASE("if one of two lines is in another unit, the answer states the factor and names no angular error") {
   for (const double factor : {-1.0, 0.001, 25.4, 1.0 / 25.4, 2.0}) {
     CAPTURE(factor);
     Model model = straight();
