@@ -204,8 +204,10 @@ std::pair<double, double> extent_of(const Column& column, const Acting& acting) 
 
 namespace {
 
-/// Time constants tried: ten of them, a factor of 1.5 apart, about four of which are different trials.
+/// Time constants tried: ten of them, at most a factor of 1.5 apart, about four of which are different trials.
 constexpr double kShortestTimes = 50.0, kTrialsOfTime = 4.0;
+/// Intervals of the readings in the shortest time constant: the first readings then show 39 and 63 % of the course.
+constexpr double kIntervalsOfCourse = 2.0;
 constexpr std::size_t kTimes = 10;
 /// Assumed for planning: a third of the time, no less than this [s]; well inside what a plan can show.
 constexpr double kTimesAssumed = 3.0, kLeastTime_s = 1.0;
@@ -236,18 +238,35 @@ double longest_shown_s(const Observations& data, const EffectInstance& effect, c
   return longest_s;
 }
 
+/// Time between one reading and the next, median [s]; 0 for fewer than two readings.
+double reading_interval_s(const Observations& data, const Acting& acting) {
+  std::vector<double> times_s, intervals_s;
+  for (const std::size_t k : acting.rows)
+    if (!std::isnan(data.time_s[k])) times_s.push_back(data.time_s[k]);
+  std::ranges::sort(times_s);
+  for (std::size_t i = 1; i < times_s.size(); ++i)
+    if (times_s[i] > times_s[i - 1]) intervals_s.push_back(times_s[i] - times_s[i - 1]);
+  if (intervals_s.empty()) return 0.0;
+  const auto middle = intervals_s.begin() + static_cast<std::ptrdiff_t>(intervals_s.size() / 2);
+  std::ranges::nth_element(intervals_s, middle);
+  return *middle;
+}
+
+/// From the shortest to the longest time constant that readings show. A shorter one is over before there are readings
+/// of its course; what remains of it, all readings but the first, would pass for what does not change in time.
 ValueRange time_constant_limits(const Observations& data, const EffectInstance& effect, const Acting& acting, double) {
   const double last_s = longest_shown_s(data, effect, acting);
-  return {last_s / kShortestTimes, last_s};
+  const double least_s = std::max(last_s / kShortestTimes, kIntervalsOfCourse * reading_interval_s(data, acting));
+  return {std::min(least_s, last_s), last_s};
 }
 
 TriedValues tried_time_constants(const Observations& data, const EffectInstance& effect, const Acting& acting,
                                  const SearchExtent&) {
   TriedValues tried{.values = {0.0}};
   if (acting.rows.empty() || data.time_s.empty()) return tried;
-  const double last_s = longest_shown_s(data, effect, acting);
+  const ValueRange limits = time_constant_limits(data, effect, acting, 0.0);
   tried.values.clear();
-  if (last_s > 0.0) tried.values = logarithmic(last_s / kShortestTimes, last_s, kTimes);
+  if (limits.greatest > 0.0) tried.values = logarithmic(limits.least, limits.greatest, kTimes);
   tried.independent = kTrialsOfTime;
   return tried;
 }
