@@ -130,7 +130,15 @@ void hold_against_single_targets(const Observations& data, const Search& search,
                                                    : Acts::on_mean}]
         .push_back(i);
   }
+  for (auto& [line, members] : lines) {  // waves of each approach beside a lost motion may be the rest of its shape
+    if (line.acts != Acts::on_reversal) continue;
+    const auto one_way = lines.find({line.axis, line.sense, Acts::on_one_way});
+    if (one_way == lines.end()) continue;
+    members.insert(members.end(), one_way->second.begin(), one_way->second.end());
+    one_way->second.clear();
+  }
   for (const auto& [line, members] : lines) {
+    if (members.empty()) continue;
     const std::pair<VectorXd, MatrixXd> targets_here = targets_of_line(data, line);
     const VectorXd& at = targets_here.first;
     const MatrixXd& values = targets_here.second;
