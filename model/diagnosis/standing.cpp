@@ -516,6 +516,9 @@ Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise)
   if (ranked.alias == Alias::drift_in_runs)
     return {"a zero that drifts alike in every run explains it equally well",
             "Measure the same lines again with a pause of several minutes at the turning point"};
+  if (ranked.alias == Alias::travel_since_reversal)
+    return {"a lost motion that changes with the travel since the reversal explains it equally well",
+            "Measure the same lines again with further reversals in the middle of the travel"};
   if (ranked.alias == Alias::wander)
     return {"no line was measured twice, and a slow drift of the readings explains it equally well", again};
   if (!noise) return {why_not_explained(found), "Measure the same lines again on targets between the present ones"};

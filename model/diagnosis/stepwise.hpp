@@ -36,9 +36,9 @@ struct DirectionSet {
 /// @param beside  what is absorbed already
 [[nodiscard]] std::vector<DirectionSet> direction_sets(const Search& search, const Space& beside, std::size_t most);
 
-/// What may look like an effect: a slow wander of the readings, a zero that drifts alike in every run, or errors of
-/// single targets without any order.
-enum class Alias : std::uint8_t { none, wander, drift_in_runs, single_targets };
+/// What may look like an effect: a slow wander of the readings, a zero that drifts alike in every run, errors of single
+/// targets without any order, or a lost motion that depends on the travel since the reversal.
+enum class Alias : std::uint8_t { none, wander, drift_in_runs, single_targets, travel_since_reversal };
 
 /// A member of a solution and the rivals that these data cannot distinguish from it.
 struct Group {

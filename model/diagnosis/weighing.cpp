@@ -13,6 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "base/linear/decompositions.hpp"
+#include "model/data/curve_basis.hpp"
 #include "model/diagnosis/e_value.hpp"
 #include "model/diagnosis/single_targets.hpp"
 #include "model/effects/definition.hpp"
@@ -360,6 +361,65 @@ bool drifts_alike_in_runs(const Observations& data, const Whitener& whitener, co
   return gain - std::log(static_cast<double>(data.size())) >= member.score() - kAsGood;
 }
 
+/// What acts on both approaches alike, and what acts against them, can be the parts of one lost motion that depends on
+/// the travel since the reversal: where the axis turns at both ends only, that travel follows from position and
+/// approach.
+void hold_against_travel_since_reversal(const Observations& data, const Search& search, const Whitener& whitener,
+                                        Found& found) {
+  constexpr double kAsGood = 9.0;  // Δχ² of three standard deviations
+  constexpr std::size_t kMostShapes = 20;
+  if (data.travel_since_reversal_mm.empty() || !data.paths.empty()) return;
+  const std::vector<Choice>& chosen = found.solution.chosen;
+  struct Line {
+    std::vector<std::size_t> members;
+    bool of_approach = false, of_both = false;
+  };
+  std::map<std::pair<Axis, Sense>, Line> lines;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const EffectInstance& effect = found.families[chosen[i].family].effect;
+    const bool is_spike = std::ranges::count(effect.definition().needs, Need::travel_since_reversal) > 0;
+    if (!(effect.traits().shape_of_position || is_spike) || !effect.axis || !effect.sense) continue;
+    Line& line = lines[{*effect.axis, *effect.sense}];
+    line.members.push_back(i);
+    (effect.traits().of_approach || is_spike ? line.of_approach : line.of_both) = true;
+  }
+  for (const auto& [place, line] : lines) {
+    if (!line.of_approach || !line.of_both) continue;
+    std::vector<double> travel_mm(data.size(), kNotMeasured), of_line_mm;
+    for (std::size_t k = 0; k < data.size(); ++k)
+      if (data.axis[k] == place.first && data.sense[k] == place.second)
+        of_line_mm.push_back(travel_mm[k] = data.travel_since_reversal_mm[k]);
+    if (std::ranges::any_of(of_line_mm, [](double mm) { return std::isnan(mm); })) continue;
+    const CurveBasis curve(of_line_mm, kMostShapes, true);
+    MatrixXd columns =
+        MatrixXd::Zero(static_cast<Eigen::Index>(data.size()), static_cast<Eigen::Index>(curve.size()) + 1);
+    for (std::size_t k = 0; k < data.size(); ++k) {
+      if (std::isnan(travel_mm[k])) continue;
+      const auto row = static_cast<Eigen::Index>(k);
+      columns(row, 0) = data.approach[k] * travel_mm[k];
+      for (std::size_t shape = 0; shape < curve.size(); ++shape)
+        columns(row, static_cast<Eigen::Index>(shape) + 1) = data.approach[k] * curve.value(shape, travel_mm[k]);
+    }
+    std::vector<Choice> rest;
+    double cost = 0.0;
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      if (std::ranges::find(line.members, i) == line.members.end())
+        rest.push_back(chosen[i]);
+      else
+        cost += chosen[i].cost;
+    }
+    const Space without = search.solution(rest, found.solution.own).space;
+    const double score = without.chi2() - found.solution.space.chi2() - cost;
+    columns = whitener(columns);
+    for (Eigen::Index shapes = 1; shapes <= columns.cols(); ++shapes) {
+      const double gain = without.chi2() - added_by(without, columns.leftCols(shapes)).chi2();
+      if (gain - static_cast<double>(shapes) * std::log(static_cast<double>(data.size())) < score - kAsGood) continue;
+      for (const std::size_t i : line.members) found.groups[i].alias = Alias::travel_since_reversal;
+      break;
+    }
+  }
+}
+
 }  // namespace
 
 void judge(const Regressors& regressors, const Base& base, const Search& search, const Whitener& whitener,
@@ -434,6 +494,7 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
     if (drifts_alike_in_runs(data, whitener, search.solution(others(chosen, i), found.solution.own).space,
                              effect_of_member(i), found.groups[i].member))
       found.groups[i].alias = Alias::drift_in_runs;
+  hold_against_travel_since_reversal(data, search, whitener, found);
 }
 
 }  // namespace ecs::model
