@@ -328,6 +328,25 @@ TEST_CASE("lost motion is proved only where a zero that drifts alike in every ru
   CHECK(worn.first == Standing::proved);
 }
 
+TEST_CASE("a lost motion with a curve is not proved where one of the travel since the reversal explains as much") {
+  constexpr double kTravel_mm = 500.0;  // from end to end, where alone the axis turns
+  const auto answer_to = [](const Truth& truth) {
+    auto set = measured({.targets = 21, .runs = 5}, 0.3, truth);
+    for (Reading& r : set.readings) r.travel_since_reversal_mm = d(r) > 0 ? p(r) : kTravel_mm - p(r);
+    return diagnosed(usual_model(set), set);
+  };
+  const Diagnosis saturating = answer_to([](const Reading& r) {
+    const double travel_mm = d(r) > 0 ? p(r) : kTravel_mm - p(r);
+    return 4.0 * d(r) * std::min(1.0, travel_mm / 120.0);
+  });
+  CHECK(saturating.verdict == Verdict::likely_effect);
+  CHECK(saturating.headline.find("travel since the reversal") != std::string::npos);
+  const Diagnosis two =
+      answer_to([](const Reading& r) { return 2.0 * d(r) * std::sin(p(r) / 160.0) + 2.0 * std::sin(p(r) / 110.0); });
+  CHECK(two.verdict == Verdict::missing_effect);
+  CHECK(count_named(two) == 2);
+}
+
 TEST_CASE("no model is adequate beside a doubtful test where noise hardly ever looks like the best candidate") {
   int doubtful = 0;
   for (unsigned seed = 130; seed <= 240; ++seed) {

@@ -41,6 +41,24 @@ TEST_CASE("errors of single targets without any order are no proved curve, wave 
   CHECK(named <= 4);
 }
 
+TEST_CASE("beside a lost motion without any order, waves of each approach are no proved effects") {
+  int proved = 0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    std::mt19937_64 random(seed);
+    NormalDraws draws(0.0, 8.0 * kNoise_um);
+    std::vector<double> lost_um;
+    for (int i = 0; i < 24; ++i)
+      lost_um.push_back(i % 4 == 0 ? draws(random) : lost_um.back());  // jumps from zone to zone
+    constexpr double kStep_mm = 35.3;
+    const auto set = measured({.step_mm = kStep_mm, .targets = 24, .runs = 3}, kNoise_um, [&](const Reading& r) {
+      return 0.5 * d(r) * lost_um.at(static_cast<std::size_t>(std::lround(p(r) / kStep_mm)));
+    });
+    for (const Candidate& one : diagnosed(usual_model(set, mill()), set).candidates)
+      proved += one.standing == Standing::proved && one.effect.definition().traits.periodic ? 1 : 0;
+  }
+  CHECK(proved <= 1);
+}
+
 TEST_CASE("a smooth curve on eight targets and more is proved, on six it is likely at least") {
   for (unsigned seed = 1; seed <= 10; ++seed)
     for (const int targets : {6, 8, 12}) {
