@@ -108,6 +108,15 @@ std::pair<VectorXd, MatrixXd> targets_of_line(const Observations& data, const Li
   return {at, values};
 }
 
+/// What the readings of a line have in common: a constant, or backlash where the approach matters.
+MatrixXd level_of_line(const Observations& data, const Line& line) {
+  MatrixXd level = MatrixXd::Zero(static_cast<Index>(data.size()), 1);
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (data.axis[k] == line.axis && data.sense[k] == line.sense)
+      level(static_cast<Index>(k), 0) = line.acts == Acts::on_mean ? 1.0 : static_cast<double>(data.approach[k]);
+  return level;
+}
+
 }  // namespace
 
 void hold_against_single_targets(const Observations& data, const Search& search, const Whitener& whitener,
@@ -183,16 +192,18 @@ void hold_against_single_targets(const Observations& data, const Search& search,
           std::max(evidence_beside(beside_line, smooth_covariance(at, 1.0)),
                    evidence_beside(beside_line, smooth_covariance(at, 2.0)));
     }
-    const double better = together - evidence_beside(without, MatrixXd::Identity(at.size(), at.size()));
+    const MatrixXd each = MatrixXd::Identity(at.size(), at.size());
+    Space beside_level = without;  // single targets may have a level in common, such as backlash
+    absorb(beside_level, whitener(level_of_line(data, line)));
+    const double level = evidence_of(without.chi2() - beside_level.chi2(), 1.0) + evidence_beside(beside_level, each);
+    const double better = together - std::max(level, evidence_beside(without, each));
     if (better > 2.0 * std::log(kProved)) continue;
     const bool open = better > -2.0 * std::log(kPositive);
     std::vector<std::string> names;
     for (const std::size_t i : members) {
       names.push_back(to_text(effect_of(i)));
-      if (open)
-        found.groups[i].alias = Alias::single_targets;
-      else
-        found.groups[i].denied = true;
+      found.groups[i].alias = Alias::single_targets;
+      found.groups[i].denied = !open;
     }
     if (!open && found.objection.empty())
       found.objection = fmt::format(

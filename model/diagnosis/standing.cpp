@@ -206,8 +206,9 @@ std::optional<std::size_t> nearly_steady_wave(const ReportInput& in) {
   for (std::size_t g = 0; g < found.groups.size(); ++g) {
     const Group& group = found.groups[g];
     if (found.families[group.member.family].effect.traits().periodic && group.denied &&
-        group.e_value.value_or(0.0) >= kProved && share_of_found(in, {g}) >= kNearlyAll &&
-        group.member.gain >= kNearlyAll * (group.member.gain + group.change) && predicts_at_targets(in, {g}, g))
+        group.alias != Alias::single_targets && group.e_value.value_or(0.0) >= kProved &&
+        share_of_found(in, {g}) >= kNearlyAll && group.member.gain >= kNearlyAll * (group.member.gain + group.change) &&
+        predicts_at_targets(in, {g}, g))
       return g;
   }
   return std::nullopt;
