@@ -170,9 +170,9 @@ void check_spare_letters(const UnitParameters& p, Findings& findings) {
       findings.warning(
           {"configuration.axes", "configuration.chain"},
           fmt::format(
-              "{0} is in the kinematic chain \"{1}\" but not in configuration.axes. This is correct if the machine "
-              "has no axis {0}{2}. Otherwise add {0}.",
-              letter_of(a), configuration_of(p), a == Axis::Y ? ", as a lathe with two axes" : ""));
+              "{0} is in the kinematic chain \"{1}\" but not in configuration.axes. This is correct if no axis {0} is "
+              "wired to the unit{2}: the chain may contain more axes. Otherwise add {0} to configuration.axes.",
+              letter_of(a), configuration_of(p), a == Axis::Y ? ", as on a lathe with two axes" : ""));
 }
 
 /// Loop period, squareness, levers.

@@ -122,7 +122,10 @@ std::string_view approaches_text(const LineSummary& line) {
   return line.reverse ? "reverse" : "unknown";
 }
 
-Cell line_cell(const LineSummary& line) {
+constexpr int kParkedWidth = 16;
+
+/// @param width  of the parked position
+Cell line_cell(const LineSummary& line, int width) {
   AnswerFields fields = measured_line_fields(line.group);
   append(fields, "readings"_is(line.readings), "runs"_is(line.runs), "targets"_is(line.targets),
          FieldKey(line.group.rotary ? "from_deg" : "from_mm")(six_digits(line.first_mm)),
@@ -131,8 +134,8 @@ Cell line_cell(const LineSummary& line) {
                                                                            : null_cell("varies")),
          "forward"_is(line.forward), "reverse"_is(line.reverse), "approaches"_shown(approaches_text(line)));
   const std::string unit(laser::target_unit(line.group.rotary));
-  return record_cell("{axis:<4} {sense:<5} {parked_mm:<16} {from_" + unit + ":>8} {to_" + unit + ":>8} {step_" + unit +
-                         ":>7} {targets:>7} {runs:>4} {approaches:<8} {compensated}\n",
+  return record_cell(fmt::format("{{axis:<4}} {{sense:<5}} {{parked_mm:<{}}} ", width) + "{from_" + unit + ":>8} {to_" +
+                         unit + ":>8} {step_" + unit + ":>7} {targets:>7} {runs:>4} {approaches:<8} {compensated}\n",
                      fields);
 }
 
@@ -141,11 +144,13 @@ Cell table_cell(const std::vector<LineSummary>& lines, std::size_t most) {
   const bool mixed =
       std::any_of(lines.begin(), lines.end(), [&](const LineSummary& line) { return line.group.rotary != rotary; });
   const std::string unit = mixed ? "mm,deg" : std::string(laser::target_unit(rotary));
-  Cell table{Json::array(),
-             fmt::format("{:<4} {:<5} {:<16} {:>8} {:>8} {:>7} {:>7} {:>4} {:<8} {}\n", "axis", "sense", "parked [mm]",
-                         "from", fmt::format("to [{}]", unit), "step", "targets", "runs", "approach", "compensated")};
+  int width = kParkedWidth;
+  for (const LineSummary& line : lines) width = std::max(width, static_cast<int>(parked_text(line.group).size()));
+  Cell table{Json::array(), fmt::format("{:<4} {:<5} {:<{}} {:>8} {:>8} {:>7} {:>7} {:>4} {:<8} {}\n", "axis", "sense",
+                                        "parked [mm]", width, "from", fmt::format("to [{}]", unit), "step", "targets",
+                                        "runs", "approach", "compensated")};
   for (const LineSummary& line : lines) {
-    Cell row = line_cell(line);
+    Cell row = line_cell(line, width);
     if (table.json.size() >= most) row.text.clear();
     table.add(row);
   }

@@ -224,7 +224,7 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
        "axis that moved in the measurement; overrides the axis stated in an instrument's file. Ignored for a "
        "measurement CSV, which states the axis in every row",
        Words{"X", "Y", "Z", "A", "B", "C"}},
-      {sense_option, &A::sense, "measured component, if the file does not state it",
+      {sense_option, &A::sense, "which error was measured (sense), if the file does not state it",
        Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
       {"--parked", &A::parked, "position of the other axes, if the file does not state it, as in y=-1400,z=0 [mm]"},
       {"--columns", &A::columns,
@@ -243,7 +243,7 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
         {"--rows", &A::rows, "number of table rows to read; 0: all", Range{0, 1'000'000}},
         {"--delimiter", &A::delimiter,
          "separator: one character, or blank, tab, comma, semicolon; detected if not given"},
-        {"--decimal", &A::decimal, "decimal sign of the table; both are accepted if not given",
+        {"--decimal", &A::decimal, "decimal separator of the table; both are accepted if not given",
          Words{"point", "comma"}},
         {"--values", &A::values, "meaning of the readings of the table; error if not given",
          Words{"error", "actual", "compensation"}},

@@ -80,7 +80,7 @@ void take_region(const Json& entry, std::string_view& content, MemoryDump& dump)
   } else if (hexadecimal(text_at(entry, "crc32")) != crc32_of(region.bytes)) {
     region.intact = false;
     dump.damage.push_back(
-        fmt::format("{}: the file was changed: these bytes do not agree with their CRC-32", region.name));
+        fmt::format("{}: its bytes do not agree with their CRC-32, so the file was changed", region.name));
   }
   dump.regions.push_back(std::move(region));
 }

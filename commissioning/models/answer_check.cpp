@@ -1,5 +1,7 @@
 #include "commissioning/models/answer_check.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "base/file.hpp"
@@ -193,15 +195,17 @@ Cell check_cell(const model::Check& check) {
                     "recomputed"_is(one.recomputed, shown(one.recomputed)), "holds"_is(one.holds, "holds", "DIFFERS")));
   std::string objections;
   for (const std::string& one : check.objections) objections += paragraph(one, 0, 2);
+  const bool has_effects = std::ranges::any_of(
+      check.numbers, [](const model::CheckedNumber& one) { return one.name.ends_with("explainable_share"); });
   const std::string meanings = paragraph(
-      "explainable_share: the share of the variance above the noise that the effect explains; e_value: how much more "
-      "probable held-out readings are with the effect than without it",
+      "explained: the share of the mean square of the residual that the effect removes; explainable_share: the same of "
+      "the part above the noise; e_value: how much more probable held-out readings are with the effect than without it",
       0, 2);
   const bool holds = check.holds();
   return record_cell("{holds}\n" + fmt::format("{:<{}} {:>14} {:>14}\n", "", kWidestName, "claimed", "recomputed") +
                          "{checked}{meanings}{objections}",
                      "holds"_is(holds, "The answer holds.", "The answer does not hold."), "checked"_is(numbers),
-                     "meanings"_shown(meanings), "objections"_is(check.objections, objections));
+                     "meanings"_shown(has_effects ? meanings : ""), "objections"_is(check.objections, objections));
 }
 
 }  // namespace ecs::commissioning

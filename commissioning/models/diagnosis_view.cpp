@@ -588,11 +588,18 @@ std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) 
                                          : fmt::format("{:.3g} %", 100.0 * candidate.false_naming);
 }
 
+std::string tried_text(const Diagnosis& d) {
+  const bool ended_early = d.noise_replicates < d.replicates_wanted;
+  return paragraph(
+      fmt::format("{} candidate{} tried on these readings, and on {}{} simulated data sets that contain "
+                  "noise only, at the same positions and under the same conditions{}",
+                  d.candidates_tried, d.candidates_tried == 1 ? " was" : "s were", d.noise_replicates,
+                  ended_early ? fmt::format(" of {}", d.replicates_wanted) : "",
+                  ended_early ? ". These are enough to show that noise explains the readings" : ""));
+}
+
 Cell diagnosis_cell(const Diagnosis& d) {
-  const std::string tried =
-      paragraph(fmt::format("{} candidate{} tried on these readings, and on {} simulated data sets that contain "
-                            "noise only, at the same positions and under the same conditions",
-                            d.candidates_tried, d.candidates_tried == 1 ? " was" : "s were", d.noise_replicates));
+  const std::string tried = tried_text(d);
   Cell answer = record_cell(
       "{headline}\n{summary}{candidates}{where}{left}{formula}{outliers}\n{blanks}{notes}",
       "observations"_is(d.observations), "rms_um"_is(d.rms_um), "noise_um"_is(d.noise.noise_um),

@@ -104,11 +104,12 @@ std::string bar(double um, double largest) {
   return cells;
 }
 
+constexpr const char* kInitialModel = "(initial model)";
 constexpr std::string_view kLadderRow =
     "{step:>4}  {effect} {rms_um:>9} {peak_um:>9} {noise_um:>9} {held_out_rms_um:>9}\n";
 
 AnswerFields fields_of(const model::Model& model, const LadderStep& step, std::size_t number) {
-  const std::string name = step.effect.empty() ? "(initial model)" : name_with_alternatives(model, step.effect);
+  const std::string name = step.effect.empty() ? kInitialModel : name_with_alternatives(model, step.effect);
   return described("step"_shown(number), "effect"_is(text_or_null(step.effect), padded(name, 34)),
                    "data"_is(text_cell(step.data)), "rms_before_um"_is(step.rms_before_um, 3),
                    "rms_um"_is(step.rms_um, 3), "peak_um"_is(step.peak_um, 3), "noise_um"_is(step.noise_um, 3),
@@ -225,13 +226,15 @@ std::string rows_text(const std::vector<int>& rows, std::size_t most) {
 Cell ladder_cell(const model::Model& model) {
   const std::vector<LadderStep>& history = model.history;
   if (history.empty()) return {Json::array(), "the model has no added effects; `ecs model add` adds one\n"};
-  Cell ladder{Json::array(), fmt::format("{:>4}  {} {:>9} {:>9} {:>9} {:>9}\n", "step", padded("effect", 34),
-                                         rms_heading(unit_of_model(model)), "peak", "noise", "held-out")};
+  const std::string_view unit = unit_of_model(model);
+  const std::string heading = unit == model::kBothUnits ? "rms [um, um/m]" : rms_heading(unit);
+  Cell ladder{Json::array(), fmt::format("{:>4}  {:<29} {:>14} {:>9} {:>9} {:>9}\n", "step", "effect", heading, "peak",
+                                         "noise", "held-out")};
   const LadderStep& first = history.front();
   const std::size_t before = first.effect.empty() ? 0 : 1;
   if (before > 0)
-    ladder.text += fmt::format("{:>4}  {} {:>9.3f} {:>9} {:>9} {:>9}\n", 0, padded("(before)", 34), first.rms_before_um,
-                               "-", "-", "-");
+    ladder.text += fmt::format("{:>4}  {} {:>9.3f} {:>9} {:>9} {:>9}\n", 0, padded(kInitialModel, 34),
+                               first.rms_before_um, "-", "-", "-");
   for (std::size_t i = 0; i < history.size(); ++i)
     ladder.add(record_cell(kLadderRow, fields_of(model, history[i], before + i)));
   const bool same =

@@ -249,8 +249,8 @@ cli::Fields<ModelArguments> ModelArguments::fields(cli::Need data_need) {
   return {
       {"MODEL", &A::model, "model file (.toml)", cli::Need::required},
       {"DATA", &A::data,
-       "measurement files: lines, or a ball on the table, in any format that `laser import` reads; circles, diagonals "
-       "and gauge blocks",
+       "measurement files of lines or of a ball on the table (in any format that `laser import` reads), of circles, "
+       "diagonals or gauge blocks",
        data_need},
       {"--machine", &A::machine, kMachineHelp},
       &A::import};

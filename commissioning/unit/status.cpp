@@ -450,7 +450,7 @@ Cell rotary_axes_cell(const protocol::RotarySample& sample) {
 Cell rotary_compensation_cell(const protocol::RotarySample& sample, UnitMode mode) {
   if (!any_axis(sample) || mode != UnitMode::compensating) return null_cell();
   const Vector3& um = sample.compensation_um;
-  return record_cell("rotary axes, their share of the compensation: X {X} um, Y {Y} um, Z {Z} um\n",
+  return record_cell("share of the rotary axes in the compensation: X {X} um, Y {Y} um, Z {Z} um\n",
                      "X"_is(um[0], fmt::format("{:+.2f}", um[0])), "Y"_is(um[1], fmt::format("{:+.2f}", um[1])),
                      "Z"_is(um[2], fmt::format("{:+.2f}", um[2])));
 }
@@ -465,7 +465,7 @@ Cell battery_cell(const protocol::ControlLines& lines) {
 
 Cell control_cell(const protocol::ControlLines& lines) {
   if (!lines.control_on_wired)
-    return null_cell("unknown whether on or off: its \"power on\" signal is not wired to the unit");
+    return null_cell("not known whether it is on: its \"power on\" signal is not wired to the unit");
   return {lines.control_on, lines.control_on ? "on" : "off: every axis has to be referenced again when it is back"};
 }
 

@@ -450,10 +450,15 @@ Cell repair_cell(const RepairAnswer& answer) {
   const bool has_circle = answer.diameter_mm > 0.0;
   std::string head = fmt::format(
       "The table lists the remaining error [um]. Each block is for one cause: left as it is, compensated, or repaired. "
-      "All other causes are compensated as far as the unit can. Where left and compensated are equal, the unit does "
-      "not compensate the cause. Parts of an rms value add as squares. The 95 % bound is in brackets. Readings: {}, "
-      "each with a noise of {:.2f} um. Volume: {} positions, each in both approaches.",
+      "All other causes are compensated as far as the unit can. If left and compensated are equal in every row, the "
+      "unit does not compensate the cause. Parts of an rms value add as squares. The 95 % bound is in brackets. "
+      "Readings: {}, each with a noise of {:.2f} um. Volume: {} positions, each in both approaches, with errors "
+      "relative to the reference position: a constant offset changes the readings only.",
       answer.readings, answer.noise_um, answer.places);
+  if (std::ranges::any_of(answer.causes, [](const CauseCost& cost) { return cost.remedy == Remedy::set_up; }))
+    head +=
+        " \"Put the measurement right\" is for an error of the measurement, not of the machine. It has no rows for the "
+        "volume, and \"repaired\" means without this error.";
   if (has_circle)
     head += fmt::format(" Circle: in {} around the middle of the travels, diameter {:.0f} mm.", answer.plane,
                         answer.diameter_mm);

@@ -84,11 +84,13 @@ Cell size_cell(std::string_view name, const volume::ErrorSize& size, const Volum
 }
 
 Cell size_cell(std::string_view name, const volume::VolumeSize& size, const VolumeWork& work) {
+  const auto axes = static_cast<std::size_t>(std::ranges::count(work.answer.grid.exists, true));
   Cell all = size_cell(name, size.all, work);
   const Cell edges = size_cell("  edges", size.edges, work), faces = size_cell("  faces", size.faces, work),
-             diagonals = size_cell("  body diagonals", size.diagonals, work);
+             diagonals = size_cell(axes == kAxes ? "  body diagonals" : "  diagonals", size.diagonals, work);
   all.json.update(object_of("edges"_is(edges), "faces"_is(faces), "diagonals"_is(diagonals)));
-  all.text += faces.text + edges.text + diagonals.text;
+  if (axes == kAxes) all.text += faces.text;
+  if (axes > 1) all.text += edges.text + diagonals.text;  // of a rectangle; a single axis has neither
   return all;
 }
 

@@ -353,7 +353,7 @@ cli::Fields<VolumeArguments> VolumeArguments::fields() {
       {"--temperature", &S::temperature_degC,
        "standard uncertainty of the scale temperature during the measurement [degC]", Range{0.0}},
       {"--expansion", &S::expansion_um_per_m_degC,
-       "expansion coefficient that converts --temperature to a length [um/m/degC]", Range{0.0}},
+       "expansion coefficient that converts --temperature to a length [um/(m degC)]", Range{0.0}},
       {"--zero-uncertainty", &S::declared_zero, "standard uncertainty of a component declared zero [um, um/m]",
        Range{0.0}},
       {"--square-uncertainty", &S::squareness_um_per_m, "standard uncertainty of the squareness reference [um/m]",

@@ -16,7 +16,7 @@ extern const Action kProgram;
 extern const Action kCompletion, kManual;
 
 Registry all_verbs(VerbContext& context) {
-  cli::Menu workshop{"workshop", "actions of a person in the workshop, at a running server", {}};
+  cli::Menu workshop{"workshop", "do the work of a person in the workshop, on a running `ecs-emulator` server", {}};
   workshop.arguments = {{"SOCKET", &context.workshop, "the server's --workshop socket", Need::required}};
   Registry registry;
   registry.menus = {workshop};

@@ -387,7 +387,8 @@ const std::vector<Action>& workshop_verbs() {
               kCaptureOptions),
       request("circle", "make a circular test (ISO 230-4) with a ball bar",
               "circle --plane XY --radius 100 -o circle.csv", kCircleOptions),
-      request("ball", "measure a ball on the table of a machine with rotary axes, with the unit at the machine",
+      request("ball",
+              "measure a ball on the table of a machine with rotary axes, with machine and unit as they are now",
               "ball --ball 750,300,-500 -o ball.csv", kBallOptions),
       request("survey", "compute the true volumetric error at the corners and on a grid",
               "survey --step 500 -o survey.csv", kSurveyOptions),
@@ -400,12 +401,12 @@ const std::vector<Action>& workshop_verbs() {
               {{"COUNT", integer, "number of periods", Need::required}}),
       request("load", "load a workpiece on the table", "load 500",
               {{"KG", number, "mass of the workpiece [kg]", Need::required}}),
-      request("change-tool", "put a tool of the magazine into the spindle", "change-tool 3",
+      request("change-tool", "put a tool from the magazine into the spindle", "change-tool 3",
               {{"NUMBER", integer, "number of the tool; 0: none", Need::required}}),
       request("control", "switch the control and its drives on or off", "control off",
               {{"STATE", word, "on or off", Need::required}}),
       request("arm-code", "show the arming code of the unit", "arm-code", {}),
-      request("fault", "provoke a fault by its name", "fault ram_stuck --address 0x100000 --bit 3", kFaultOptions),
+      request("fault", "cause the fault with this name", "fault ram_stuck --address 0x100000 --bit 3", kFaultOptions),
   };
   return verbs;
 }

@@ -111,13 +111,13 @@ void note_left_out(const Iso230& axis, std::vector<std::string>& notes) {
   const bool only_single = std::ranges::none_of(
       axis.targets, [](const Iso230Target& target) { return target.s_forward || target.s_reverse; });
   if (single > 0)
-    notes.push_back(fmt::format("{} mean{} of targets{} {} from a single reading, which gives no standard deviation{}",
-                                single, single == 1 ? "" : "s",
-                                axis.E_forward && axis.E_reverse ? " (forward and reverse are separate)" : "",
-                                single == 1 ? "is" : "are",
+    notes.push_back(fmt::format("{} target{}{} {} only one reading and no standard deviation{}", single,
+                                single == 1 ? "" : "s",
+                                axis.E_forward && axis.E_reverse ? " (forward and reverse counted separately)" : "",
+                                single == 1 ? "has" : "have",
                                 only_single ? ", so A, R and the 3 sigma band cannot be computed"
-                                            : " and are not used for R, A and the 3 sigma band, so A can be smaller "
-                                              "than E"));
+                                            : ". R, A and the 3 sigma band are computed without them, so A can be "
+                                              "smaller than E"));
   const auto one_sided = std::ranges::count_if(axis.targets, [](const Iso230Target& target) {
     return target.mean_forward.has_value() != target.mean_reverse.has_value();
   });

@@ -236,9 +236,11 @@ Result<Normalised> normalised(const MeasurementSet& set, const Normalisation& ho
                    "20 degC by a coefficient");
   done.set.metadata.push_back(
       {std::string(kMetadataKey),
-       fmt::format("to 20 degC with {} um/(m degC), instrument {}, {}, fixed at {} mm",
+       fmt::format("to 20 degC with {} um/(m degC); the instrument had applied {} um/(m degC); temperature {}; fixed "
+                   "at {} mm",
                    shortest(how.coefficient_um_per_m_degC), shortest(done.instrument_um_per_m_degC),
-                   how.material_degC ? shortest(*how.material_degC) + " degC" : how.sensor, shortest(how.fixed_mm))});
+                   how.material_degC ? shortest(*how.material_degC) + " degC" : "from " + how.sensor,
+                   shortest(how.fixed_mm))});
   add_notes(done, how);
   return done;
 }

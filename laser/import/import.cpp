@@ -145,7 +145,7 @@ void note_exchanged(MeasurementSet& set) {
     if (look_exchanged(set, group))
       set.notes.push_back(
           fmt::format("{}: the readings rise or fall in even steps and the positions do not: the columns of position "
-                      "and reading look exchanged",
+                      "and reading appear to be swapped",
                       curve_name(group.sense, group.axis, group.rotary)));
 }
 

@@ -172,7 +172,7 @@ void compare_with_means(MeasurementSet& set, const Plan& plan) {
   set.notes.emplace_back(
       tips ? "targets are the mean of the tool centre points at the ball: error = target - point, because "
              "the ball is where the tool is"
-           : "targets are the means of each point: error = position - mean of its point");
+           : "the target of each point is the mean of its measured positions: error = position - target");
 }
 
 }  // namespace

@@ -538,6 +538,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.rms_um = rms_of(before);
   diagnosis.candidates_tried = in.found.candidates_tried;
   diagnosis.noise_replicates = in.found.replicate_scores.size();
+  diagnosis.replicates_wanted = in.options.noise_replicates;
   ECS_TRY(answer, answer_of(in));
   const auto& [verdict, order, cannot_tell, other_unit] = answer;
   diagnosis.verdict = verdict;

@@ -176,7 +176,8 @@ struct Diagnosis {
   std::vector<std::string> notes;     ///< skipped rows, what could not be tried and why, what was assumed
   std::size_t candidates_tried = 0;
   std::vector<OwnTerm> own_terms;
-  std::size_t noise_replicates = 0;     ///< that were searched
+  std::size_t noise_replicates = 0;   ///< that were searched
+  std::size_t replicates_wanted = 0;  ///< searched unless the first ones already show that noise explains the readings
   std::optional<ProposedAddition> add;  ///< where something is likely, or a group predicts
   std::vector<LeftProperty> left;       ///< where structure is left
   std::optional<ProposedFormula> formula;

@@ -12,7 +12,7 @@ EffectDefinition progressive() {
       .cause = "wear of screw or guideway, form of the guideway",
       .tells_apart = "a smooth curve over position, the same in both approaches, with no single period",
       .check =
-          "compare an error of position with the certificate of screw or scale, a straightness with a straight edge; "
+          "for positioning, compare with the certificate of screw or scale; for straightness, with a straight edge; "
           "check for wear where the axis works most",
       .headline = "a smooth error along the travel in {where}, {rms_um}",
       .parameters = {{"rms_um", "um", "size of the curve", Coding::size_of_curve}},

@@ -33,7 +33,9 @@ std::string ways_of(const MeasurementProposal& p) {
 /// The first of many, and how many more.
 std::string listed(const std::vector<std::string>& parts) {
   constexpr std::size_t kMost = 4;
-  if (parts.size() <= kMost) return fmt::format("{}", fmt::join(parts, ", "));
+  if (parts.size() == 1) return parts.front();
+  if (parts.size() <= kMost)
+    return fmt::format("{} and {}", fmt::join(parts.begin(), parts.end() - 1, ", "), parts.back());
   return fmt::format("{} and {} more", fmt::join(parts.begin(), parts.begin() + kMost, ", "), parts.size() - kMost);
 }
 
@@ -105,8 +107,8 @@ std::string what_it_tells(const MeasurementProposal& p, Question question) {
         minutes, listed(apart), p.separation_sigma);
   if (question == Question::confirm) return fmt::format("confirms {}: {:.1f} sigma, {}", listed(apart), least, minutes);
   if (apart.empty()) return fmt::format("rules out one of the group: {:.1f} sigma, {}", p.separation_sigma, minutes);
-  std::string text = fmt::format("distinguishes {}: {:.1f} sigma, {}", listed(apart), least, minutes);
-  if (!together.empty()) text += fmt::format("; does not distinguish {}", listed(together));
+  std::string text = fmt::format("distinguishes {} ({:.1f} sigma, {})", listed(apart), least, minutes);
+  if (!together.empty()) text += fmt::format(", but not {}", listed(together));
   return text;
 }
 

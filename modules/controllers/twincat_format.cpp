@@ -148,11 +148,15 @@ Result<ControllerTables> read_twincat(const ReadRequest& request) {
   return parse_twincat(request.text, request.file_name, options, axis);
 }
 
-const FormatOption kSign{.name = "ssfk-sign",
-                         .help =
-                             "whether TwinCAT subtracts or adds a value; default: as stated in the list if ecs "
-                             "wrote it, else subtracts, as in its manual",
-                         .words = {"subtracts", "adds"}};
+const FormatOption kSignToRead{.name = "ssfk-sign",
+                               .help =
+                                   "whether TwinCAT subtracts or adds a value; default: as stated in the list if ecs "
+                                   "wrote it, else subtracts, as in its manual",
+                               .words = {"subtracts", "adds"}};
+const FormatOption kSignToWrite{
+    .name = "ssfk-sign",
+    .help = "whether TwinCAT subtracts or adds a value; default: subtracts, as in its manual",
+    .words = {"subtracts", "adds"}};
 
 }  // namespace
 
@@ -200,7 +204,7 @@ extern const ControllerFormat twincat_format{
     .place = 40,
     .holds = {"yes", "yes, by position", "–", "–", "–", "1,499 an axis, anywhere"},
     .resolution_um = 0.1,
-    .write_options = {kSign,
+    .write_options = {kSignToWrite,
                       {.name = "axes", .help = "logical axis numbers of the control; default X=1,Y=2,Z=3"},
                       {.name = "points",
                        .help = "maximum number of points of a list; default 1499",
@@ -208,7 +212,7 @@ extern const ControllerFormat twincat_format{
                        .range = IntegerRange{2, static_cast<int>(kTwinCatMostPoints)}}},
     .read_options = {{.name = "axis", .help = "axis; default: as stated in the list"},
                      {.name = "axes", .help = "logical axis numbers; default X=1,Y=2,Z=3"},
-                     kSign},
+                     kSignToRead},
     .is_file = is_twincat_file,
     .recognises = [](std::string_view text) { return lower(text).find("kw.ssfk.") != std::string::npos; },
     .write = write_twincat,

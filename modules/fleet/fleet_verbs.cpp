@@ -24,7 +24,8 @@ struct BatchRequest {
     using R = BatchRequest;
     return {
         {"PLAN", &R::plan,
-         "plan file (TOML) or table (.csv) with the columns id, link, params, serial_number, map, arm_code",
+         "plan file (TOML), or table (.csv) with the columns id (name of the unit), link, params, serial_number, map, "
+         "arm_code",
          Need::required},
         {"--dry-run", &R::dry_run, "check everything except the arming codes, write nothing"},
         {"--lines", &R::lines, "number of links (serial or network lines) used at the same time", Range{1, kMostLines}},

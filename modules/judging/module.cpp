@@ -148,19 +148,22 @@ Cell judgement_cell(const Judgement& judgement) {
   const std::string unit = judgement.unit;
   std::size_t width = 20;
   for (const JudgedGroup& one : judgement.groups) width = std::max(width, columns_of(group_name(one)) + 2);
-  const Cell groups = list_cell(
+  Cell groups = list_cell(
       judgement.groups, [width](const JudgedGroup& one) { return group_cell(one, width); },
       fmt::format("{:<{}}{:<8}{:>8}{:>10}{:>10}{:>10}{:>10}\n", "group [" + unit + "]", width, "kind", "readings",
                   "rms", "limit", "largest", "limit"));
-  const Cell effects = judgement.effects.empty()
-                           ? Cell{Json::array(), ""}
-                           : list_cell(judgement.effects, judged_effect_cell,
-                                       fmt::format("\n{:<30}{:>10}{:>10}{:>11}{:>10}\n", "effect [" + unit + "]",
-                                                   "without", "with", "stretches", "p-value") +
-                                           paragraph("rms of the model without and with the effect; p-value: of the "
-                                                     "test, over stretches of successive readings, that the effect "
-                                                     "does not improve the prediction",
-                                                     2, 2));
+  if (std::ranges::any_of(judgement.groups, &JudgedGroup::beyond))
+    groups.text += paragraph("beyond: readings under conditions outside those of the readings of the fit", 2, 2);
+  Cell effects{Json::array(), ""};
+  if (!judgement.effects.empty()) {
+    effects = list_cell(judgement.effects, judged_effect_cell,
+                        fmt::format("\n{:<30}{:>10}{:>10}{:>11}{:>10}\n", "effect [" + unit + "]", "without", "with",
+                                    "stretches", "p-value"));
+    effects.text += paragraph(
+        "without, with: rms of the model without and with the effect; stretches: runs, or parts of runs, that the test "
+        "compares (TOO FEW RUNS: fewer than two); p-value: of the test that the effect does not improve the prediction",
+        2, 2);
+  }
   const bool undecided =
       !judgement.holds() && std::ranges::all_of(judgement.groups, [](const JudgedGroup& one) { return one.holds(); }) &&
       std::ranges::all_of(judgement.effects,

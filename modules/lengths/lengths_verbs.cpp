@@ -424,8 +424,9 @@ std::string idle_text(const std::vector<std::string>& names) {
 /// One component after the other, each with its own set-up.
 Cell single_cell(const model::SingleSetUps& single, double U_um, double minutes) {
   return record_cell(
-      "{wanted} um{not_reached} by single set-ups, one for each component: {set_ups} with {runs} {runs_word} of "
-      "{targets} targets each take {minutes} minutes; this plan needs {percent} % of that time\n",
+      "to measure each component on its own with U = {wanted} um{not_reached} takes {set_ups} set-ups ({runs} "
+      "{runs_word} "
+      "of {targets} targets each) and {minutes} minutes; this plan takes {percent} % of that time\n",
       "wanted"_shown(U_um, 3), "set_ups"_is(single.set_ups), "runs"_is(single.runs), "targets"_is(single.targets),
       "minutes"_is(single.minutes, 1), "volume_U_um"_is(single.volume_U_um, 3), "reached"_is(single.reached),
       "ratio"_is(minutes / single.minutes), "percent"_shown(100.0 * minutes / single.minutes, 0),
@@ -489,12 +490,18 @@ std::string unreached_advice(const model::LengthPlan& plan) {
              : "This instrument cannot reach the wanted uncertainty: use another instrument, or accept a larger one\n";
 }
 
+/// "at X 100, Y 0, Z 250 mm"; of an interferometer its direction.
+std::string place_words(const model::LengthSetUp& one) {
+  const std::string place = fmt::format("X {:.6g}, Y {:.6g}, Z {:.6g}", one.place[0], one.place[1], one.place[2]);
+  return one.instrument == model::LengthInstrument::interferometer ? "along the direction " + place
+                                                                   : "at " + place + " mm";
+}
+
 /// The answer of `ecs lengths plan`. @param file  that was written; empty: none
 Cell lengths_plan_cell(const model::LengthPlan& plan, double wanted_U_um, const std::string& file) {
   const auto set_up = [&](const model::LengthSetUp& one) {
-    return record_cell(
-        "  {name}: {instrument} {place}\n", "name"_is(one.name), "instrument"_is(model::word_of(one.instrument)),
-        "place"_is(Json(one.place), fmt::format("{:.6g}, {:.6g}, {:.6g}", one.place[0], one.place[1], one.place[2])));
+    return record_cell("  set-up {name}: {instrument} {place}\n", "name"_is(one.name),
+                       "instrument"_is(model::word_of(one.instrument)), "place"_is(Json(one.place), place_words(one)));
   };
   Cell stations = list_cell(plan.test.set_ups, set_up);
   if (!plan.reached) stations.text.clear();  // no plan to follow

@@ -254,10 +254,10 @@ int whole_originals(sqlite3* file, std::set<std::string>& whole) {
 /// Why the entry does not follow the one before; empty: it does.
 std::string misfit(const Statement& row, const LogbookEntry& entry, std::int64_t expected, const std::string& previous,
                    const std::set<std::string>& originals) {
-  if (entry.number != expected) return fmt::format("entry {} is missing", expected);
-  if (!is_as_written(row)) return "a field of it is damaged";
+  if (entry.number != expected) return "it is missing";
+  if (!is_as_written(row)) return "one of its fields is damaged";
   if (entry.previous != previous) return "it does not contain the hash of the previous entry";
-  if (hash_of(entry) != entry.hash) return "its hash does not match its fields: it was changed";
+  if (hash_of(entry) != entry.hash) return "its hash does not match its fields, so it was changed";
   for (const LogFile& file : files_of(entry))
     if (file.kept && !originals.contains(file.sha256))
       return fmt::format("its file {} is missing or was changed", file.name);

@@ -152,14 +152,25 @@ Cell whole_entry_cell(const LogbookEntry& entry, const std::string& what) {
   return cell;
 }
 
+namespace {
+
+std::string fault_text(const LogVerdict& verdict) {
+  if (!verdict.first) return verdict.why + "\n";
+  const std::string before = verdict.entries == 0 ? std::string()
+                             : verdict.entries == 1
+                                 ? std::string(". The entry before it is intact")
+                                 : fmt::format(". The {} entries before it are intact", verdict.entries);
+  return fmt::format("entry {}: {}{}\n", *verdict.first, verdict.why, before);
+}
+
+}  // namespace
+
 Cell verdict_cell(const LogVerdict& verdict, const std::string& path, const std::string& expected) {
   std::string text =
       verdict.whole()
           ? fmt::format("{} entries: each agrees with its hash and with the entry before it; the last hash is {}\n",
                         verdict.entries, verdict.last_hash)
-      : verdict.first ? fmt::format("entry {} is missing or does not fit: {}; {} before it fit\n", *verdict.first,
-                                    verdict.why, verdict.entries)
-                      : fmt::format("{}\n", verdict.why);
+          : fault_text(verdict);
   if (verdict.whole() && expected.empty())
     text +=
         "To detect entries missing at the end, give --hash with the last hash that a report or certificate states.\n";
@@ -184,7 +195,7 @@ Cell replay_cell(const Replay& replay) {
                              })),
       "raw"_is(list_cell(replay.raw,
                          [](const RawFile& one) {
-                           return record_cell("from {name}\n", "name"_is(one.name), "sha256"_is(one.sha256));
+                           return record_cell("source: {name}\n", "name"_is(one.name), "sha256"_is(one.sha256));
                          })),
       "notes"_is(lines_cell(replay.notes, "note: ")));
 }

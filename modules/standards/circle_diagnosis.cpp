@@ -483,7 +483,7 @@ std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise&
                                 diagnosis.left_um, diagnosis.noise_um,
                                 without_cyclic ? "none of the faults that were tried explains it. Cyclic errors were "
                                                  "not tried on every axis, see above"
-                                               : "no fault of the library explains it"));
+                                               : "none of the known causes explains it"));
   return notes;
 }
 

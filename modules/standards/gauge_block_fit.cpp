@@ -171,8 +171,8 @@ void add_notes(const BlockTest& test, BlockFit& fit) {
   };
   if (any(&BlockReading::machine_degC) && !test.machine_expansion_um_per_m_degC)
     note(
-        "t_machine_degC is not used: the scale error is that at the temperature of the machine. State "
-        "`# machine_expansion: 11.5` (its own value in um/m/degC) to refer it to 20 degC");
+        "t_machine_degC is not used: the scale error is that at the temperature of the machine. To refer "
+        "it to 20 degC, state the expansion of the machine [um/(m degC)], as in `# machine_expansion: 11.5`");
   if (!any(&BlockReading::block_degC)) note("no t_block_degC: the blocks are assumed to be at 20 degC");
 }
 

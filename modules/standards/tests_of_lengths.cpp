@@ -25,8 +25,8 @@ Cell value_cell(const std::optional<laser::BlockValue>& value, std::string_view 
   if (!value) return null_cell();
   const std::string readings = value->u_readings ? fmt::format("{:.2f}", *value->u_readings) : std::string("unknown");
   return record_cell(
-      "  {title:<14} {value:>9} +- {U:>7} {unit:<5} (u: {readings} from the readings, {u_calibration} "
-      "from calibration){meaning}\n",
+      "  {title:<14} {value:>9} +- {U:>7} {unit:<5} (u from the readings: {readings}, from the "
+      "calibration: {u_calibration}){meaning}\n",
       "title"_shown(title), "value"_is(value->value, 2), "U"_is(value->U, 2), "unit"_is(unit),
       "readings"_shown(readings), "u_readings"_is(value->u_readings, 2), "u_calibration"_is(value->u_calibration, 2),
       "meaning"_shown(meaning));
@@ -70,8 +70,10 @@ Result<Outcome> blocks(VerbContext&, const BlocksRequest& request) {
       "error_is"_shown(test.cut ? "length cut - programmed length" : "true length - length shown by the machine"),
       "blocks"_is(list_cell(fit.means, mean_cell, heading)),
       "scale"_is(value_cell(fit.scale_um_per_m, "scale error", "um/m", "")),
-      "constant"_is(value_cell(fit.constant_um, "constant", "um",
-                               " (positive: the tool or probe is larger than assumed); it includes the lost motion")),
+      "constant"_is(value_cell(
+          fit.constant_um, "constant", "um",
+          "\n    the error contains it with the sign - touched outside, + touched inside; positive: the tool or "
+          "probe is larger than assumed; it includes the lost motion")),
       "error"_is(value_cell(fit.error_um, "error", "um", ", scale and constant together over this length")),
       "coverage_factor"_is(of_readings(fit.coverage_factor)),
       "coverage_degrees_of_freedom"_is(of_readings(fit.coverage_degrees)), "coverage"_shown(coverage_text(fit)),

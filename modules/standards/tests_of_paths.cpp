@@ -106,9 +106,10 @@ Cell fault_cell(const model::CircleFaultFound& fault) {
 Cell diagnosis_cell(const model::CircleDiagnosis& diagnosis) {
   const std::string heading =
       diagnosis.faults.empty()
-          ? std::string("  no fault of the library exceeds the noise\n")
+          ? std::string("  none of the known causes exceeds the noise\n")
           : fmt::format(
-                "  share: of the sum of the mean squares of all causes and of the residual\n  {:>8} {:>8} {:>8}  {}\n",
+                "  share: mean square of the cause, divided by the sum of those of all causes and of the residual\n"
+                "  {:>8} {:>8} {:>8}  {}\n",
                 "share", "rms [um]", "G [um]", "cause, with its size +- standard uncertainty (k = 1)");
   return record_cell(
       "causes: deviations {rms_um} um rms, each pass about its own centre; noise {noise_um} um{from}, residual "

@@ -48,15 +48,18 @@ Cell point_cell(const laser::PosePoint& point) {
 }
 
 std::string motion_words(const laser::PoseTest& test) {
-  return test.moves_as_a_whole() ? "the points move together from visit to visit, as one rigid body"
-                                 : "no common motion of the points: they scatter independently of each other";
+  return test.moves_as_a_whole()
+             ? "The points move together from visit to visit, as one rigid body"
+             : "This decrease is no larger than for independent scatter: the points have no motion in common";
 }
 
 Cell test_cell(const laser::PoseTest& test) {
   return record_cell(
-      "{file}: {visits} visits of {count} points\n{points}"
-      "  rms of a coordinate {rms_um} um, {rms_after_um} um after one rigid motion per visit: {words}\n"
-      "  rigid motion of a visit, rms along and about a coordinate axis: {shift_um} um, {turn_um_per_m} um/m\n",
+      "{file}: {visits} visits of {count} points (visit: all points read once at the pose)\n{points}"
+      "  RP: pose repeatability of the point, AP: its pose accuracy (ISO 9283)\n"
+      "  rms of a coordinate {rms_um} um; {rms_after_um} um after a rigid motion of each visit is removed. {words}\n"
+      "  rigid motion of a visit, rms for each coordinate axis: shift {shift_um} um along it, rotation "
+      "{turn_um_per_m} um/m about it\n",
       "file"_is(test.file), "visits"_is(test.visits), "count"_shown(test.points.size()),
       "points"_is(list_cell(test.points, point_cell)), "rms_um"_is(test.rms_um, 2),
       "rms_after_um"_is(test.rms_after_um, 2), "words"_shown(motion_words(test)), "shift_um"_is(test.shift_um, 2),
@@ -143,9 +146,10 @@ Cell joint_cell(const laser::JointAxis& axis) {
       "radius_u_mm"_is(axis.radius_u_mm, 4), "radial_rms_um"_is(axis.radial_rms_um, 2),
       "axial_rms_um"_is(axis.axial_rms_um, 2), "angle_rms_um_per_m"_is(axis.angle_rms_um_per_m, 1),
       "largest_angle_um_per_m"_is(axis.largest_angle_um_per_m, 1), "largest_at_deg"_is(axis.largest_at_deg),
-      "reversal"_shown(optional_text("reversal of the angle, upwards less downwards:", axis.reversal_um_per_m, "um/m")),
+      "reversal"_shown(optional_text(
+          "reversal error of the angle, approached upwards minus downwards:", axis.reversal_um_per_m, "um/m")),
       "reversal_um_per_m"_is(axis.reversal_um_per_m),
-      "closure"_shown(optional_text("largest distance of two points a whole turn apart:", axis.closure_um, "um")),
+      "closure"_shown(optional_text("largest distance between two points a whole turn apart:", axis.closure_um, "um")),
       "closure_um"_is(axis.closure_um));
 }
 

@@ -273,7 +273,9 @@ class WorksheetReader {
       const double r_m = (radius ? *radius : *gyration) / kMmPerM, half = radius ? 0.5 : 1.0;
       const double ratio = on == "motor" ? 1.0 : gear_;
       const double inertia = half * mass * r_m * r_m / (ratio * ratio);
-      step("Jr", fmt::format("{}{}", radius ? "mass radius^2 / 2" : "mass gyration^2", ratio == 1.0 ? "" : " / gear^2"),
+      step("Jr",
+           fmt::format("{}{}", radius ? "mass radius^2 / 2" : "mass radius_of_gyration^2",
+                       ratio == 1.0 ? "" : " / gear^2"),
            fmt::format("{:.6g} kg * ({:g} m)^2{}{}", mass, r_m, radius ? " / 2" : "",
                        ratio == 1.0 ? "" : fmt::format(" / {:g}^2", ratio)),
            inertia, "kg m2", name);
@@ -334,9 +336,9 @@ class WorksheetReader {
     if (k && kw && dac_V_ && dac_feed_mm_min_ && pitch_mm_ > 0.0) {
       const double speed = kTurn * gear_ * *dac_feed_mm_min_ / (kSecondsPerMinute * pitch_mm_);
       const double by_dac = *k * *dac_V_ / speed;
-      step("Kw'", "K D/A voltage / speed of the motor",
+      step("Kw'", "K D/A voltage / speed of the motor at that voltage",
            fmt::format("{:.6g} * {:g} V / {:.6g} rad/s", *k, *dac_V_, speed), by_dac, "V s/rad",
-           "check: at constant speed the regulator makes K u = Kw w");
+           fmt::format("check: must be equal to Kw, here {:.6g} V s/rad", *kw));
       if (std::abs(*kw / by_dac - 1.0) > kSameReading)
         sheet_.findings.push_back(
             fmt::format("Kw = {:.6g} V s/rad contradicts the D/A voltage, from which {:.6g} V s/rad follows: it is {}",
@@ -390,7 +392,7 @@ std::string emulator_table(const Worksheet& sheet, const std::string& axis) {
   if (sheet.kv_per_s) text += fmt::format("kv_per_s = {:.9g}\n", *sheet.kv_per_s);
   if (sheet.fastest_mm_min)
     text +=
-        fmt::format("rapid_mm_min = {0:.9g}  # {1:.6g} / {2:g}: in the emulator, 10 V give {2:g} times this speed\n",
+        fmt::format("rapid_mm_min = {0:.9g}  # {1:.6g} / {2:g}: in the emulator, 10 V gives {2:g} times this speed\n",
                     *sheet.fastest_mm_min / kSpeedReserve, *sheet.fastest_mm_min, kSpeedReserve);
   if (known(T1)) text += fmt::format("friction_Nm = {:.9g}\n", *known(T1));
   return text;

@@ -265,7 +265,7 @@ struct NormaliseRequest {
     return {
         {"FILE", &R::file, "measurement file", Need::required},
         {"--coefficient", &R::coefficient,
-         "expansion coefficient [um/m/degC]; 0 removes the material correction that the instrument applied"},
+         "expansion coefficient [um/(m degC)]; 0 removes the material correction that the instrument applied"},
         {"--instrument", &R::instrument,
          "coefficient that the instrument has already applied; read from the file if not given (Renishaw Exp coeff)"},
         {"--material-sensor", &R::sensor, "column with the material temperature"},
@@ -296,10 +296,10 @@ Result<Outcome> taken_back(const NormaliseRequest& request, const laser::Measure
 
 Result<Outcome> normalise(VerbContext& context, const NormaliseRequest& request) {
   if (request.back == request.coefficient.has_value())
-    return problem(
-        ProblemKind::usage,
-        "expected --coefficient C [um/m/degC], where 0 removes the material correction that the instrument applied, or "
-        "--back to undo an earlier `ecs laser normalise`");
+    return problem(ProblemKind::usage,
+                   "expected --coefficient C [um/(m degC)], where 0 removes the material correction that the "
+                   "instrument applied, or "
+                   "--back to undo an earlier `ecs laser normalise`");
   ECS_DO(check_output_not_input(request.output, {request.file}));
   ECS_TRY(imported, read_with_notes(context.console, request.file, request.import));
   if (request.back) return taken_back(request, imported.set);

@@ -85,9 +85,9 @@ std::string component_row(const Lines& of) {
     range = std::max(range, line->iso.range);
     if (line->iso.A) accuracy = std::max(accuracy.value_or(0.0), *line->iso.A);
   }
-  return fmt::format("{:<5} {:>6} {:>9} {:>11.3f} {:>10.3f} {:>9} {:>9} {:>9}  {}\n", component_text(*of.front()),
-                     of.size(), readings, largest, range, value_text(accuracy), outliers, drifting,
-                     laser::unit_of(of.front()->iso.sense));
+  return fmt::format("{:<5} {:<5} {:>6} {:>9} {:>11.3f} {:>10.3f} {:>9} {:>9} {:>9}\n", component_text(*of.front()),
+                     laser::unit_of(of.front()->iso.sense), of.size(), readings, largest, range, value_text(accuracy),
+                     outliers, drifting);
 }
 
 std::string line_row(const LineStatistics& line, bool with_file) {
@@ -128,12 +128,12 @@ std::string note_rows(const std::vector<LineStatistics>& lines) {
 /// notes with the number of lines that have them. @param lines  at least one
 std::string summary_text(const std::vector<LineStatistics>& lines) {
   const auto components = by_component(lines);
-  std::string text = fmt::format("{:<5} {:>6} {:>9} {:>11} {:>10} {:>9} {:>9} {:>9}\n", "", "lines", "readings",
-                                 "largest", "max range", "max A", "outliers", "drifting");
+  std::string text = fmt::format("{:<5} {:<5} {:>6} {:>9} {:>11} {:>10} {:>9} {:>9} {:>9}\n", "", "unit", "lines",
+                                 "readings", "largest", "max range", "max A", "outliers", "drifting");
   for (const Lines& of : components) text += component_row(of);
   text += fmt::format("\nthe worst:\n{:<5} {:<18} {:>7} {:>9} {:>9} {:>8} {:>8} {:>8}\n", "", "parked [mm]", "targets",
                       "largest", "range", "A", "R", "B");
-  text += worst_rows(components);
+  text += worst_rows(components) + "largest: the reading with the largest absolute value\n";
   text += "\n" + note_rows(lines);
   return text +
          fmt::format("{} measurement lines: --all shows every quantity of each, --json writes them for programs\n",
@@ -162,8 +162,9 @@ Fields<laser::Iso230Conditions> uncertainty_fields() {
       {"--temperature-range", &C::temperature_range_degC,
        "range of the error of the measured machine temperature [degC]", kSize},
       {"--off-20", &C::off_20_degC, "machine temperature minus 20 degC", kSigned},
-      {"--expansion", &C::expansion_um_per_m_degC, "expansion coefficient of the correction [um/m/degC]", kSize},
-      {"--expansion-range", &C::expansion_range_um_per_m_degC, "range of the expansion coefficient [um/m/degC]", kSize}}
+      {"--expansion", &C::expansion_um_per_m_degC, "expansion coefficient of the correction [um/(m degC)]", kSize},
+      {"--expansion-range", &C::expansion_range_um_per_m_degC, "range of the expansion coefficient [um/(m degC)]",
+       kSize}}
       .under("Uncertainty (ISO 230-2 annex A, k = 2)");
 }
 
@@ -477,7 +478,8 @@ Result<Outcome> stats(VerbContext& context, const StatsRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kLaserStatistics{action(
-    "laser stats", "compute accuracy and repeatability by ISO 230-2, outliers, drift between runs, conditions not met",
+    "laser stats",
+    "compute accuracy and repeatability by ISO 230-2, outliers, drift between runs, conditions of the standard not met",
     "ecs laser stats x_axis.csv y_axis.rtl --json", stats)};
 
 }  // namespace ecs::app

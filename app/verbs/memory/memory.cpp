@@ -228,7 +228,7 @@ std::vector<std::string> damage_in(const MemoryDump& dump) {
 }
 
 Cell damage_cell(std::string_view side, const std::string& file, const MemoryDump& dump) {
-  return lines_cell(damage_in(dump), fmt::format("DAMAGED {} ({}): ", side, file));
+  return lines_cell(damage_in(dump), fmt::format("the {} dump ({}) is DAMAGED: ", side, file));
 }
 
 Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {

@@ -2,6 +2,7 @@
 // `decide`: an effect taken out, one kept without its alternatives. `history`: the steps as a table and as bars.
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -131,6 +132,14 @@ std::string no_better_text(const model::Added& added, std::string_view unit, con
                                output.empty() ? "" : fmt::format(" `ecs model undo {}` removes it.", output)));
 }
 
+/// A value without a name gets the label that a table gives it.
+std::string values_text(const model::EffectFit& effect) {
+  const std::string values = parameters_text(effect.parameters);
+  if (effect.parameters.size() != 1 || values.empty() || std::isalpha(static_cast<unsigned char>(values.front())) != 0)
+    return values;
+  return fmt::format("{} {}", parameters_cell(effect, "{label}").text, values);
+}
+
 Cell added_cell(const model::Added& added, std::string_view unit, const std::string& output) {
   Json effect = effect_json(added.effect.effect);
   effect["parameters"] = parameters_cell(added.effect).json;
@@ -144,7 +153,7 @@ Cell added_cell(const model::Added& added, std::string_view unit, const std::str
                      "second"_shown(second_text(added)), "rms_before_um"_is(added.rms_before_um),
                      "rms_after_um"_is(added.rms_after_um), "noise_um"_is(added.noise_um),
                      "peak_um"_is(added.step.peak_um), "held_out_rms_um"_is(added.step.held_out_rms_um),
-                     "effect"_is(std::move(effect), paragraph(parameters_text(added.effect.parameters), 2, 4)),
+                     "effect"_is(std::move(effect), paragraph(values_text(added.effect), 2, 4)),
                      "history"_is(ladder_cell(added.model)),
                      "model"_is(output.empty() ? null_cell("not saved: give -o MODEL to save it")
                                                : Cell{output, "model written to " + output}),

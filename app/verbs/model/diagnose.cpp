@@ -194,7 +194,8 @@ Cell proposals_cell(const model::NextMeasurement& next, const model::Diagnosis& 
                                  next.rivals.size() > 1 ? "distinguishes these causes" : "shows this cause",
                                  model::kEnoughSigma, model::kEnoughSigma));
   if (std::ranges::any_of(next.proposals, [](const MeasurementProposal& one) { return !one.pairs.empty(); }))
-    proposals.text += "\n" + paragraph("sigma: expected effect or difference, divided by its standard uncertainty");
+    proposals.text +=
+        "\n" + paragraph("N sigma: the expected effect or difference is N times its standard uncertainty");
   std::vector<std::string> notes = next.notes;  // in the text without those that the headline contains
   std::erase_if(notes, [&](const std::string& note) {
     return !note.empty() && diagnosis.headline.find(note.substr(1)) != std::string::npos;
@@ -311,7 +312,7 @@ extern const std::vector<Action> kModelDiagnosis{
     action("model check", "recompute a saved diagnosis from its data; exit 1 if the result differs",
            "ecs model check answer.json data.csv", check_saved),
     action("model next",
-           "propose the measurement that distinguishes the causes best for the time it takes; --check tests a plan",
+           "propose the measurement that best separates the possible causes per minute it takes; --check tests a plan",
            "ecs model next model.toml data.csv --machine machine.toml\n"
            "  ecs model next model.toml --check plan.csv --machine machine.toml",
            next)};

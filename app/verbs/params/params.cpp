@@ -42,7 +42,8 @@ struct ShowRequest {
   bool unit = false;
   static Fields<ShowRequest> fields() {
     using R = ShowRequest;
-    return {{"FILE", &R::file, "parameter file, or `unit`"}, {"--unit", &R::unit, "the same as the word `unit`"}};
+    return {{"FILE", &R::file, "parameter file, or `unit`; needed unless --unit is given"},
+            {"--unit", &R::unit, "the same as the word `unit`"}};
   }
 };
 

@@ -324,6 +324,12 @@ Cell scores_cell(const Revealed& r) {
     for (const FoundEffect& found : r.answer.candidates)
       if (found.named && to_text(found.effect) == hidden.name && details_agree(hidden, found))
         add_scores(list, hidden, found);
+  const bool turned = std::ranges::any_of(r.truth.effects, [](const HiddenEffect& hidden) {
+    return std::ranges::any_of(hidden.parameters,
+                               [](const auto& one) { return without_turns(one.first, one.second) != one.second; });
+  });
+  if (turned && !list.json.empty())
+    list.text += paragraph("A phase is listed within half a turn of zero: 2 pi rad more is the same phase.", 0, 2);
   return list;
 }
 
@@ -341,8 +347,8 @@ std::string hidden_text(const HiddenTruth& truth) {
   std::string text = paragraph(said.starts_with("Hidden: ") ? said : "Hidden: " + said, 0, 2);
   for (const HiddenEffect& effect : truth.effects)
     text += fmt::format(
-        "  {} adds {:.3f} um rms to the readings. The starting model cannot absorb {:.3f} um rms of it,\n"
-        "  {:.1f} times the noise of {:.3f} um\n",
+        "  {} adds {:.3f} um rms, over all readings (also those on which it does not act).\n"
+        "  After the starting model is fitted, {:.3f} um rms of it remain, {:.1f} times the noise of {:.3f} um\n",
         effect.name, effect.rms_um, effect.snr * truth.noise_um, effect.snr, truth.noise_um);
   if (!truth.group.empty())
     text += paragraph(fmt::format("these data cannot distinguish: {}", fmt::join(truth.group, ", ")), 2, 4);
@@ -437,7 +443,7 @@ struct RevealRequest {
   int blanks = static_cast<int>(model::DiagnoseOptions{}.noise_replicates);
   static Fields<RevealRequest> fields() {
     using R = RevealRequest;
-    return {{"DIR", &R::folder, "a case of `ecs-emulator hide`, or a folder of such cases", Need::required},
+    return {{"DIR", &R::folder, "a case made by `ecs-emulator hide`, or a folder of such cases", Need::required},
             {"--diagnosis", &R::diagnosis,
              "saved JSON of `ecs model diagnose --json`; if not given, the diagnosis is made now"},
             {"--blanks", &R::blanks, "number of simulated noise-only data sets, as for `ecs model diagnose`",
@@ -510,7 +516,7 @@ Result<Outcome> reveal(VerbContext& context, const RevealRequest& request) {
 }
 
 const std::vector<Action> kReveal{action(
-    "model reveal", "show the hidden effect of a case of `ecs-emulator hide`, and whether the diagnosis found it",
+    "model reveal", "show the effect hidden in a case made by `ecs-emulator hide`, and whether the diagnosis found it",
     "ecs model reveal case7\n  ecs model reveal case7 --diagnosis answer.json", reveal)};
 
 }  // namespace

@@ -92,7 +92,7 @@ TEST_CASE("battery and control are in the status, and unknown in a file of a uni
     CHECK(cell.json["battery"] == "low");
     CHECK(cell.json["battery_age_s"] == lines.battery_age_s);
     CHECK(contains(cell.text,
-                   wired ? "control      off: every axis has to be referenced again" : "unknown whether on or off"));
+                   wired ? "control      off: every axis has to be referenced again" : "not known whether it is on"));
     CHECK(cell.json["control_on"] == (wired ? Json(false) : Json(nullptr)));
   }
 }
@@ -111,7 +111,7 @@ TEST_CASE("rotary axes are in the status of a unit that has them, and in its fil
   CHECK(read.rotary == rotary);
   const Cell cell = status_cell(read);
   check_holds(cell.text, {"axis   angle/deg  approach\nA       -30.0005  reverse\nC        unknown  unknown\n",
-                          "rotary axes, their share of the compensation: X +1.50 um, Y -0.25 um, Z +0.00 um\n"});
+                          "share of the rotary axes in the compensation: X +1.50 um, Y -0.25 um, Z +0.00 um\n"});
   CHECK(cell.json["rotary_axes"]["A"]["angle_deg"] == -30.0005);
   CHECK(cell.json["rotary_axes"]["C"]["angle_deg"].is_null());
   CHECK(cell.json["rotary_compensation_um"]["Y"] == -0.25);
