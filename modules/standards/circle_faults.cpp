@@ -71,7 +71,8 @@ void add_of_axis(std::vector<CircleFault>& faults, const CirclePoints& points, s
     const Eigen::ArrayXd phase = u * (kTurn * points.radius_mm / pitch_mm);
     Eigen::MatrixXd waves(u.size(), 2);
     waves << (u * phase.sin()).matrix(), (u * phase.cos()).matrix();
-    faults.push_back({"cyclic", letter, fmt::format("cyclic error of {} at its pitch of {:g} mm", letter, pitch_mm),
+    faults.push_back({"cyclic", letter,
+                      fmt::format("periodic error of {} at the pitch of its screw, {:g} mm", letter, pitch_mm),
                       pitch_mm, std::move(waves), 1.0, "um"});
   }
   faults.push_back({"straightness", letter, "straightness of " + letter + " (bow)", 0.0,
