@@ -299,7 +299,7 @@ struct GivenUncertainty {
         {"--environment-um", &U::environment_um, "environmental variation error EVE: range of a drift test"},
         {"--temperature-range", &U::temperature_range, "range of the error of the measured machine temperature [degC]"},
         {"--off-20", &U::off_20, "machine temperature minus 20 degC"},
-        {"--expansion", &U::expansion, "expansion coefficient of the correction [um/(m degC)]"},
+        {"--expansion", &U::expansion, "expansion coefficient used [um/(m degC)]"},
         {"--expansion-range", &U::expansion_range, "range of the expansion coefficient [um/(m degC)]"}}
         .under("Uncertainty of the certificate (ISO 230-2 annex A, k = 2)");
   }

@@ -162,7 +162,7 @@ Fields<laser::Iso230Conditions> uncertainty_fields() {
       {"--temperature-range", &C::temperature_range_degC,
        "range of the error of the measured machine temperature [degC]", kSize},
       {"--off-20", &C::off_20_degC, "machine temperature minus 20 degC", kSigned},
-      {"--expansion", &C::expansion_um_per_m_degC, "expansion coefficient of the correction [um/(m degC)]", kSize},
+      {"--expansion", &C::expansion_um_per_m_degC, "expansion coefficient used [um/(m degC)]", kSize},
       {"--expansion-range", &C::expansion_range_um_per_m_degC, "range of the expansion coefficient [um/(m degC)]",
        kSize}}
       .under("Uncertainty (ISO 230-2 annex A, k = 2)");
