@@ -53,8 +53,8 @@ constexpr GlossaryRow kGlossary[] = {
     {"lack of fit", "the means deviate from the model by more than the scatter of repeated readings allows (F test)"},
     {"likely",
      "not proved, but improbable by chance: at most 1 in 100 simulated noise-only data sets is fitted as well by any "
-     "effect, and held-out readings do not contradict it; with the proved effects it leaves only noise, or it explains "
-     "at least half of the rest above noise; another cause is not excluded"},
+     "effect, and held-out readings do not contradict it. Together with the proved effects it must reduce the residual "
+     "to noise, or explain at least half of the rest above noise. Another cause remains possible"},
     {"machine file",
      "description of the machine that is given with --machine: axes, travels, pitches, measurement lines (from which "
      "lever arms are counted), inputs of the unit"},
