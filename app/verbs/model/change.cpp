@@ -134,7 +134,7 @@ std::string no_better_text(const model::Added& added, std::string_view unit, con
 
 /// A value without a name gets the label that a table gives it.
 std::string values_text(const model::EffectFit& effect) {
-  const std::string values = parameters_text(effect.parameters);
+  std::string values = parameters_text(effect.parameters);
   if (effect.parameters.size() != 1 || values.empty() || std::isalpha(static_cast<unsigned char>(values.front())) != 0)
     return values;
   return fmt::format("{} {}", parameters_cell(effect, "{label}").text, values);
