@@ -54,10 +54,11 @@ constexpr GlossaryRow kGlossary[] = {
     {"likely",
      "not proved, but improbable by chance: at most 1 in 100 simulated noise-only data sets is fitted as well by any "
      "effect, and held-out readings do not contradict it. Together with the proved effects it must reduce the residual "
-     "to noise, or explain at least half of the rest above noise. Another cause remains possible"},
+     "to noise, or explain at least half of the residual above noise that these effects do not explain. Another cause "
+     "remains possible"},
     {"machine file",
      "description of the machine that is given with --machine: axes, travels, pitches, measurement lines (from which "
-     "lever arms are counted), inputs of the unit"},
+     "lever arms are measured), inputs of the unit"},
     {"marker",
      "the index pulse of the transducer, once a revolution or at one place; together with the switch it defines the "
      "datum"},

@@ -149,11 +149,10 @@ Cell comparison_cell(const Comparison& c, std::size_t readings) {
   const std::string few = readings < kFewForNoise && !c.noise.from_repeats
                               ? fmt::format(", uncertain with only {} readings", readings)
                               : std::string();
-  const std::string summary = paragraph(fmt::format(
-      "{} readings: rms {}, peak {}; noise of one reading {}; lack-of-fit test of the model with its present values: "
-      "{}",
-      readings, in_each_unit(c.rms_um, c.rms_by_unit, c.noise.unit),
-      in_each_unit(c.peak_um, c.peak_by_unit, c.noise.unit), noise_text(c.noise) + few, judged));
+  const std::string summary =
+      paragraph(fmt::format("{} readings: rms {}, peak {}; noise of one reading {}; lack-of-fit test of the model: {}",
+                            readings, in_each_unit(c.rms_um, c.rms_by_unit, c.noise.unit),
+                            in_each_unit(c.peak_um, c.peak_by_unit, c.noise.unit), noise_text(c.noise) + few, judged));
   Cell answer = record_cell(
       "{summary}\n{directions}{variables}{worst}{outliers}", "observations"_is(readings), "summary"_shown(summary),
       "rms_um"_is(c.rms_um), "peak_um"_is(c.peak_um), "noise_um"_is(c.noise.noise_um),

@@ -341,7 +341,7 @@ Cell unit_cell(const StatusSnapshot& snapshot) {
   for (const Axis axis : kAllAxes)
     if (id.axis_present[index_of(axis)]) axes += letter_of(axis);
   return record_cell(
-      "unit {serial_number} ({name}){of_machine}, firmware {firmware}, memory modules: {memory_modules}\n",
+      "unit {serial_number} ({name}){of_machine}, firmware {firmware}, memory modules in the unit: {memory_modules}\n",
       "serial_number"_is(text_cell(id.serial_number)), "name"_is(text_cell(id.unit_name)),
       "firmware"_is(fmt::format("{}.{}", id.firmware_major, id.firmware_minor)),
       "protocol_version"_is(id.protocol_version), "axes"_is(axes), "memory_modules"_is(id.memory_modules),

@@ -80,7 +80,7 @@ Result<Outcome> write_programs(VerbContext& /*context*/, const ProgramRequest& a
 }  // namespace
 
 extern const Action kProgram =
-    action("program", "write the part program that measures a plan (thesis appendix B)",
+    action("program", "write the part program that carries out a plan of measurements (thesis appendix B)",
            "ecs-emulator program plan.toml --machine machine.toml -o programs\n"
            "  ecs-emulator program --axis X --from 0 --to -4100 --step 50 --runs 3 --dwell 2 --overrun 5 -o exx.nc",
            write_programs);

@@ -187,7 +187,7 @@ void add_notes(Normalised& done, const Normalisation& how) {
     done.notes.push_back(
         "one coefficient is used for the whole machine: if scale, screw, bed and column differ in material or "
         "temperature, it can be grossly wrong (thesis 6.3.1). For a machine that works at this temperature it may be "
-        "better to measure the map without normalisation");
+        "better to build the map from readings without normalisation");
   const double spread_degC = spread_of_sensors_degC(done.set);
   if (spread_degC > 0.5)
     done.notes.push_back(fmt::format(

@@ -384,19 +384,19 @@ void log_certificate(const Logbook& book, const ExportLogRequest& request, const
                      const std::string& xml) {
   const auto owner = book.owner();
   if (!owner) return;
-  LogRecord made{
-      .kind = "certificate",
-      .machine = owner->machine,
-      .serial_number = owner->serial_number,
-      .summary = fmt::format("{}, {} measured line{}, {}", written.certificate.identifier,
-                             written.certificate.lines.size(), written.certificate.lines.size() == 1 ? "" : "s",
-                             written.schema.empty() ? "not validated against the schema of the DCC"
-                                                    : "validated against DCC " + written.schema),
-      .content =
-          one_line(object_of("identifier"_is(written.certificate.identifier), "sha256"_is(written.sha256),
-                             "schema_version"_is(written.certificate.schema_version),
-                             "validated"_is(!written.schema.empty()), "signed"_is(written.certificate.to_be_signed))),
-      .files = {{"output", request.dcc, std::make_shared<const std::string>(xml)}}};
+  LogRecord made{.kind = "certificate",
+                 .machine = owner->machine,
+                 .serial_number = owner->serial_number,
+                 .summary = fmt::format(
+                     "{}, {} measured line{}, {}", written.certificate.identifier, written.certificate.lines.size(),
+                     written.certificate.lines.size() == 1 ? "" : "s",
+                     written.schema.empty() ? "not validated against the DCC schema (digital calibration certificate)"
+                                            : "validated against DCC " + written.schema),
+                 .content = one_line(
+                     object_of("identifier"_is(written.certificate.identifier), "sha256"_is(written.sha256),
+                               "schema_version"_is(written.certificate.schema_version),
+                               "validated"_is(!written.schema.empty()), "signed"_is(written.certificate.to_be_signed))),
+                 .files = {{"output", request.dcc, std::make_shared<const std::string>(xml)}}};
   record_all({std::move(made)}, book.path());
 }
 

@@ -459,7 +459,7 @@ std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise&
         "circle");
   if (const auto hidden = hidden_by_parts(data, circle_faults(data.points, pitches_mm)); !hidden.empty())
     notes.push_back(fmt::format(
-        "each part has a zero of its own, which hides a share of the mean square of: {}. A full circle shows more",
+        "the separate zeros of the parts hide a share of the effect (mean square) of {}. A full circle shows more",
         fmt::join(hidden, ", ")));
   for (std::size_t i = 0; i < pitches_mm.size(); ++i)
     if (pitches_mm[i].empty()) notes.push_back(no_pitch_note(letter_of(data.points.plane[i]), source));

@@ -74,7 +74,7 @@ Result<Outcome> thermal(VerbContext& context, const ThermalRequest& request) {
                   "  rms [um]                                                 all runs run left\n"
                   "                                                            fitted      out\n"
                   "{plain}{lagged}{plain_shape}{lagged_shape}"
-                  "  law with a delay for each sensor and an own zero of each run:\n{law}"
+                  "  law with a delay for each sensor and a separate zero of each run:\n{law}"
                   "  each run predicted by the others, rms [um]\n"
                   "                    from first reading    own zero each run\n"
                   "    run readings  present  delayed  present  delayed  temperatures\n{runs}{words}\n",

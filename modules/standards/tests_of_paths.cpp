@@ -57,10 +57,11 @@ Cell part_cell(const laser::CirclePass& pass, const laser::CirclePart& part) {
       pass.common == 0 ? std::string("fitted with the centre: no angles in common")
                        : fmt::format("from {} reading{} at common angles{}", pass.common, pass.common == 1 ? "" : "s",
                                      part.sigma_um ? fmt::format(", u = {:.2f} um", *part.sigma_um) : std::string());
-  return record_cell("  {direction:<4} run {run}, part {part}: zero {zero_um} um relative to the first part ({from})\n",
-                     "direction"_is(laser::contouring_name(pass.clockwise)), "run"_is(pass.run), "part"_is(part.part),
-                     "zero_um"_is(part.zero_um, 2), "sigma_um"_is(part.sigma_um, 2), "from"_shown(from),
-                     "common_readings"_is(pass.common));
+  return record_cell(
+      "  {direction:<4} run {run}, part {part}: zero {zero_um} um relative to the first part of its run ({from})\n",
+      "direction"_is(laser::contouring_name(pass.clockwise)), "run"_is(pass.run), "part"_is(part.part),
+      "zero_um"_is(part.zero_um, 2), "sigma_um"_is(part.sigma_um, 2), "from"_shown(from),
+      "common_readings"_is(pass.common));
 }
 
 /// Of passes that were measured in parts, and what such passes cannot show.
@@ -74,12 +75,14 @@ Cell parts_cell(const laser::CircleValues& values) {
     }
   if (values.with_other_zeros)
     parts.text +=
-        "  note: the directions have no zero in common (other numbers in the column part): G(b), D and H are not "
+        "  note: the directions have no zero in common (their numbers in the column `part` differ): G(b), D and H are "
+        "not "
         "determined\n";
   if (fitted)
     parts.text +=
         "  note: the parts have no angle in common, so only the assumption of a circle separates eccentricity and "
-        "difference of zeros. G, F, H and the centre lack errors that are constant in each part. Measure each part a "
+        "difference of zeros. G, F, H and the centre do not include errors that are constant within a part. Measure "
+        "each part a "
         "few degrees beyond its end\n";
   return parts;
 }

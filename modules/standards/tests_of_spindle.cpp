@@ -249,7 +249,7 @@ Result<Outcome> spindle(VerbContext&, const SpindleRequest& request) {
       "Radial values refer to the least-squares centre (LSC). Those in the column MRS refer to the\n"
       "centre of minimum radial separation. Axial values refer to the mean.\n"
       "The synchronous value is the range of the mean of all turns. The asynchronous value is the\n"
-      "largest range of the turns at one angle, stated under at deg.\n"
+      "largest range of the turns at one angle, stated in the column \"at deg\".\n"
       "{motions}{further}{separated}{notes}{output}{plot}",
       "file"_is(request.file), "turns"_is(test.turns), "readings_per_turn"_is(test.angles), "falling"_is(test.falling),
       "way"_shown(test.falling ? "decreases" : "increases"), "speed_rpm"_is(test.speed_rpm),

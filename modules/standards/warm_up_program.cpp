@@ -165,7 +165,7 @@ Result<Outcome> warm_up_program(VerbContext& context, const WarmUpProgramRequest
                   "minutes"_is(plan.minutes()), "shown"_shown(fmt::format("{:.1f}", plan.minutes())),
                   "of"_shown(request.readings.empty()
                                  ? std::string()
-                                 : fmt::format("  afterwards, {:g} % of the warm-up measured in {} still remains\n",
+                                 : fmt::format("  afterwards, {:g} % of the warm-up measured in {} is still to come\n",
                                                request.to_come_percent, request.readings)),
                   "cycles"_is(plan.cycles), "cycle_s"_is(60.0 * plan.cycle_min),
                   "cycle"_shown(fmt::format("{:.1f}", 60.0 * plan.cycle_min)),

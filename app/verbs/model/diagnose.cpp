@@ -311,10 +311,11 @@ extern const std::vector<Action> kModelDiagnosis{
            {.logged = Logged::always, .kind = "diagnosis"}),
     action("model check", "recompute a saved diagnosis from its data; exit 1 if the result differs",
            "ecs model check answer.json data.csv", check_saved),
-    action("model next",
-           "propose the measurement that best separates the possible causes per minute it takes; --check tests a plan",
-           "ecs model next model.toml data.csv --machine machine.toml\n"
-           "  ecs model next model.toml --check plan.csv --machine machine.toml",
-           next)};
+    action(
+        "model next",
+        "propose the measurement that separates the possible causes best for the time it takes; --check tests a plan",
+        "ecs model next model.toml data.csv --machine machine.toml\n"
+        "  ecs model next model.toml --check plan.csv --machine machine.toml",
+        next)};
 
 }  // namespace ecs::app

@@ -135,9 +135,7 @@ Result<Outcome> begin(VerbContext& context, const NewRequest& given) {
   return outcome_of(record_cell(
       "{model}: a new model with {usual}{of_paths}\n{effects}{brackets}next: {next}\n", "model"_is(request.model),
       "usual"_shown(usual_in_words(work)),
-      "of_paths"_shown(work.data.paths.empty()      ? ""
-                       : work.model.effects.empty() ? "; circles, diagonals and gauge blocks add none"
-                                                    : "; circles, diagonals and gauge blocks add no effects"),
+      "of_paths"_shown(work.data.paths.empty() ? "" : "; circles, diagonals and gauge blocks add no effects"),
       "effects"_is(std::move(effects)), "brackets"_shown(brackets), "next"_shown(shell_command(next))));
 }
 

@@ -37,7 +37,8 @@ struct MonitorRequest {
              "thermometer for air and material temperature: temper (a USB thermometer TEMPer), or a device file "
              "DEVICE.toml[@SERIAL]"},
             {"--record", &R::record,
-             "CSV file to write, one row per axis and sample; FILE.part until complete, also kept after a crash",
+             "CSV file to write, one row per axis and sample; FILE.part until complete, kept if the program stops "
+             "unexpectedly",
              Is::output}};
   }
 };

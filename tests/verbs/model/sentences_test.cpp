@@ -28,7 +28,7 @@ void check_proposal(const Answer& one) {
   const std::string tells = one["tells"], sentence = one["sentence"];
   CHECK_MESSAGE(contains(tells, fmt::format("{:.0f} min", one["minutes"].get<double>())), tells);
   std::smatch found;
-  if (static const std::regex sigma(R"((?:: | at )(\d+\.\d) sigma)"); std::regex_search(tells, found, sigma)) {
+  if (static const std::regex sigma(R"((?:: |\(| at )(\d+\.\d) sigma)"); std::regex_search(tells, found, sigma)) {
     const double told = std::stod(found[1]);
     const bool is_own = std::any_of(one["pairs"].begin(), one["pairs"].end(), [&](const Answer& pair) {
       return std::abs(pair["sigma"].get<double>() - told) < 0.051;
