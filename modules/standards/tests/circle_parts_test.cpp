@@ -99,7 +99,8 @@ TEST_CASE(
   const auto diagnosis = must(model::diagnose_circle(in_halves(backlash, {.noise_um = 0.3}), {}));
   CHECK(only(diagnosis.faults).name == "backlash:X");
   CHECK(std::abs(diagnosis.faults[0].value - 6.0) < 4.0 * diagnosis.faults[0].sigma);
-  check_holds(fmt::format("{}", fmt::join(diagnosis.notes, "\n")), {"zero of its own", "straightness of X (bow)"});
+  check_holds(fmt::format("{}", fmt::join(diagnosis.notes, "\n")),
+              {"separate zeros of the parts", "straightness of X (bow)"});
 }
 
 TEST_CASE("a circle in parts is read as it was written") {
