@@ -248,7 +248,7 @@ double reading_interval_s(const Observations& data, const Acting& acting) {
     if (times_s[i] > times_s[i - 1]) intervals_s.push_back(times_s[i] - times_s[i - 1]);
   if (intervals_s.empty()) return 0.0;
   const auto middle = intervals_s.begin() + static_cast<std::ptrdiff_t>(intervals_s.size() / 2);
-  std::ranges::nth_element(intervals_s, middle);
+  std::nth_element(intervals_s.begin(), middle, intervals_s.end());
   return *middle;
 }
 
