@@ -173,24 +173,41 @@ void keep_on_circles(const Observations& data, std::vector<bool>& out) {
   }
 }
 
+/// Each distance in the robust scale of its kind; NaN where there is none.
+std::vector<double> in_scale(std::vector<double> distance, const std::map<std::pair<Channel, Axis>, Rows>& groups) {
+  for (const auto& [kind, rows] : groups) {
+    const double scale = robust_scale(part(distance, rows));
+    for (const std::size_t k : rows) distance[k] = scale > 0.0 ? distance[k] / scale : kNotMeasured;
+  }
+  return distance;
+}
+
+/// How far the other readings of its run, all or those of its kind, are from their repeats, at least 1: a visit that
+/// arrives elsewhere is off as a whole, and none of its readings is isolated.
+double scale_of_run(const Observations& data, const std::vector<double>& by_repeats, std::size_t k) {
+  std::vector<double> all, kind;
+  for (std::size_t j = 0; j < data.size(); ++j) {
+    if (j == k || data.run[j] != data.run[k]) continue;
+    all.push_back(by_repeats[j]);
+    if (data.channel(j) == data.channel(k) && data.axis[j] == data.axis[k]) kind.push_back(by_repeats[j]);
+  }
+  return std::max({1.0, robust_scale(all), robust_scale(kind)});
+}
+
 /// How odd each reading is, in the scale of its sense and axis, and to which side; 0 where it is not.
 std::vector<double> oddness_of(const Observations& data, const Eigen::VectorXd& residual,
                                const std::map<std::pair<Channel, Axis>, Rows>& groups) {
-  const std::vector<double> near = from_neighbours(data, residual);
-  const std::vector<double> repeats = from_repeats(data, residual);
+  const std::vector<double> by_near = in_scale(from_neighbours(data, residual), groups);
+  const std::vector<double> by_repeats = in_scale(from_repeats(data, residual), groups);
   std::vector<double> oddness(data.size(), 0.0);
-  for (const auto& [place, rows] : groups) {
+  for (const auto& [kind, rows] : groups) {
     const double limit =
         kMargin + std::sqrt(2.0 * std::log(static_cast<double>(std::max(rows.size(), kFewestForLimit))));
-    const double near_scale = robust_scale(part(near, rows)), repeat_scale = robust_scale(part(repeats, rows));
     for (const std::size_t k : rows) {
-      const double by_near = std::isnan(near[k]) || near_scale <= 0.0 ? kNotMeasured : std::abs(near[k]) / near_scale;
-      const double by_repeats =
-          std::isnan(repeats[k]) || repeat_scale <= 0.0 ? kNotMeasured : std::abs(repeats[k]) / repeat_scale;
-      if (std::isnan(by_near) && std::isnan(by_repeats)) continue;
-      const bool is_odd = (std::isnan(by_near) || by_near > limit) && (std::isnan(by_repeats) || by_repeats > limit);
-      if (is_odd)
-        oddness[k] = std::isnan(by_near) ? std::copysign(by_repeats, repeats[k]) : std::copysign(by_near, near[k]);
+      const bool no_neighbours = std::isnan(by_near[k]), no_repeats = std::isnan(by_repeats[k]);
+      if ((no_neighbours && no_repeats) || std::abs(by_near[k]) <= limit || std::abs(by_repeats[k]) <= limit) continue;
+      if (no_neighbours && std::abs(by_repeats[k]) <= limit * scale_of_run(data, by_repeats, k)) continue;
+      oddness[k] = no_neighbours ? by_repeats[k] : by_near[k];
     }
   }
   return oddness;

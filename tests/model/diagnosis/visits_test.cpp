@@ -1,6 +1,7 @@
 // Points in space that are seen again and again, each time displaced and turned as one rigid body.
 #include "model/diagnosis/visits.hpp"
 
+#include "model/fit/noise.hpp"
 #include "tests/model/support/real_sets.hpp"
 
 using namespace ecs;
@@ -73,6 +74,23 @@ TEST_CASE("a rigid motion of each visit is found with its size, and readings lef
     CHECK(motions.rms_before_um > 30.0);
     CHECK(motions.rms_after_um < 1.0);
     CHECK(motions.held_out_rms_um < 4.0);
+  }
+}
+
+TEST_CASE("no reading of a visit that arrives far off is an outlier, a single one that is far off is") {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Set set = visited({.seed = seed});
+    for (std::size_t k = 0; k < 15; ++k) set.readings[k].error += k % 5 == 0 ? 400.0 : 200.0;
+    const Observations data = observations_of(set, Model{}, std::nullopt);
+    const auto outliers_of = [&](const Observations& some) {
+      const Eigen::VectorXd off =
+          Eigen::Map<const Eigen::VectorXd>(some.reading.data(), static_cast<Eigen::Index>(some.size()));
+      return std::ranges::count(isolated_outliers(some, off), true);
+    };
+    CHECK(outliers_of(data) == 0);
+    Set one = visited({.seed = seed});
+    one.readings[40].error += 2000.0;
+    CHECK(outliers_of(observations_of(one, Model{}, std::nullopt)) == 1);
   }
 }
 
