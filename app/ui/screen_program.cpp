@@ -52,10 +52,10 @@ constexpr GlossaryRow kGlossary[] = {
     {"integration mode|integration|integrating", "the unit accepts parameters, maps and commands; compensation is off"},
     {"lack of fit", "the means deviate from the model by more than the scatter of repeated readings allows (F test)"},
     {"likely",
-     "not proved, but improbable by chance: at most 1 in 100 simulated noise-only data sets is fitted as well by any "
-     "effect, and held-out readings do not contradict it. Together with the proved effects it must reduce the residual "
-     "to noise, or explain at least half of the residual above noise that these effects do not explain. Another cause "
-     "remains possible"},
+     "not proved, but improbable by chance: in at most 1 of 100 simulated noise-only data sets, some effect fits as "
+     "well as this one fits the readings. Held-out readings do not contradict it. Together with the proved effects it "
+     "must reduce the residual to noise, or explain at least half of the residual above noise that remains with the "
+     "proved effects. Another cause remains possible"},
     {"machine file",
      "description of the machine that is given with --machine: axes, travels, pitches, measurement lines (from which "
      "lever arms are measured), inputs of the unit"},

@@ -1,4 +1,4 @@
-// What the module brings: the verbs and screens LENGTHS and PLAN OF LENGTHS.
+// What the module brings: the verbs and screens LENGTHS and PLAN LENGTHS.
 #include "app/cli/module.hpp"
 
 #include <optional>
@@ -62,7 +62,7 @@ FormEntry lengths_entry() {
                 "components that are not determined, and the lengths that would determine them. Press s to save the "
                 "map, and "
                 "the parameters with the squareness. "
-                "For a plan, the planned lengths are listed. PLAN OF LENGTHS makes a plan.",
+                "For a plan, the planned lengths are listed. PLAN LENGTHS makes a plan.",
        .fields = {"LENGTHS", "--machine", "--params", "--knots"},
        .opens = {{FileKind::lengths, "LENGTHS"}, {FileKind::machine, "--machine"}, {FileKind::parameters, "--params"}},
        .instead = plan_in}};
@@ -71,7 +71,7 @@ FormEntry lengths_entry() {
 FormEntry plan_entry() {
   return {"lengths for a required uncertainty in the shortest time",
           {.verb = "lengths plan",
-           .title = "PLAN OF LENGTHS",
+           .title = "PLAN LENGTHS",
            .asks = "Choose the machine and the required uncertainty of its volume.",
            .about = "The set-ups and lengths that need the fewest minutes for a required uncertainty of the volume, "
                     "compared with single set-ups. The search needs half a minute. Press s to save the plan. After "
@@ -93,7 +93,7 @@ const Module& lengths_module() {
       .verbs = {{"laser", &kLengths}},
       .forms = lengths_forms,
       .synonyms = {{"LENGTHS", kLengthsSought},
-                   {"PLAN OF LENGTHS", kPlanSought},
+                   {"PLAN LENGTHS", kPlanSought},
                    {"lengths fit", kLengthsSought},
                    {"lengths plan", kPlanSought}},
       .advice = {{name_of(FileKind::lengths), "use `ecs lengths fit {} --machine MACHINE.toml`"}}};

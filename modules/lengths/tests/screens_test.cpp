@@ -1,4 +1,4 @@
-// LENGTHS and PLAN OF LENGTHS, as one sees them.
+// LENGTHS and PLAN LENGTHS, as one sees them.
 #include <filesystem>
 
 #include "app/ui/menu_screen.hpp"
@@ -75,7 +75,7 @@ TEST_CASE("what lengths do not determine is said with the lengths that would; a 
               "A0Z is not determined: no length is inclined in the plane YZ: add diagonals of that face"));
   const std::string plan = folder / "plan.csv";
   const auto made =
-      answered("PLAN OF LENGTHS",
+      answered("PLAN LENGTHS",
                {{"--machine", kMachine}, {"--volume-um", "40"}, {"--knots", "1200,600,600"}, {"--output", plan}});
   (void)press(*made, Key::Name::page_down);
   CHECK(reads(picture(*made, 60, 120), "for comparison: "));
