@@ -122,4 +122,18 @@ struct Fit {
 /// Refuses an effect that has neither.
 [[nodiscard]] Result<std::vector<double>> predicted(const Model& model, const Observations& at);
 
+/// How far the readings to which a model was fitted support its prediction at another place.
+struct Support {
+  double sigma = 0.0;  ///< um, um/m: standard uncertainty of the prediction by that of the fitted parameters
+  /// Less certain there than at any of the readings of its sense and axis, or none is of these: hidden extrapolation
+  /// (Brooks, Carroll and Verdini 1988; Montgomery, Peck and Vining 2012, 3.8).
+  bool extrapolated = false;
+};
+
+/// One per reading of `at`, canonical order. The noise of a reading and effects that are not in the model are not in
+/// it.
+/// @param model  with values  @param data  to which it was fitted
+[[nodiscard]] Result<std::vector<Support>> support_of(const Model& model, const Observations& data,
+                                                      const Observations& at);
+
 }  // namespace ecs::model

@@ -141,6 +141,7 @@ Result<Outcome> begin(VerbContext& context, const NewRequest& given) {
 
 struct PredictRequest {
   std::string model, points, output, machine;
+  std::vector<std::string> fitted_to;
   ImportArguments import;
   static Fields<PredictRequest> fields() {
     using R = PredictRequest;
@@ -150,6 +151,9 @@ struct PredictRequest {
         {"-o,--output", &R::output, "measurement file to write, with the predictions in the column reading",
          Is::output},
         {"--machine", &R::machine, kMachineHelp},
+        {"--fitted-to", &R::fitted_to,
+         "readings to which the model was fitted: with the standard uncertainty of each prediction, and whether it is "
+         "extrapolated"},
         &R::import};
   }
 };
@@ -158,23 +162,37 @@ struct PredictRequest {
 struct Predicted {
   laser::MeasurementSet set;
   bool has_readings = true;
-  std::string clock_note{};  ///< as of Observations
+  std::string clock_note{};               ///< as of Observations
+  std::vector<model::Support> support{};  ///< as the readings of the set; empty: not asked for
 };
 
+/// @param fitted_to  readings to which the model was fitted; null: without uncertainties
 Result<Predicted> predicted(const model::Model& model, const std::optional<params::Machine>& machine, Plan plan,
-                            const std::string& model_file) {
+                            const std::string& model_file, const laser::MeasurementSet* fitted_to) {
   const model::Observations at = model::all_observations_of(plan.set, model, machine);
   ECS_TRY(values, in_file(model::predicted(model, at), model_file));
+  std::vector<model::Support> support;
+  if (fitted_to != nullptr) {
+    ECS_TRY(found,
+            in_file(model::support_of(model, model::observations_of(*fitted_to, model, machine), at), model_file));
+    support.resize(found.size());
+    for (std::size_t k = 0; k < at.size(); ++k) support[at.file_order[k]] = found[k];
+  }
   for (std::size_t k = 0; k < at.size(); ++k) {
     laser::Reading& reading = plan.set.readings[at.file_order[k]];
+    if (fitted_to != nullptr) {
+      reading.extras["sigma"] = support[at.file_order[k]].sigma;
+      reading.extras["extrapolated"] = support[at.file_order[k]].extrapolated ? 1.0 : 0.0;
+    }
     if (plan.has_readings) reading.extras["measured"] = reading.error;
     reading.error = values[k] + at.of_map_in(k);
   }
   plan.set.metadata.push_back({"predicted_by", model_file});
-  return Predicted{std::move(plan.set), plan.has_readings, at.clock_note};
+  return Predicted{std::move(plan.set), plan.has_readings, at.clock_note, std::move(support)};
 }
 
-Cell prediction_cell(const laser::Reading& r, bool has_readings) {
+/// @param support  null: without uncertainties
+Cell prediction_cell(const laser::Reading& r, bool has_readings, const model::Support* support) {
   const bool forward = r.approach == Approach::forward;
   AnswerFields fields =
       described("row"_is(r.row), "axis"_is(axis_json(r.axis, r.rotary)), "sense"_is(name_of(r.sense)));
@@ -183,8 +201,11 @@ Cell prediction_cell(const laser::Reading& r, bool has_readings) {
          "approach"_is(static_cast<int>(r.approach), r.approach == Approach::unknown ? "" : (forward ? "fwd" : "rev")),
          "unit"_is(laser::unit_of(r.sense)), "predicted"_is(r.error, 3),
          "measured"_is(has_readings ? std::optional(r.extras.at("measured")) : std::nullopt, 3));
-  return record_cell(fmt::format("{{row:>6}} {{axis:<4}} {{sense:<5}} {} {{approach:>3}} {{predicted:>10}}{}\n",
-                                 position_layout(r.rotary), has_readings ? " {measured:>10}" : ""),
+  if (support != nullptr)
+    append(fields, "sigma"_is(support->sigma, 3), "extrapolated"_is(support->extrapolated, " *", ""));
+  return record_cell(fmt::format("{{row:>6}} {{axis:<4}} {{sense:<5}} {} {{approach:>3}} {{predicted:>10}}{}{}\n",
+                                 position_layout(r.rotary), has_readings ? " {measured:>10}" : "",
+                                 support != nullptr ? " {sigma:>9}{extrapolated}" : ""),
                      fields);
 }
 
@@ -195,9 +216,9 @@ Cell predictions_cell(const Predicted& p) {
   const bool rotary = !rows.empty() && rows.front().rotary;
   Cell list{Json::array(), fmt::format("   row axis sense          {} dir  predicted",
                                        rotary ? "a          b          c" : "x          y          z")};
-  list.text += p.has_readings ? "   measured\n" : "\n";
+  list.text += fmt::format("{}{}\n", p.has_readings ? "   measured" : "", p.support.empty() ? "" : "     sigma");
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    Cell one = prediction_cell(rows[i], p.has_readings);
+    Cell one = prediction_cell(rows[i], p.has_readings, p.support.empty() ? nullptr : &p.support[i]);
     if (i >= kMostRows) one.text.clear();
     list.add(one);
   }
@@ -212,7 +233,13 @@ Result<Outcome> predict(VerbContext& context, const PredictRequest& request) {
   if (!model) return tl::unexpected(model.error());
   ECS_TRY(machine, machine_in(context.console, request.machine));
   ECS_TRY(plan, plan_in(request.points, request.import));
-  ECS_TRY(result, predicted(*model, machine, std::move(plan), request.model));
+  laser::MeasurementSet fitted_to;
+  if (!request.fitted_to.empty()) {
+    ECS_TRY(set, measured_in(context.console, request.fitted_to, request.import));
+    fitted_to = std::move(set);
+  }
+  ECS_TRY(result,
+          predicted(*model, machine, std::move(plan), request.model, request.fitted_to.empty() ? nullptr : &fitted_to));
   const bool of_fit = std::any_of(model->history.begin(), model->history.end(),
                                   [&](const model::LadderStep& step) { return step.data == request.points; });
   if (!result.clock_note.empty() && !of_fit) context.console.note(result.clock_note);
@@ -221,8 +248,16 @@ Result<Outcome> predict(VerbContext& context, const PredictRequest& request) {
     ECS_DO(laser::write_measurement_set(request.output, result.set));
     predictions.text = fmt::format("{} predictions written to {}\n", result.set.readings.size(), request.output);
   }
-  return outcome_of(record_cell("{predictions}", "points"_is(result.set.readings.size()),
-                                "output"_is(text_cell(request.output)), "predictions"_is(predictions)));
+  AnswerFields fields = described("points"_is(result.set.readings.size()), "output"_is(text_cell(request.output)),
+                                  "predictions"_is(predictions));
+  if (request.fitted_to.empty()) return outcome_of(record_cell("{predictions}", fields));
+  const auto count = std::ranges::count_if(result.support, &model::Support::extrapolated);
+  append(fields, "extrapolated"_is(static_cast<std::size_t>(count)));
+  return outcome_of(record_cell(
+      "{predictions}sigma: standard uncertainty (k = 1) by that of the fitted parameters, if the model is right\n"
+      "{extrapolated} of {points} predictions are extrapolated (*): the readings determine the model there less well\n"
+      "  than at any of their own places\n",
+      fields));
 }
 
 }  // namespace

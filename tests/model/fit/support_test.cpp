@@ -1,0 +1,101 @@
+// How far readings support predictions at other places: against textbook formulas and against the scatter of the
+// predictions of repeated measurements.
+#include <numbers>
+
+#include "tests/model/support/measured_lines.hpp"
+
+using namespace ecs;
+using namespace ecs::model;
+using namespace ecs::model::test;
+using namespace ecs::model::test::effects;
+
+namespace {
+
+/// One reading at each position, both approaches.
+Observations places(const Model& model, const std::vector<double>& x_mm, Sense sense = Sense::EX) {
+  laser::MeasurementSet set;
+  for (const double x : x_mm)
+    for (const int d : {1, -1})
+      set.readings.push_back({.row = static_cast<int>(set.readings.size()) + 1,
+                              .axis = Axis::X,
+                              .position_mm = {x, 0.0, 0.0},
+                              .sense = sense,
+                              .approach = static_cast<Approach>(d)});
+  return all_observations_of(set, model, mill());
+}
+
+Model fitted_to(const Model& model, const Observations& data) { return with_values(model, must(fit(model, data))); }
+
+double slope_of_ten(const Reading& r) { return 2.0 + 10.0 * p(r) / 1000.0; }
+
+}  // namespace
+
+TEST_CASE("the prediction of a straight line is as uncertain as the textbook says, and extrapolated beyond its ends") {
+  const auto set = measured({}, 0.3, slope_of_ten);
+  const Observations data = observations_of(set, straight(), mill());
+  const Model model = fitted_to(straight(), data);
+  double mean = 0.0, squares = 0.0, least = 1e9, greatest = -1e9;
+  const auto n = static_cast<double>(data.size());
+  for (const Vector3& at : data.position_mm) mean += at[0] / n;
+  for (const Vector3& at : data.position_mm) squares += (at[0] - mean) * (at[0] - mean);
+  for (const Vector3& at : data.position_mm) least = std::min(least, at[0]), greatest = std::max(greatest, at[0]);
+  const Observations at = places(model, {-300.0, least, 250.0, mean, greatest, 1400.0});
+  const auto support = must(support_of(model, data, at));
+  REQUIRE(support.size() == 12);
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    const double x = at.position_mm[k][0];
+    const double sigma = 0.3 * std::sqrt(1.0 / n + (x - mean) * (x - mean) / squares);
+    CHECK(support[k].sigma == Approx(sigma).epsilon(0.15));  // the noise is estimated
+    CHECK(support[k].extrapolated == (x < least || x > greatest));
+  }
+}
+
+TEST_CASE("predictions of repeated measurements scatter by the stated uncertainty, with a free period too") {
+  Model model = straight();
+  model.effects.push_back(effect(cyclic, Axis::X, Sense::EX));
+  const auto truth = [](const Reading& r) { return slope_of_ten(r) + 2.0 * std::sin(2.0 * std::numbers::pi * p(r) / 310.0); };
+  constexpr unsigned kSets = 200;
+  const std::vector<double> x_mm{100.0, 555.0, 980.0, 1150.0};
+  std::vector<double> sum(2 * x_mm.size(), 0.0), squares(sum), sigma(sum), extrapolated(sum);
+  for (unsigned seed = 1; seed <= kSets; ++seed) {
+    const Observations data = observations_of(measured({}, 0.3, truth, seed), model, mill());
+    const Model with = fitted_to(model, data);
+    const Observations at = places(with, x_mm);
+    const auto values = must(predicted(with, at));
+    const auto support = must(support_of(with, data, at));
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      sum[k] += values[k];
+      squares[k] += values[k] * values[k];
+      sigma[k] += support[k].sigma / kSets;
+      extrapolated[k] += support[k].extrapolated ? 1.0 : 0.0;
+    }
+  }
+  for (std::size_t k = 0; k < sum.size(); ++k) {
+    const double scatter = std::sqrt((squares[k] - sum[k] * sum[k] / kSets) / (kSets - 1));
+    CHECK(sigma[k] == Approx(scatter).epsilon(0.2));  // of 200 sets the scatter is known to 5 %
+  }
+  for (std::size_t k = 0; k < 4; ++k) CHECK(extrapolated[k] == 0.0);
+  for (std::size_t k = 6; k < 8; ++k) CHECK(extrapolated[k] == kSets);
+}
+
+TEST_CASE("conditions that the readings did not see together are extrapolated, though each is inside its range") {
+  Model model = straight();
+  model.effects.push_back(effect(load, Axis::X, Sense::EX));
+  const auto heavier_with_travel = [](Reading& r) { r.load_kg = 0.5 * r.position_mm[0] + 40.0 * (r.run % 2); };
+  const auto truth = [](const Reading& r) { return slope_of_ten(r) + 0.01 * *r.load_kg; };
+  const Observations data = observations_of(session({}, truth, heavier_with_travel), model, mill());
+  const Model with = fitted_to(model, data);
+  const auto set = session({.targets = 2}, nothing, [](Reading& r) {
+    r.load_kg = r.position_mm[0] > 0.0 ? 20.0 : 500.0;
+    r.position_mm[0] = r.position_mm[0] > 0.0 ? 20.0 : 10.0;
+  });
+  const Observations at = all_observations_of(set, with, mill());
+  const auto support = must(support_of(with, data, at));
+  for (std::size_t k = 0; k < at.size(); ++k) CHECK(support[k].extrapolated == (at.load_kg[k] > 100.0));
+}
+
+TEST_CASE("a sense that was not measured is extrapolated") {
+  const Observations data = observations_of(measured({}, 0.3, slope_of_ten), straight(), mill());
+  const Model model = fitted_to(straight(), data);
+  for (const Support& one : must(support_of(model, data, places(model, {500.0}, Sense::EY)))) CHECK(one.extrapolated);
+}
