@@ -97,7 +97,7 @@ std::string verdict_text(const laser::ErrorMap& map, const std::vector<laser::Ma
   if (findings.empty() && coverage.empty()) return fmt::format("the map is complete and {}\n", sent);
   if (findings.empty()) return paragraph(fmt::format("the map {}: {}", sent, coverage));
   if (has_objections(findings)) return "the map is not complete: `ecs map send` refuses it until this is corrected\n";
-  return fmt::format("the map is complete and {}. Read the {} first\n{}", sent,
+  return fmt::format("the map contains every component of its scope and {}. Read the {} first\n{}", sent,
                      findings.size() == 1 ? "remark" : remarks_counted(findings.size()),
                      coverage.empty() ? "" : paragraph(coverage));
 }

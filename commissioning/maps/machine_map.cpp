@@ -131,8 +131,8 @@ std::vector<std::string> left_to_machine(const laser::MapHeader& header) {
                                 header.thermal.size() == 1 ? "is" : "are"));
   if (!header.rotary.empty())
     notes.push_back(
-        fmt::format("the errors of the rotary axes of the map ({}) are left out, also from the predicted error: the "
-                    "machine keeps them",
+        fmt::format("the errors of the rotary axes of the map ({}) are neither exported nor included in the predicted "
+                    "error: they remain uncorrected",
                     header.rotary_configuration));
   return notes;
 }

@@ -130,8 +130,8 @@ Cell line_cell(const LineSummary& line, int width) {
   append(fields, "readings"_is(line.readings), "runs"_is(line.runs), "targets"_is(line.targets),
          FieldKey(line.group.rotary ? "from_deg" : "from_mm")(six_digits(line.first_mm)),
          FieldKey(line.group.rotary ? "to_deg" : "to_mm")(six_digits(line.last_mm)),
-         FieldKey(line.group.rotary ? "step_deg" : "step_mm")(line.step_mm ? six_digits(*line.step_mm)
-                                                                           : null_cell("varies")),
+         FieldKey(line.group.rotary ? "step_deg" : "step_mm")(
+             line.step_mm ? six_digits(*line.step_mm) : null_cell(line.targets > 1 ? "varies" : "-")),
          "forward"_is(line.forward), "reverse"_is(line.reverse), "approaches"_shown(approaches_text(line)));
   const std::string unit(laser::target_unit(line.group.rotary));
   return record_cell(fmt::format("{{axis:<4}} {{sense:<5}} {{parked_mm:<{}}} ", width) + "{from_" + unit + ":>8} {to_" +
@@ -172,12 +172,12 @@ Cell metadata_cell(const laser::MeasurementSet& set) {
 
 namespace {
 
-/// "EX along X", "EX over C", "angular positions of C".
+/// "EX along X", "EX over C", "angular positioning of C".
 std::string measured_words(const laser::Group& group) {
   const char letter = laser::letter_of(group.axis, group.rotary);
   if (!group.rotary) return fmt::format("{} along {}", name_of(group.sense), letter);
   if (is_rotation(group.sense) && direction_of(group.sense) == group.axis)
-    return fmt::format("angular positions of {}", letter);
+    return fmt::format("angular positioning of {}", letter);
   return fmt::format("{} over {}", name_of(group.sense), letter);
 }
 

@@ -251,7 +251,7 @@ Cell commits_cell(const DecodedMemory& memory) {
 std::string_view layout_for(const DecodedTable& table) {
   if (!table.fault.empty()) return "{number:>2} {name:<12} {entry_address}: {fault}\n";
   if (table.entry.declared_zero) return "{number:>2} {name:<12} declared zero\n";
-  return "{number:>2} {name:<12} {address} {start_mm:>10} {increment_mm:>8} {count:>5} {least:>9} {most:>9} {unit}\n";
+  return "{number:>2} {name:<12} {address} {start_mm:>10} {increment_mm:>8} {count:>6} {least:>9} {most:>9} {unit}\n";
 }
 
 Cell table_cell(const DecodedTable& table) {
@@ -275,7 +275,7 @@ Cell table_cell(const DecodedTable& table) {
 Cell tables_cell(const DecodedImage& image) {
   if (image.tables.empty()) return {Json::array(), "no tables\n"};
   return list_cell(image.tables, table_cell,
-                   " # component    address    start/mm incr./mm count     least      most unit\n");
+                   " # component    address    start/mm incr./mm points  smallest   largest unit\n");
 }
 
 std::string bytes_text(const DecodedImage& image, const MemoryDump& dump) {
@@ -311,7 +311,7 @@ Cell image_cell(const DecodedImage& image, const MemoryDump& dump, bool with_byt
   const ImageVerdict& verdict = image.verdict;
   Cell block_check =
       record_cell(verdict.check_expected == verdict.check_found
-                      ? "checksum (CRC-32) {stored}, as computed\n"
+                      ? "checksum (CRC-32) {stored}: the stored and the computed value agree\n"
                       : "checksum (CRC-32) {stored} stored, {computed} computed: {agrees}\n",
                   "stored"_is(hex_cell(verdict.check_expected)), "computed"_is(hex_cell(verdict.check_found)),
                   "agrees"_is(verdict.check_expected == verdict.check_found, "", "they differ"));

@@ -294,9 +294,10 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& d) {
   for (const model::RivalOfPart& rival : c.in_part) rivals_of_parts.push_back(to_text(rival.other));
   AnswerFields fields = described(
       inlined({effect_json(c.effect), ""}), "place"_shown(place_in_table(c.effect)),
-      "parameters"_is(values, details(!c.parameters.empty(),
-                                      parameters_text(c.parameters) +
-                                          (is_one_of_several ? " (fitted together with the other effects)" : ""))),
+      "parameters"_is(values,
+                      details(!c.parameters.empty(),
+                              parameters_text(c.parameters) +
+                                  (is_one_of_several ? " (values fitted together with the other effects)" : ""))),
       "sigma"_is(sigmas),
       "undetermined"_is(std::ranges::any_of(c.parameters, &model::ParameterEstimate::undetermined), ""),
       "named"_is(c.named), "standing"_is(name_of(c.standing)),
@@ -391,12 +392,14 @@ Cell candidates_cell(const Diagnosis& d) {
   const bool of_groups =
       std::ranges::any_of(d.candidates, [](const Candidate& one) { return one.in_answer() && one.set.size() > 1; });
   return {std::move(list),
-          titled_table(fmt::format("proved effects, each alone{}",
+          titled_table(fmt::format("proved effects (columns: each effect alone{})",
                                    of_groups ? "; of causes that cannot be distinguished, only the fitted one" : ""),
                        named) +
               titled_table("likely effects, not proved", likely) + add_text(d) +
-              titled_table(named.empty() && likely.empty() ? "candidates, each alone" : "other candidates, each alone",
-                           rivals)};
+              titled_table(
+                  fmt::format("{}candidates (columns: each alone{})", named.empty() && likely.empty() ? "" : "other ",
+                              rivals.find(" -\n") == std::string::npos ? "" : "; -: not computed"),
+                  rivals)};
 }
 
 std::vector<ShapePoint> shape_of(const model::Dependence& one) {
@@ -410,12 +413,11 @@ constexpr double kLeastProbability = 1e-300;  ///< smaller ones are stated as th
 
 Cell where_cell(const Diagnosis& d) {
   const bool with_answer = std::ranges::any_of(d.candidates, &Candidate::in_answer);
-  Cell where{
-      Json::array(),
-      d.where.empty() ? ""
-      : with_answer
-          ? "\nvariables on which the present residual depends (share of its variance that each explains alone)\n"
-          : "\nvariables on which the residual depends (share of its variance that each explains alone)\n"};
+  Cell where{Json::array(), d.where.empty() ? ""
+                            : with_answer ? "\nvariables on which the present residual depends (share of its variance "
+                                            "that each explains alone)\n"
+                                          : "\nvariables on which the residual depends (share of its variance that "
+                                            "each explains alone)\n"};
   for (const model::Dependence& one : d.where)
     where.add(record_cell(
         "  {variable} {strength:>8}  probability of such a share in noise alone: {p_value}\n",

@@ -186,6 +186,13 @@ void add_by_unit(Json& answer, std::string_view unit,
   }
 }
 
+std::string separation_text(double condition) {
+  // condition number from which collinearity seriously degrades estimates (Belsley, Kuh and Welsch 1980)
+  constexpr double kPoorlySeparated = 30.0;
+  return fmt::format("parameters {} separated (condition number {})", condition < kPoorlySeparated ? "well" : "poorly",
+                     few_digits(condition));
+}
+
 std::string noise_text(const model::PureError& noise) {
   const std::string size = in_each_unit(noise.noise_um, noise.by_unit, noise.unit);
   if (noise.is_of_step) return size + ", given by the resolution of these readings (their repeats show less)";
@@ -210,8 +217,8 @@ std::string shape_text(const std::string& variable, const std::vector<ShapePoint
   double largest = 0.0;
   for (const ShapePoint& point : few) largest = std::max(largest, std::abs(point.um));
   std::string text =
-      fmt::format("  {:>22}  {:>9}  of the residual{} near each value\n", variable, fmt::format("mean [{}]", unit),
-                  senses.empty() ? "" : fmt::format(" of {}", fmt::join(senses, ", ")));
+      fmt::format("  {:>22}  {:>9}  of the residual of {} near each value\n", variable, fmt::format("mean [{}]", unit),
+                  senses.empty() ? "all lines together" : fmt::format("{}", fmt::join(senses, ", ")));
   for (const ShapePoint& point : few)
     text += fmt::format("  {:>22}  {:>9.2f}  {}\n", position_text(point.at), point.um, bar(point.um, largest));
   return text;

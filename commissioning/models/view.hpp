@@ -70,6 +70,8 @@ struct MeasuredLine {
 /// `by_unit`.
 void add_by_unit(Json& answer, std::string_view unit,
                  const std::vector<std::pair<std::string, model::SizesByUnit>>& sizes);
+/// "parameters well separated (condition number 3.2)"
+[[nodiscard]] std::string separation_text(double condition);
 /// "0.52 um from repeats"
 [[nodiscard]] std::string noise_text(const model::PureError& noise);
 

@@ -271,7 +271,7 @@ Cell block_check_cell(const UnitStatus& status) {
   const bool agrees = status.block_check_expected == status.block_check_found;
   const std::string differ = fmt::format("they differ. What to do: {}", text_of(Fault::block_check).action);
   return record_cell(!made    ? "checksum     not computed\n"
-                     : agrees ? "checksum     {found} (CRC-32), as stored\n"
+                     : agrees ? "checksum     {found} (CRC-32), agrees with the stored one\n"
                               : "checksum     expected {expected}, found {found} (CRC-32): {agrees}\n",
                      "expected"_is(made ? hex_cell(status.block_check_expected) : null_cell()),
                      "found"_is(made ? hex_cell(status.block_check_found) : null_cell()),

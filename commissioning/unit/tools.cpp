@@ -64,7 +64,7 @@ Result<ToolsInUnit> tools_in_unit(protocol::UnitClient& client) {
 std::string acting_text(const ToolsInUnit& unit) {
   const protocol::ControlLines& lines = unit.lines;
   std::string text =
-      lines.tool == 0 ? "no tool of the table is selected" : fmt::format("tool {} is selected", lines.tool);
+      lines.tool == 0 ? "no tool is selected from the tool table" : fmt::format("tool {} is selected", lines.tool);
   if (lines.tool_state == protocol::ToolState::unknown)
     text += ", but " + (unit.damaged_copies > 0 ? damage_text(unit.damaged_copies)
                                                 : "it is not in the table, or is beyond compensation.tool_range_mm");

@@ -33,7 +33,7 @@ EffectDefinition offset() {
       .title = "Datum shift",
       .formula = "c",
       .cause = "datum or laser zero shifted",
-      .tells_apart = "the same everywhere and always, or, for a zero set again, the same in every run after that",
+      .tells_apart = "the same everywhere and at all times or, if the zero was set again, in every run from then on",
       .check = "check where the readout was set to zero, and the repeatability of the datum switch",
       .headline = "a shift of {um} in all {readings}",
       .parameters = {{"um", "um", "constant offset"}},

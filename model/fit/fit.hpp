@@ -125,8 +125,8 @@ struct Fit {
 /// How far the readings to which a model was fitted support its prediction at another place.
 struct Support {
   double sigma = 0.0;  ///< um, um/m: standard uncertainty of the prediction by that of the fitted parameters
-  /// Less certain there than at any of the readings of its sense and axis, or none is of these: hidden extrapolation
-  /// (Brooks, Carroll and Verdini 1988; Montgomery, Peck and Vining 2012, 3.8).
+  /// Less certain there, by a tenth, than at any of the readings of its sense and axis, or none is: hidden
+  /// extrapolation (Brooks, Carroll and Verdini 1988; Montgomery, Peck and Vining 2012, 3.8).
   bool extrapolated = false;
 };
 

@@ -87,12 +87,12 @@ Result<std::vector<Support>> support_of(const Model& model, const Observations& 
       double& most = greatest[{data.channel(k), data.axis[k]}];
       most = std::max(most, sigma(of_data, k));
     }
-  constexpr double kRounding = 1.0 + 1e-6;
+  constexpr double kMore = 1.1;  // so much between readings is no extrapolation: a choice
   std::vector<Support> support(at.size());
   for (std::size_t k = 0; k < at.size(); ++k) {
     support[k].sigma = sigma(of_points, k);
     const auto most = greatest.find({at.channel(k), at.axis[k]});
-    support[k].extrapolated = most == greatest.end() || support[k].sigma > most->second * kRounding;
+    support[k].extrapolated = most == greatest.end() || support[k].sigma > kMore * most->second;
   }
   return support;
 }

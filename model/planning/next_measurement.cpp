@@ -649,8 +649,8 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
   if (data.rotary && !is_of_ball(data)) {
     next.notes.emplace_back(
         "measurements are proposed only for linear axes and for a ball. For readings of a ball give --machine with a "
-        "file that describes the rotary axes; X, Y and Z must follow the ball. To check a rotary axis itself, repeat "
-        "its turn both ways, at targets that are not equally spaced");
+        "file that describes the rotary axes; X, Y and Z must follow the ball. To check a rotary axis itself, measure "
+        "the full turn again in both directions, at targets that are not equally spaced");
     return next;
   }
   MeasuringTimes own = times;

@@ -42,7 +42,8 @@ constexpr std::string_view kMachineFile = "a machine file";
 constexpr NeedFacts kNeeds[] = {
     {Need::time, "the column time_s", "time_s", [](Data data) { return data.time_s.empty(); },
      [](Data data, std::size_t k, Effect) { return cell(data.time_s, k); }},
-    {Need::sensor, "a temperature sensor", "", [](Data data) { return data.sensors_degC.empty(); },
+    {Need::sensor, "a temperature sensor (a column such as t_bed_degC)", "",
+     [](Data data) { return data.sensors_degC.empty(); },
      [](Data data, std::size_t k, Effect effect) { return sensor_degC(data, effect.sensor, k); }},
     {Need::two_sensors, "a second temperature sensor", "", [](Data data) { return data.sensors_degC.size() < 2; },
      [](Data data, std::size_t k, Effect effect) {
@@ -70,7 +71,7 @@ constexpr NeedFacts kNeeds[] = {
        const auto found = data.extras.find(kTimeSinceReversalColumn);
        return found == data.extras.end() ? kNotMeasured : found->second[k];
      }},
-    {Need::reversed, "the column reversed", "reversed", [](Data data) { return !data.extras.contains("reversed"); },
+    {Need::reversed, "the column \"reversed\"", "reversed", [](Data data) { return !data.extras.contains("reversed"); },
      [](Data data, std::size_t k, Effect) { return side_of_artefact(data, k); }},
     {Need::known, "an angular error that was measured separately, entered in the model file as [[known]]",
      "the known component", [](Data data) { return data.known.empty(); },

@@ -153,6 +153,7 @@ std::vector<std::string> left_from_before(const std::string& folder, const std::
 namespace {
 
 constexpr std::array<std::string_view, kAxes + 1> kDirections{"X", "Y", "Z", "length"};
+constexpr double kWorse_um = 0.05;     ///< smaller increases are not visible in the table
 constexpr double kShiftShown = 0.005;  ///< smaller ones would be shown as 0.00
 
 Cell table_cell(const controllers::ExportedTable& t) {
@@ -227,9 +228,17 @@ Cell residual_cell(const ExportReport& report) {
       fmt::format("{:<10} {:<6}  {:>16}  {:>16}  {:>16}\n", "", "along", "not compensated", "with ECS unit",
                   "with this export"));
   Cell cell = record_cell(
-      "remaining error, predicted from {from}: largest / rms, um\n{rows}both approaches; the error at the reference "
-      "point is taken as zero, as after setting a work offset there\n",
+      "remaining error, predicted from {from}: largest / rms, um\n{rows}both approaches; errors are counted from "
+      "the reference position of the axes, as after setting a work offset there\n",
       "from"_is(report.work.errors_from), "rows"_is(rows));
+  std::vector<std::string> worse;
+  for (const controllers::ResidualRow& row : report.residuals)
+    if (row.control.largest_um[kAxes] > row.before.largest_um[kAxes] + kWorse_um) worse.push_back("the " + row.where);
+  if (!worse.empty())
+    cell.text +=
+        paragraph(fmt::format("note: over {} the remaining error is larger with this export than without "
+                              "compensation: the exported tables correct errors that partly cancelled others.",
+                              fmt::join(worse, " and ")));
   if (report.work.errors_from == "the map")
     cell.text += paragraph(
         "From the map itself: errors that are not in the map are taken as zero, and poor repeatability is not "

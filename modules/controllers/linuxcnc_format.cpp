@@ -118,8 +118,8 @@ Result<ControllerExport> linuxcnc_export(const ExportSource& source, const Linux
   leave_behind(made, source, carried, "cannot be corrected by a table per joint, which has no lever arm",
                "a table per joint acts along its own axis only");
   made.notes = {
-      "BACKLASH of these joints is ignored by LinuxCNC once they have a COMP_FILE: their reversal is in the columns "
-      "forward and reverse of that file",
+      "BACKLASH of these joints is ignored by LinuxCNC once they have a COMP_FILE: their reversal error is in the "
+      "columns forward and reverse of that file",
       "beyond the ends of a file LinuxCNC uses the end values, as the unit does",
       "joints are numbered as in trivkins; with other kinematics put COMP_FILE into the section of the joint that "
       "moves the axis",

@@ -336,8 +336,8 @@ Cell program_cell(const ProgramAnswer& answer) {
   std::vector<std::string> notes = made.notes;
   notes.insert(notes.end(), answer.source.notes.begin(), answer.source.notes.end());
   notes.emplace_back(
-      "while this program runs, switch off the compensation by the unit and by tables in the control that correct the "
-      "same errors: both together would correct them twice");
+      "before this program is run, switch off the compensation by the unit and by tables in the control that correct "
+      "the same errors: both together would correct them twice");
   return record_cell(
       "{program} {done} by {map}\n\nmoves       {moves}, of these changed {corrected}; blocks added "
       "{blocks_added}\narcs        {arcs_kept} kept as arcs, {arcs_divided} divided into lines\ncorrection  at most "

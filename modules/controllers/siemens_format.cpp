@@ -299,7 +299,7 @@ std::size_t tables_in(const std::vector<SiemensGroup>& groups) {
   return count;
 }
 
-const char* const kTooFew = "more cross tables would be needed than the control has";
+const char* const kTooFew = "more cross-axis (CEC) tables would be needed than the control has";
 
 void leave_reversal_behind(ControllerExport& made, std::string_view component, double half_um) {
   if (half_um >= kNothing_um)
@@ -359,10 +359,10 @@ std::vector<SiemensGroup> chosen(const ExportSource& source, const SiemensOption
   groups.insert(groups.end(), straightness.begin(), straightness.end());
   groups.insert(groups.end(), reversal.begin(), reversal.end());
   if (tables_in(groups) <= options.most_tables) return groups;
-  made.notes.push_back(
-      fmt::format("{} cross tables would be needed, but the control has {}: squareness is included in the straightness "
-                  "tables of the same axes, and only the largest reversals have two directions",
-                  tables_in(groups), options.most_tables));
+  made.notes.push_back(fmt::format(
+      "{} cross-axis (CEC) tables would be needed, but the control has {}: squareness is included in the straightness "
+      "tables of the same axes, and only the largest reversals have two directions",
+      tables_in(groups), options.most_tables));
   return spared(source, options, reversal, made);
 }
 
@@ -509,7 +509,9 @@ extern const ControllerFormat siemens_format{
     .id = "siemens",
     .title = "SINUMERIK 840D",
     .name = "SINUMERIK",
-    .summary = "SINUMERIK 840D: encoder error tables, and cross tables for straightness, squareness and reversal",
+    .summary =
+        "SINUMERIK 840D: encoder error tables, and cross-axis (CEC) tables for straightness, squareness and reversal "
+        "error",
     .example = "ecs export siemens map.csv --params mill.toml --points 200 --tables 8 -o sinumerik/",
     .output_help = "folder for AX_EEC.INI and NC_CEC.INI",
     .marks = "$AA_ENC_COMP or $AN_CEC",
@@ -526,7 +528,7 @@ extern const ControllerFormat siemens_format{
                        .fallback = "1000",
                        .range = IntegerRange{2, 5000}},
                       {.name = "tables",
-                       .help = "maximum number of cross tables; default 62, 828D has 8",
+                       .help = "maximum number of cross-axis (CEC) tables; default 62, 828D has 8",
                        .fallback = "62",
                        .range = IntegerRange{0, 200}}},
     .read_options = {kAxesOption, kEncoder, kCecSign},

@@ -71,12 +71,14 @@ void note_step(const ControlCurve& kept, Axis axis, double reference_mm, double 
   };
   const double pos_um = held(Approach::forward), neg_um = held(Approach::reverse);
   if (pos_um == 0.0 && neg_um == 0.0) return;
-  made.notes.push_back(
-      fmt::format("at the reference position of {} ({} mm) the list has {}: the axis steps by this amount when the "
-                  "compensation becomes active",
-                  letter_of(axis), reference_mm + 0.0,
-                  pos_um == neg_um ? fmt::format("{:.1f} um", pos_um)
-                                   : fmt::format("{:.1f} um in pos, {:.1f} um in neg", pos_um, neg_um)));
+  made.notes.push_back(fmt::format(
+      "at the reference position of {} ({} mm) the list has {}: the axis steps by {} when the "
+      "compensation becomes active",
+      letter_of(axis), reference_mm + 0.0,
+      pos_um == neg_um
+          ? fmt::format("{:.1f} um", pos_um)
+          : fmt::format("{:.1f} um in its column pos (forward) and {:.1f} um in neg (reverse)", pos_um, neg_um),
+      pos_um == neg_um ? "this amount" : "one of these amounts"));
 }
 
 void note_what_is_too_large(const std::string& name, double largest_um, ControllerExport& made) {
@@ -175,14 +177,15 @@ Result<ControllerExport> twincat_export(const ExportSource& source, const TwinCa
   add_settings(options, carried, made);
   leave_behind(made, source, carried, "cannot be corrected by a table of one axis, which has no lever arm",
                "leadscrew compensation acts along its own axis only");
-  made.notes.insert(made.notes.begin(),
-                    {"no further backlash compensation for these axes (P-AXIS-00021 lr_param.anwahl_losekomp 0): the "
-                     "reversal is in the two tables",
-                     "beyond the ends of a list the control uses the end values, as the unit does",
-                     "values are whole tenths of a micrometre",
-                     fmt::format("the sign is {} the manual's worked example and was not tested on a control: measure "
-                                 "one axis again first (modules/controllers/README.md)",
-                                 options.adds.value_or(false) ? "against" : "that of")});
+  made.notes.insert(
+      made.notes.begin(),
+      {"switch off the backlash compensation of these axes (P-AXIS-00021 lr_param.anwahl_losekomp 0): the "
+       "lists contain their reversal error",
+       "beyond the ends of a list the control uses the end values, as the unit does",
+       "values are whole tenths of a micrometre",
+       fmt::format("the sign is {} the manual's worked example and was not tested on a control: measure "
+                   "one axis again first (modules/controllers/README.md)",
+                   options.adds.value_or(false) ? "against" : "that of")});
   return made;
 }
 

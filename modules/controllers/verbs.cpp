@@ -304,27 +304,30 @@ Result<void> bring_to_lines(const ReadRequest& request, const ReadFiles& files, 
   const std::string by = !levers_given(request).empty() ? "as given by --levers"
                          : files.tables.levers_from_lines
                              ? "as stated in the head of the file"
-                             : "the file does not state it: give --levers lines if it is wrong";
+                             : "assumed, because the file does not state it; give --levers lines if this is wrong";
   made.levers_from = lines ? "measurement lines" : "machine zero";
   made.moved = !lines && made.parameters.has_value();
   std::string done;
   if (made.parameters) {
     const UnitParameters& parameters = made.parameters->parameters;
     made.read.map = files.format->at_measurement_lines(made.read.map, parameters, lines);
-    done = lines ? fmt::format("the curves were not moved; the parameters must contain their measurement lines ({})",
-                               lines_in_words(parameters))
-                 : fmt::format("the curves were moved from there to the measurement lines of the parameters ({})",
-                               lines_in_words(parameters));
+    done =
+        lines ? fmt::format(
+                    "The curves were not moved: the parameters must contain the measurement lines of these curves ({})",
+                    lines_in_words(parameters))
+              : fmt::format("The curves were moved from there to the measurement lines of the parameters ({})",
+                            lines_in_words(parameters));
     made.read.map.header.processing.push_back(
         made.moved ? fmt::format("curves moved from the machine zero to {}", lines_in_words(parameters))
                    : "curves as on their measurement lines, not moved");
   } else {
-    done = lines ? "the curves were not moved; the file does not contain their measurement lines: they must be in the "
-                   "parameters"
-                 : "the curves were not moved: set measurement_line_mm to 0 in the parameters, or give --params to "
-                   "move them to its measurement lines";
+    done =
+        lines ? "The curves were not moved. The file does not contain their measurement lines: they must be in the "
+                "parameters"
+              : "The curves were not moved: in the parameters for this map set measurement_line_mm to 0. With --params "
+                "the curves are moved to the measurement lines of those parameters";
   }
-  made.notes.push_back(fmt::format("lever arms count from the {} ({}); {}", made.levers_from, by, done));
+  made.notes.push_back(fmt::format("lever arms count from the {} ({}). {}", made.levers_from, by, done));
   return {};
 }
 

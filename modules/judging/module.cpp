@@ -79,7 +79,10 @@ constexpr const char* kNotShown =
     "These readings do not show that every effect predicts better than the model without it: hold out four runs or "
     "more.";
 
-std::string group_name(const JudgedGroup& one) { return one.by == one.value ? one.by : one.by + " " + one.value; }
+std::string group_name(const JudgedGroup& one) {
+  if (one.by == "half" && one.value.size() > 2) return one.value.substr(2) + " half of " + one.value.substr(0, 1);
+  return one.by == one.value ? one.by : one.by + " " + one.value;
+}
 
 Cell group_cell(const JudgedGroup& one, std::size_t width) {
   std::string why;
@@ -120,15 +123,15 @@ Cell use_cell(const RecordedUse& one, const Judgement& judgement) {
 std::string opened_text(const Judgement& judgement) {
   if (!judgement.openings)
     return paragraph(
-        "No logbook is kept of this machine: it cannot be checked whether this hold-out was opened, or used before the "
-        "freeze.",
+        "No logbook is kept of this machine: it cannot be checked whether these held-out readings were judged before, "
+        "or used before the freeze.",
         0, 2);
   std::string text;
   if (judgement.openings->empty()) {
-    text = "The hold-out is opened for the first time.\n";
+    text = "The held-out readings are judged for the first time.\n";
   } else {
-    text = paragraph(fmt::format("This is opening {} of this freeze or these files, so it is not an independent "
-                                 "judgement. Earlier openings:",
+    text = paragraph(fmt::format("This is judgement {} with this freeze or these files, so it is not independent. "
+                                 "Earlier judgements:",
                                  judgement.openings->size() + 1),
                      0, 2);
     for (const RecordedUse& one : *judgement.openings) text += use_cell(one, judgement).text;
@@ -152,16 +155,17 @@ Cell judgement_cell(const Judgement& judgement) {
       judgement.groups, [width](const JudgedGroup& one) { return group_cell(one, width); },
       fmt::format("{:<{}}{:<8}{:>8}{:>10}{:>10}{:>10}{:>10}\n", "group [" + unit + "]", width, "kind", "readings",
                   "rms", "limit", "largest", "limit"));
-  if (std::ranges::any_of(judgement.groups, &JudgedGroup::beyond))
-    groups.text += paragraph("beyond: readings under conditions outside those of the readings of the fit", 2, 2);
+  groups.text +=
+      paragraph("kind: inside: conditions within the range of the fitted readings; beyond: outside it", 2, 2);
   Cell effects{Json::array(), ""};
   if (!judgement.effects.empty()) {
     effects = list_cell(judgement.effects, judged_effect_cell,
                         fmt::format("\n{:<30}{:>10}{:>10}{:>11}{:>10}\n", "effect [" + unit + "]", "without", "with",
                                     "stretches", "p-value"));
     effects.text += paragraph(
-        "without, with: rms of the model without and with the effect; stretches: runs, or parts of runs, that the test "
-        "compares (TOO FEW RUNS: fewer than two); p-value: of the test that the effect does not improve the prediction",
+        "without, with: rms of the model without and with the effect; stretches: runs, or parts of runs, that are "
+        "compared (TOO FEW RUNS: fewer than two); p-value: probability of such a result if the effect did not improve "
+        "the prediction",
         2, 2);
   }
   const bool undecided =
@@ -169,17 +173,18 @@ Cell judgement_cell(const Judgement& judgement) {
       std::ranges::all_of(judgement.effects,
                           [](const JudgedEffect& one) { return one.readings == 0 || one.better() || one.helps(); });
   const std::string beside =
-      fmt::format(" in the hold-out{}.\n", judgement.zero_of_each_run ? " (about the mean of each run)" : "");
+      fmt::format(" by the held-out readings{}.\n", judgement.zero_of_each_run ? " (about the mean of each run)" : "");
   const auto number = judgement.openings ? Json(judgement.openings->size() + 1) : Json();
-  return record_cell(
-      "{holds}{zero}\n{groups}{effects}\n{opened}{notes}", "opened"_is(number, opened_text(judgement)),
-      "groups"_is(groups),
-      "holds"_is(judgement.holds(), "The model holds", undecided ? "Every limit holds" : "The model does not hold"),
-      "zero"_shown(beside + (undecided ? paragraph(kNotShown, 0, 0) : "")), "effects"_is(effects),
-      "openings"_is(uses_json(judgement.openings, judgement)), "seen"_is(uses_json(judgement.seen, judgement)),
-      "frozen"_is(object_of("time"_is(judgement.frozen.time), "model"_is(judgement.frozen.model.file),
-                            "rms_um"_is(judgement.frozen.rms_um))),
-      "notes"_is(judgement.notes, notes_text(judgement.notes)));
+  return record_cell("{holds}{zero}\n{groups}{effects}\n{opened}{notes}", "opened"_is(number, opened_text(judgement)),
+                     "groups"_is(groups),
+                     "holds"_is(judgement.holds(), "The model is confirmed",
+                                undecided ? "Every limit is met" : "The model is not confirmed"),
+                     "zero"_shown(beside + (undecided ? paragraph(kNotShown, 0, 0) : "")), "effects"_is(effects),
+                     "openings"_is(uses_json(judgement.openings, judgement)),
+                     "seen"_is(uses_json(judgement.seen, judgement)),
+                     "frozen"_is(object_of("time"_is(judgement.frozen.time), "model"_is(judgement.frozen.model.file),
+                                           "rms_um"_is(judgement.frozen.rms_um))),
+                     "notes"_is(judgement.notes, notes_text(judgement.notes)));
 }
 
 Result<Outcome> judge_verb(VerbContext& context, const JudgeRequest& request) {

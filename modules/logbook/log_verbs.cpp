@@ -434,11 +434,12 @@ Result<WrittenCertificate> certified(VerbContext& context, const ExportLogReques
 Cell certificate_cell(const std::optional<WrittenCertificate>& written, const std::string& file) {
   if (!written) return null_cell();
   return record_cell(
-      "certificate {identifier} written to {file}: measured lines {lines}, DCC {schema_version}, {validated_text}, "
+      "certificate {identifier} written to {file}: measured lines {lines}, DCC {schema_version} "
+      "(digital calibration certificate), {validated_text}, "
       "SHA-256 {sha256}\n{remarks}",
       "file"_is(file), "identifier"_is(written->certificate.identifier),
       "schema_version"_is(written->certificate.schema_version), "validated"_is(!written->schema.empty()),
-      "validated_text"_shown(written->schema.empty() ? "NOT VALIDATED" : "valid by its schema"),
+      "validated_text"_shown(written->schema.empty() ? "NOT CHECKED against its schema" : "valid by its schema"),
       "signed"_is(written->certificate.to_be_signed), "sha256"_is(written->sha256),
       "logbook_hash"_is(written->certificate.logbook_hash),
       "previous"_is(written->certificate.previous ? Json(written->certificate.previous->identifier) : Json(nullptr)),

@@ -182,16 +182,17 @@ Cell verdict_cell(const LogVerdict& verdict, const std::string& path, const std:
 
 Cell replay_cell(const Replay& replay) {
   return record_cell(
-      "active since entry {activation}\n{derived}{raw}{notes}image derived again: {map_sha256}\nimage that is active: "
+      "The active image was sent in entry {activation}\n{derived}{raw}{notes}image derived again: {map_sha256}\nimage "
+      "that is active: "
       "{active_sha256}\n{same}\n",
       "map_sha256"_is(replay.map_sha256), "active_sha256"_is(replay.active_sha256),
       "same"_is(replay.same, "the same, bit for bit", "NOT THE SAME"), "activation"_is(replay.activation),
       "derived"_is(list_cell(replay.derived,
                              [](const DerivedFile& one) {
-                               return record_cell("entry {entry}: {name} made again by `ecs {verb}`: {same}\n",
+                               return record_cell("entry {entry}: {name}, repeated with `ecs {verb}`: {same}\n",
                                                   "entry"_is(one.entry), "name"_is(one.name), "verb"_is(one.verb),
                                                   "sha256"_is(one.sha256),
-                                                  "same"_is(one.same, "the same", "DIFFERENT"));
+                                                  "same"_is(one.same, "the same content", "DIFFERENT"));
                              })),
       "raw"_is(list_cell(replay.raw,
                          [](const RawFile& one) {

@@ -307,11 +307,11 @@ std::string volume_sentence(const ReportedVolume& volume) {
       "anywhere; this figure includes the known remaining errors and the uncertainty of the map. Errors that {1} does "
       "not contain add to this.{5}",
       before, volume.prepared.errors_from, after,
-      volume.from_map() ? ", because the unit interpolates between the points of the tables" : "",
+      volume.from_map() ? "; it comes from the interpolation between the points of the tables" : "",
       size(volume.uncertainty.largest_95_um),
       unmeasured.empty() ? ""
-                         : fmt::format(" This assumes that the components declared zero ({} of {}: {}) are zero within "
-                                       "a standard uncertainty of {:g} µm or µm/m each.",
+                         : fmt::format(" For the components declared zero ({0} of {1}: {2}), a standard uncertainty of "
+                                       "{3:g} µm ({3:g} µm/m for angles) is assumed.",
                                        unmeasured.size(), volume.components, fmt::join(unmeasured, ", "),
                                        volume::UncertaintySettings{}.declared_zero));
 }

@@ -206,8 +206,10 @@ std::string scatter_sentence(const TableRow& row) {
   if (is_scatter(row))
     return fmt::format(" It is mostly scatter, which no map removes (repeatability R = {}, ISO 230-2).",
                        quantity(row, *iso.R));
-  return fmt::format(" Its systematic part is E = {}. The repeatability R of ISO 230-2 is {}.", quantity(row, *iso.E),
-                     quantity(row, *iso.R));
+  return fmt::format(
+      " Its systematic part is E = {}. The repeatability R of ISO 230-2 is {}{}.", quantity(row, *iso.E),
+      quantity(row, *iso.R),
+      *iso.R > band_after(row) ? "; it is a multiple of a standard deviation and can exceed the band" : "");
 }
 
 std::string worst_sentence_of(const TableRow& row) {

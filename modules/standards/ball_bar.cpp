@@ -50,7 +50,7 @@ const std::vector<KnownCause>& known_causes() {
       {"backlash", "backlash of", "um", {"AF_BACKLASH_{}_POS", "AF_BACKLASH_{}_NEG"}, true},
       {"reversal_spike", "reversal spikes of", "um", {"AF_REVERSAL_SPIKES_{}_POS", "AF_REVERSAL_SPIKES_{}_NEG"}, true},
       {"lateral_play", "lateral play of", "um", {"AF_LATERAL_PLAY_{}_POS", "AF_LATERAL_PLAY_{}_NEG"}, true},
-      {"cyclic", "cyclic error of", "um", {"AF_CYCLIC_ERROR_{}_FWD"}, true, false},
+      {"cyclic", "periodic error of", "um", {"AF_CYCLIC_ERROR_{}_FWD"}, true, false},
       {"straightness", "straightness of", "um", {"AF_STRAIGHTNESS_{}"}, true, false}};
   return kCauses;
 }
@@ -255,7 +255,7 @@ class BallBarComparer {
       row.ours_sigma = fault->sigma / um_per_ms(*feed_mm_min);
     } else {
       row.ours = row.ours_sigma = std::nullopt;
-      made_.notes.push_back(fmt::format("{}: ours is {:.2f} um, which needs feed_mm_min in the trace to become ms",
+      made_.notes.push_back(fmt::format("{}: {:.2f} um here, which needs feed_mm_min in the trace to become ms",
                                         row.title, fault->value));
     }
   }
@@ -273,20 +273,21 @@ class BallBarComparer {
 
   void add_notes() {
     made_.notes.push_back(
-        "the file was read by the names that a public program uses; no real file was available to test this: compare "
-        "the values with the report of the ball bar's own program");
+        "the values of this file were identified by the names that an open-source program uses for them. This was "
+        "never tested on a file of a real ball bar: compare the values with the report of the ball bar's own program");
     made_.notes.push_back(
-        "a difference is that of the sizes, theirs minus ours: the signs of their values are not documented");
+        "difference: absolute value of the ball bar minus absolute value here, because the signs of the ball bar's "
+        "values are not documented");
     if (without_difference_)
       made_.notes.push_back(
-          "cyclic error and straightness have no difference: whether their values are amplitudes or peak to peak is "
-          "not "
-          "documented. Ours are amplitudes");
+          "periodic error and straightness have no difference: whether the ball bar's values are amplitudes or peak to "
+          "peak is not documented. The values here are amplitudes");
     if (std::ranges::any_of(made_.causes,
                             [](const auto& row) { return row.name.starts_with("scale_mismatch") && row.theirs; }))
-      made_.notes.push_back(fmt::format(
-          "their scale mismatch is the difference of the travels of both axes, over the diameter of {:g} mm",
-          2.0 * work_.test.radius_mm));
+      made_.notes.push_back(
+          fmt::format("the ball bar's scale mismatch is the difference of the travels of both axes, divided by the "
+                      "diameter of {:g} mm",
+                      2.0 * work_.test.radius_mm));
     add_date_note();
   }
 

@@ -437,9 +437,11 @@ std::vector<std::string> hidden_by_parts(const CircleData& data, const std::vect
 
 std::string no_pitch_note(char axis, PitchSource source) {
   if (source == PitchSource::nowhere)
-    return fmt::format("no pitch of {} is known: its cyclic errors are not tried. Give --machine", axis);
+    return fmt::format("the pitch of {0} is not known, so periodic errors of {0} were not looked for. Give --machine",
+                       axis);
   return fmt::format(
-      "the machine file has no pitch of {0}: its cyclic errors are not tried. Give screw_pitch_mm or scale_pitch_mm in "
+      "the machine file has no pitch of {0}, so its periodic errors were not looked for. Give screw_pitch_mm or "
+      "scale_pitch_mm in "
       "[axis.{0}]",
       axis);
 }

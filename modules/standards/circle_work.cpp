@@ -171,8 +171,9 @@ std::string polar_text(const laser::CircleValues& values) {
     for (const laser::CircleReading& reading : pass->readings)
       put(kNominal + drawn.deviation_um(*pass, reading.angle_deg) / um_a_row, reading.angle_deg,
           pass->clockwise ? 'o' : '+');
-  std::string text =
-      fmt::format("a row is {:.3g} um; + counter-clockwise, o clockwise, # both, . least squares circle\n", um_a_row);
+  std::string text = fmt::format(
+      "one line of the drawing is {:.3g} um; + counter-clockwise, o clockwise, # both, . least squares circle\n",
+      um_a_row);
   for (const std::string& row : rows) text += row.substr(0, row.find_last_not_of(' ') + 1) + "\n";
   return text;
 }

@@ -86,7 +86,8 @@ Result<Outcome> blocks(VerbContext&, const BlocksRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kTestsOfLengths{
-    action("test blocks", "scale error of an axis and the size of its tool or probe, from gauge blocks or cut lengths",
+    action("test blocks",
+           "scale error of an axis and the size of its tool or probe, from gauge blocks or lengths cut on the machine",
            "ecs test blocks blocks.csv --json", blocks, {.logged = Logged::always, .kind = "test"})};
 
 }  // namespace ecs::app

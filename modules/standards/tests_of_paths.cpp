@@ -45,8 +45,9 @@ Cell pass_cell(const laser::CirclePass& pass) {
 
 Cell pair_cell(const laser::CirclePair& pair) {
   return record_cell(
-      "  both, run {counter_clockwise_run} ccw and {clockwise_run} cw: G(b) {G_um} um, D {D_um} um, hysteresis H "
-      "{H_um} um at {H_at_deg} deg, all about the centre {centre_um} um\n",
+      "  both, run {counter_clockwise_run} ccw and {clockwise_run} cw: G(b) {G_um} um, mean radial deviation D {D_um} "
+      "um, "
+      "hysteresis H {H_um} um at {H_at_deg} deg, all about the centre {centre_um} um\n",
       "counter_clockwise_run"_is(pair.counter_clockwise_run), "clockwise_run"_is(pair.clockwise_run),
       "G_um"_is(pair.G_um, 2), "D_um"_is(pair.D_um, 2), "H_um"_is(pair.H_um, 2), "H_at_deg"_is(pair.H_at_deg, 0),
       "centre_um"_is(centre_cell(pair.centre_um)));
@@ -111,7 +112,7 @@ Cell diagnosis_cell(const model::CircleDiagnosis& diagnosis) {
       diagnosis.faults.empty()
           ? std::string("  none of the known causes exceeds the noise\n")
           : fmt::format(
-                "  share: mean square of the cause, divided by the sum of those of all causes and of the residual\n"
+                "  share: mean square of this cause, as a percentage of the sum for all causes and the residual\n"
                 "  {:>8} {:>8} {:>8}  {}\n",
                 "share", "rms [um]", "G [um]", "cause, with its size +- standard uncertainty (k = 1)");
   return record_cell(
@@ -140,7 +141,7 @@ Result<Cell> other_cell(const std::string& file, const CircleWork& work) {
   ECS_TRY(xml, read_file_of(FileKind::ball_bar, file));
   ECS_TRY(theirs, parse_ball_bar(xml, file));
   ECS_TRY(compared, compared_with(work, theirs));
-  const std::string heading = fmt::format("  {:<36} {:>10} {:>10} {:>10}\n", "cause", "theirs", "ours", "difference");
+  const std::string heading = fmt::format("  {:<36} {:>10} {:>10} {:>10}\n", "cause", "ball bar", "here", "difference");
   std::string of;
   for (const auto& [name, value] :
        {std::pair{"test", &theirs.test}, std::pair{"machine", &theirs.machine}, std::pair{"date", &theirs.date},
@@ -169,7 +170,8 @@ Result<Outcome> circle(VerbContext&, const CircleRequest& request) {
   if (!request.plot.empty()) ECS_DO(write_plot(request.plot, polar_figure(test, values)));
   return outcome_of(record_cell(
       "{file}: plane {plane}, radius {radius_mm} mm\n"
-      "  {heading}\n{passes}{parts}{pairs}{causes}{other}{drawn}{plot}",
+      "  {heading}\n{passes}  mean: radius of the least-squares circle minus the nominal "
+      "radius\n{parts}{pairs}{causes}{other}{drawn}{plot}",
       "file"_is(request.file), "plane"_is(laser::plane_name(test.plane)), "radius_mm"_is(test.radius_mm),
       "feed_mm_min"_is(test.feed_mm_min),
       "heading"_shown(fmt::format("{:<4} {:>4} {:>9} {:>9} {:>9} {:>9}   {}", "", "run", "G [um]", "Fmax [um]",

@@ -56,8 +56,10 @@ std::string motion_words(const laser::PoseTest& test) {
 Cell test_cell(const laser::PoseTest& test) {
   return record_cell(
       "{file}: {visits} visits of {count} points (visit: all points read once at the pose)\n{points}"
-      "  RP: pose repeatability of the point, AP: its pose accuracy (ISO 9283)\n"
-      "  rms of a coordinate {rms_um} um; {rms_after_um} um after a rigid motion of each visit is removed. {words}\n"
+      "  in each row: mean X, Y and Z of the point; RP: its pose repeatability, AP: its pose accuracy, with the parts "
+      "along X, Y and Z (ISO 9283)\n"
+      "  rms of a coordinate {rms_um} um; {rms_after_um} um after a rigid motion (common shift and rotation) of each "
+      "visit is removed. {words}\n"
       "  rigid motion of a visit, rms for each coordinate axis: shift {shift_um} um along it, rotation "
       "{turn_um_per_m} um/m about it\n",
       "file"_is(test.file), "visits"_is(test.visits), "count"_shown(test.points.size()),

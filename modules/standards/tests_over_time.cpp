@@ -25,7 +25,7 @@ struct DriftRequest {
   ImportArguments import;
   static Fields<DriftRequest> fields() {
     using R = DriftRequest;
-    return {{"FILE", &R::file, "file of readings at one position over time (time_s)", Need::required},
+    return {{"FILE", &R::file, "file of readings at one position over time, with the column time_s", Need::required},
             {"--window", &R::window_h, "length of the windows, equal to the duration of a measurement [h]",
              Range{1e-3, 1e3}},
             {"--plot", &R::plot, "plot of drift and temperatures over time: OUT.svg or OUT.png", Is::output},
@@ -194,10 +194,12 @@ struct WarmUpRequest {
   ImportArguments import;
   static Fields<WarmUpRequest> fields() {
     using R = WarmUpRequest;
-    return {{"FILE", &R::file, "file of readings at both ends of a moving axis (time_s)", Need::required},
-            {"--window", &R::window_h, "time at the start and at the end of the test to compare [h]", Range{1e-3, 1e3}},
-            {"--plot", &R::plot, "plot of every curve over time: OUT.svg or OUT.png", Is::output},
-            &R::import};
+    return {
+        {"FILE", &R::file, "file of readings at both ends of a moving axis, with the column time_s", Need::required},
+        {"--window", &R::window_h, "length of the periods at the start and end of the test that are compared [h]",
+         Range{1e-3, 1e3}},
+        {"--plot", &R::plot, "plot of every curve over time: OUT.svg or OUT.png", Is::output},
+        &R::import};
   }
 };
 

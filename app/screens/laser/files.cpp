@@ -51,14 +51,14 @@ class FilesPage final : public LaserPage {
     if (const std::string& map = controller().choices().opened_map; !map.empty()) {
       canvas.paragraph(area.between_margins(), 0,
                        fmt::format("The map {} is loaded unchanged. Step 6 shows its components, step 8 sends it. "
-                                   "Press a to open measured files instead.",
+                                   "Press a to open measurement files instead.",
                                    map));
       return;
     }
     if (controller().choices().files.empty()) {
       const std::string begin = fmt::format(
-          "No measured files yet. Press a to choose files from a folder (an error map is loaded unchanged){}. Then go "
-          "step by step (a digit goes to that step, n to the next one):",
+          "No measurement files yet. Press a to choose files from a folder (an error map is loaded unchanged){}. Then "
+          "go step by step (a digit goes to that step, n to the next one):",
           emulated() ? "; press e to measure the emulated machine by a plan" : "");
       draw_nothing_yet(canvas, area, begin);
       int row = 2 + static_cast<int>(wrapped(begin, area.columns - 2).size());

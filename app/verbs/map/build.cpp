@@ -82,12 +82,12 @@ struct BuildRequest : FromModelArguments {
     return {{"FILE", &R::files,
              "recipe (.toml, docs/laser.md) or measurement files; with --image or --rotary also a map CSV"},
             {"--params", &R::params, "parameters of the unit; default with --from-model: those of `ecs params new`"},
-            {"--from-model", &R::model, "fitted model (.toml) to use instead of measured files"},
+            {"--from-model", &R::model, "fitted model (.toml) to use instead of measurement files"},
             {"--machine", &R::machine,
              "machine file (.toml) for --from-model and for the travels to cover; default: machine.toml in the folder "
              "of the parameters"},
             {"--rotary", &R::rotary,
-             "errors of the rotary axes (.csv) that the unit compensates as well, in place of those of a model; needs "
+             "errors of the rotary axes (.csv) that the unit compensates as well, instead of those of a model; needs "
              "--machine (docs/five_axes.md)"},
             {"--increment", &R::increment_mm,
              "increment of the tables made by --from-model [mm]; chosen automatically if not given"},
@@ -95,7 +95,8 @@ struct BuildRequest : FromModelArguments {
             {"--params-out", &R::params_out, "parameter file to write, with the measured squareness", Is::output},
             {"--image", &R::image, "memory image to write: the bytes that `map send` would transmit", Is::output},
             {"--accept-resampling", &R::accept_resampling,
-             "make the image of a map CSV even if resampling changes a table by more than its resolution"},
+             "make the image of a map CSV even if resampling to equal increments changes a table by more than its "
+             "resolution"},
             {"--zero", &R::zero, "declare a component zero, with a reason: EBY=\"too small to measure\""},
             {"--zero-missing", &R::zero_missing,
              "declare zero, with this reason, every component that the model lacks (needs --from-model)"},
@@ -273,7 +274,7 @@ Problem nothing_built(const Built& b) {
 Result<Outcome> from_model(VerbContext& context, const BuildRequest& request) {
   if (!request.files.empty())
     return problem(ProblemKind::usage, "expected exactly one of: a recipe, measurement files, --from-model");
-  if (request.shrink) return problem(ProblemKind::usage, "--shrink needs measured files: a model has no repeats");
+  if (request.shrink) return problem(ProblemKind::usage, "--shrink needs measurement files: a model has no repeats");
   ECS_TRY(map, map_from_model(context.console, request));
   return outcome_of(from_model_cell(map, request));
 }
@@ -354,12 +355,12 @@ Result<Outcome> build(VerbContext& context, const BuildRequest& request) {
 
 }  // namespace
 
-extern const std::vector<Action> kMapBuilding{
-    action("map build", "build the error map from measured files, with the settings of a recipe or with proposed ones",
-           "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n  ecs map build "
-           "map.csv --params mill-measured.toml --image mill.image\n  ecs map build --from-model fitted.toml --machine "
-           "machine.toml -o map.csv\n  ecs map build EXC.csv ECC.csv -o rotary.csv\n  ecs map build map.csv --params "
-           "mill.toml --rotary rotary.csv --machine machine.toml -o five_axes.csv",
-           build, {.logged = Logged::when_written, .kind = "map"})};
+extern const std::vector<Action> kMapBuilding{action(
+    "map build", "build the error map from measurement files, with the settings of a recipe or with proposed ones",
+    "ecs map build recipe.toml --params mill.toml -o map.csv --params-out mill-measured.toml\n  ecs map build "
+    "map.csv --params mill-measured.toml --image mill.image\n  ecs map build --from-model fitted.toml --machine "
+    "machine.toml -o map.csv\n  ecs map build EXC.csv ECC.csv -o rotary.csv\n  ecs map build map.csv --params "
+    "mill.toml --rotary rotary.csv --machine machine.toml -o five_axes.csv",
+    build, {.logged = Logged::when_written, .kind = "map"})};
 
 }  // namespace ecs::app

@@ -90,8 +90,9 @@ Cell judged_cell(const Judged& findings) {
 /// The words of its lines `uncertainty`; "" where it has none.
 std::string_view uncertainty_text(const laser::MapHeader& header) {
   return header.uncertainty.empty() ? ""
-                                    : "uncertainty: standard uncertainties (k = 1), um or um/m; value: of each value "
-                                      "alone; pass: common to a pass, which is one run in one direction\n";
+                                    : "uncertainty: standard uncertainties (k = 1), um or um/m; value: part that "
+                                      "differs from value to value; pass: part common to a pass, which is one run in "
+                                      "one direction\n";
 }
 
 Result<Outcome> show(VerbContext& context, const ShowRequest& request) {
@@ -215,7 +216,7 @@ struct SendRequest {
             {"--accept-incomplete", &R::accept_incomplete,
              "send even if the last line of the parameter file, which marks it as complete, is missing"},
             {"--accept-resampling", &R::accept_resampling,
-             "send even if resampling changes a table by more than its resolution"}};
+             "send even if resampling to equal increments changes a table by more than its resolution"}};
   }
 };
 

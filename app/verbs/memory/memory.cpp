@@ -237,8 +237,8 @@ Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {
   Cell found = list_cell(differences(a, b), [](const auto& one) {
     const auto& [what, in_a, in_b] = one;
     const bool is_unreadable = shown(in_a) != in_a || shown(in_b) != in_b;
-    return record_cell(is_unreadable ? "{what}: first {a} | second {b} (?: unreadable character)\n"
-                                     : "{what}: first {a} | second {b}\n",
+    return record_cell(is_unreadable ? "{what}: in the first: {a} | in the second: {b} (?: unreadable character)\n"
+                                     : "{what}: in the first: {a} | in the second: {b}\n",
                        "what"_is(what), "a"_is(in_a), "b"_is(in_b));
   });
   const bool same = found.json.empty();

@@ -121,12 +121,23 @@ std::string second_text(const model::Added& added) {
                                      to_text(added.effect.effect), like));
 }
 
+/// Of the first effect, before which no error of held-out readings is known: that it does not predict them.
+std::string no_prediction_text(const model::Added& added, std::string_view unit) {
+  const auto& held_out = added.step.held_out_rms_um;
+  if (!held_out || *held_out < added.step.rms_before_um) return {};
+  return paragraph(
+      fmt::format("For readings that were left out of the fit, the rms is {:.3f} {}: the other readings do "
+                  "not predict them.",
+                  *held_out, unit));
+}
+
 /// Where the effect does not lower the error of readings that were not used for the fit: that, and how to take it back.
 std::string no_better_text(const model::Added& added, std::string_view unit, const std::string& output) {
   const std::vector<model::LadderStep>& steps = added.model.history;
-  if (steps.size() < 2) return {};
+  if (steps.size() < 2) return no_prediction_text(added, unit);
   const auto &before = steps[steps.size() - 2].held_out_rms_um, &after = steps.back().held_out_rms_um;
-  if (!before || !after || *after < *before) return {};
+  if (!before) return no_prediction_text(added, unit);
+  if (!after || *after < *before) return {};
   return paragraph(fmt::format("{} does not lower the error of held-out readings: {:.3f} -> {:.3f} {}.{}",
                                to_text(added.effect.effect), *before, *after, unit,
                                output.empty() ? "" : fmt::format(" `ecs model undo {}` removes it.", output)));

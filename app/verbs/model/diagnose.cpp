@@ -282,8 +282,7 @@ Cell check_cell(const PlanCheck& check, double noise_um, bool noise_is_assumed, 
                       "The plan does not determine the model."),
       "readings"_is(readings), "noise_um"_is(noise_um, 3),
       "noise_of"_shown(noise_is_assumed ? " (assumed: give DATA or --noise)" : ""),
-      "condition"_is(check.condition,
-                     check.determines ? ", condition number " + few_digits(check.condition) : std::string()),
+      "condition"_is(check.condition, check.determines ? ", " + separation_text(check.condition) : std::string()),
       "undetermined"_is(check.undetermined, undetermined), "effects"_is(std::move(effects)), "assumed"_shown(assumed));
 }
 

@@ -135,7 +135,8 @@ Result<Outcome> begin(VerbContext& context, const NewRequest& given) {
   return outcome_of(record_cell(
       "{model}: a new model with {usual}{of_paths}\n{effects}{brackets}next: {next}\n", "model"_is(request.model),
       "usual"_shown(usual_in_words(work)),
-      "of_paths"_shown(work.data.paths.empty() ? "" : "; circles, diagonals and gauge blocks add no effects"),
+      "of_paths"_shown(
+          work.data.paths.empty() ? "" : ". For circles, diagonals and gauge blocks no effects are entered in advance"),
       "effects"_is(std::move(effects)), "brackets"_shown(brackets), "next"_shown(shell_command(next))));
 }
 
@@ -203,9 +204,9 @@ Cell prediction_cell(const laser::Reading& r, bool has_readings, const model::Su
          "measured"_is(has_readings ? std::optional(r.extras.at("measured")) : std::nullopt, 3));
   if (support != nullptr)
     append(fields, "sigma"_is(support->sigma, 3), "extrapolated"_is(support->extrapolated, " *", ""));
-  return record_cell(fmt::format("{{row:>6}} {{axis:<4}} {{sense:<5}} {} {{approach:>3}} {{predicted:>10}}{}{}\n",
-                                 position_layout(r.rotary), has_readings ? " {measured:>10}" : "",
-                                 support != nullptr ? " {sigma:>9}{extrapolated}" : ""),
+  const char* const last = support != nullptr ? " {sigma:>9}{extrapolated}" : has_readings ? " {measured:>10}" : "";
+  return record_cell(fmt::format("{{row:>6}} {{axis:<4}} {{sense:<5}} {} {{approach:>3}} {{predicted:>10}}{}\n",
+                                 position_layout(r.rotary), last),
                      fields);
 }
 
@@ -216,7 +217,7 @@ Cell predictions_cell(const Predicted& p) {
   const bool rotary = !rows.empty() && rows.front().rotary;
   Cell list{Json::array(), fmt::format("   row axis sense          {} dir  predicted",
                                        rotary ? "a          b          c" : "x          y          z")};
-  list.text += fmt::format("{}{}\n", p.has_readings ? "   measured" : "", p.support.empty() ? "" : "     sigma");
+  list.text += !p.support.empty() ? "     sigma\n" : p.has_readings ? "   measured\n" : "\n";  // a row has 80 columns
   for (std::size_t i = 0; i < rows.size(); ++i) {
     Cell one = prediction_cell(rows[i], p.has_readings, p.support.empty() ? nullptr : &p.support[i]);
     if (i >= kMostRows) one.text.clear();
@@ -251,13 +252,17 @@ Result<Outcome> predict(VerbContext& context, const PredictRequest& request) {
   AnswerFields fields = described("points"_is(result.set.readings.size()), "output"_is(text_cell(request.output)),
                                   "predictions"_is(predictions));
   if (request.fitted_to.empty()) return outcome_of(record_cell("{predictions}", fields));
-  const auto count = std::ranges::count_if(result.support, &model::Support::extrapolated);
-  append(fields, "extrapolated"_is(static_cast<std::size_t>(count)));
-  return outcome_of(record_cell(
-      "{predictions}sigma: standard uncertainty (k = 1) by that of the fitted parameters, if the model is right\n"
-      "{extrapolated} of {points} predictions are extrapolated (*): the readings determine the model there less well\n"
-      "  than at any of their own places\n",
-      fields));
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(result.support, &model::Support::extrapolated));
+  const std::string few = fmt::format(
+      "{} of {} predictions are extrapolated (*): the readings determine the model less well there than at any of "
+      "their own places.",
+      count, result.support.size());
+  append(fields, "extrapolated"_is(count),
+         "words"_shown(paragraph(fmt::format("sigma: standard uncertainty (k = 1) that follows from those of the "
+                                             "fitted parameters, if the model is right. {}",
+                                             count > 0 ? few : "No prediction is extrapolated."),
+                                 0, 2)));
+  return outcome_of(record_cell("{predictions}{words}", fields));
 }
 
 }  // namespace

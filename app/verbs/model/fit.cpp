@@ -31,8 +31,6 @@ using model::EffectFit;
 using model::Fit;
 
 constexpr double kStrongCorrelation = 0.9;
-/// Condition number from which collinearity seriously degrades estimates (Belsley, Kuh and Welsch 1980).
-constexpr double kPoorlySeparated = 30.0;
 constexpr double kDistinguished = 2.0;  // sigmas: zero lies outside 95 % of what the readings allow
 
 struct FitRequest {
@@ -155,12 +153,9 @@ Cell fit_cell(const Fit& fit, const model::Observations& data, bool rotary, cons
       "peak_um"_is(fit.peak_um, in_each_unit(fit.peak_um, fit.peak_by_unit, unit)), "noise_um"_is(fit.noise.noise_um),
       "noise_from_repeats"_is(fit.noise.from_repeats), "lack_of_fit"_is(lack_of_fit),
       "fitted_parameters"_is(fit.fitted_parameters),
-      "condition"_is(
-          fit.condition,
-          paragraph(fmt::format("noise of one reading {}; lack-of-fit test: {}; parameters {} separated "
-                                "(condition number {})",
-                                noise_text(fit.noise), lack_of_fit.text,
-                                fit.condition < kPoorlySeparated ? "well" : "poorly", few_digits(fit.condition)))),
+      "condition"_is(fit.condition,
+                     paragraph(fmt::format("noise of one reading {}; lack-of-fit test: {}; {}", noise_text(fit.noise),
+                                           lack_of_fit.text, separation_text(fit.condition)))),
       "effects"_is(effects_cell(fit, data)), "correlations"_is(correlations_cell(fit)),
       "not_distinguished"_is(zero, not_distinguished_text(zero)), "undetermined"_is(fit.undetermined, undetermined),
       "outliers"_is(fit.outliers, outliers_text(fit)), "noise"_is(noise_cell(fit, rotary, !data.time_s.empty())),

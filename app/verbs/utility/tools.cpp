@@ -85,9 +85,10 @@ Result<Outcome> change_tool(VerbContext& context, const ToolRequest& request) {
     return problem(ProblemKind::usage, "--offset: expected X,Y,Z in mm, got {} numbers", request.offset_mm.size());
   ECS_TRY(unit, open_unit(context));
   const auto answer = [&](std::string_view what) {
-    return outcome_of(record_cell(
-        number == 0 ? "no tool of the table {done}: the tool offset of the parameters acts" : "tool {tool} {done}",
-        "tool"_is(number), "done"_is(what)));
+    return outcome_of(
+        record_cell(number == 0 ? "no tool is selected from the tool table: the tool offset in the parameters applies"
+                                : "tool {tool} {done}",
+                    "tool"_is(number), "done"_is(what)));
   };
   if (request.remove) return unit.client().remove_tool(number).map([&] { return answer("removed"); });
   if (request.offset_mm.empty()) return unit.client().select_tool(number).map([&] { return answer("selected"); });

@@ -39,9 +39,10 @@ TEST_CASE("each axis whose list is not zero at the reference position steps when
   ExportSource source = twincat_example();
   add_table(source, Component::EYY, {0, 100}, {0, 5}, {0, 5});
   const auto at_zero = must(twincat_export(source, {}));
-  CHECK(laser::says(at_zero.notes,
-                    "at the reference position of X (0 mm) the list has 0.0 um in pos, -3.0 um in neg: the axis steps "
-                    "by this amount when the compensation becomes active"));
+  CHECK(laser::says(
+      at_zero.notes,
+      "at the reference position of X (0 mm) the list has 0.0 um in its column pos (forward) and "
+      "-3.0 um in neg (reverse): the axis steps by one of these amounts when the compensation becomes active"));
   CHECK_FALSE(laser::says(at_zero.notes, "reference position of Y"));
   source.parameters.axes[index_of(Axis::Y)].datum.reference_position_mm = 50.0;
   CHECK(laser::says(twincat_export(source, {})->notes,
@@ -51,7 +52,7 @@ TEST_CASE("each axis whose list is not zero at the reference position steps when
 
 TEST_CASE("the parameter that selects backlash compensation is named, not the one that holds its size") {
   CHECK(laser::says(must(twincat_export(twincat_example(), {})).notes,
-                    "no further backlash compensation for these axes (P-AXIS-00021 lr_param.anwahl_losekomp 0)"));
+                    "switch off the backlash compensation of these axes (P-AXIS-00021 lr_param.anwahl_losekomp 0)"));
 }
 
 TEST_CASE("values that do not fit 16 bit are named: 3276.7 um is the last that TwinCAT 2 takes") {

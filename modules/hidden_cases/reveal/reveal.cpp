@@ -243,12 +243,20 @@ bool says_all(const FoundAnswer& answer) {
 Judged judged_single(const HiddenTruth& truth, const FoundAnswer& answer) {
   const HiddenEffect& hidden = truth.effects.front();
   if (!says_all(answer) || answer.candidates.empty())
-    return {false, fmt::format("{} was not named (verdict: {})", hidden.name, verdict_in_words(answer))};
+    return {false,
+            fmt::format("{} {} (verdict: {})", hidden.name,
+                        named_somewhere(hidden, answer) ? "is listed only as a possibility, not named as the cause"
+                                                        : "was not named",
+                        verdict_in_words(answer))};
   const FoundEffect& first = answer.candidates.front();
   if (lists(first, hidden.name) && to_text(first.effect) != hidden.name)
-    return {true, fmt::format("{} belongs to the group of {}", hidden.name, to_text(first.effect))};
+    return {true, fmt::format("{} is named as a rival of {}", hidden.name, to_text(first.effect))};
   if (is_answer(hidden, first)) return {true, hidden.name + " is named first"};
-  if (to_text(first.effect) == hidden.name) return {false, hidden.name + " is named, with another approach or sensor"};
+  if (to_text(first.effect) == hidden.name) {
+    const bool other_approach = hidden.approach && *hidden.approach != first.effect.approach;
+    return {false, fmt::format("{} is named, but with the wrong {}: {}", hidden.name,
+                               other_approach ? "approach" : "sensor", place_text(first.effect))};
+  }
   return {false, fmt::format("{} was hidden, {} is named first", hidden.name, to_text(first.effect))};
 }
 
@@ -347,8 +355,8 @@ std::string hidden_text(const HiddenTruth& truth) {
   std::string text = paragraph(said.starts_with("Hidden: ") ? said : "Hidden: " + said, 0, 2);
   for (const HiddenEffect& effect : truth.effects)
     text += fmt::format(
-        "  {} adds {:.3f} um rms, over all readings (also those on which it does not act).\n"
-        "  After the starting model is fitted, {:.3f} um rms of it remain, {:.1f} times the noise of {:.3f} um\n",
+        "  {} adds {:.3f} um rms over all readings, including those on which it does not act.\n"
+        "  Once the initial model has been fitted, {:.3f} um rms of it remains, {:.1f} times the noise of {:.3f} um\n",
         effect.name, effect.rms_um, effect.snr * truth.noise_um, effect.snr, truth.noise_um);
   if (!truth.group.empty())
     text += paragraph(fmt::format("these data cannot distinguish: {}", fmt::join(truth.group, ", ")), 2, 4);

@@ -154,8 +154,8 @@ TEST_CASE("units are written as people write them") {
 }
 
 TEST_CASE("a customer's paper names no options and no commands, and keeps the rest of what was said") {
-  CHECK(without_commands("no pitch of X is known: its cyclic errors are not tried. Give --machine") ==
-        "no pitch of X is known: its cyclic errors are not tried.");
+  CHECK(without_commands("the pitch of X is not known, so periodic errors of X were not looked for. Give --machine") ==
+        "the pitch of X is not known, so periodic errors of X were not looked for.");
   CHECK(without_commands("EAX is not in the map (--zero EAX=reason), nor is EBX") ==
         "EAX is not in the map, nor is EBX");
   CHECK(without_commands("the map is not complete: `ecs map send` refuses it") == "the map is not complete");

@@ -135,7 +135,7 @@ TEST_CASE("a side without a cause is empty, and values without a cause of ours a
   CHECK(only(compared.not_compared) == "AF_CYCLIC_ERROR_A_REV 0.8 um");
 }
 
-TEST_CASE("cyclic error and straightness are shown without a difference, the largest wave of an axis first") {
+TEST_CASE("periodic error and straightness are shown without a difference, the largest wave of an axis first") {
   const auto compared = must(compared_with(
       circle_with({fault("cyclic:X", 1.0, "um"), fault("cyclic:X", -2.5, "um"), fault("straightness:Y", 1.0, "um")}),
       result_of(feature("AF_CYCLIC_ERROR_A_FWD", "UT_LENGTH_UM", "5") +
@@ -144,7 +144,7 @@ TEST_CASE("cyclic error and straightness are shown without a difference, the lar
   CHECK(cause_named(compared, "cyclic:X").theirs == 5.0);
   CHECK_FALSE(cause_named(compared, "cyclic:X").difference);
   CHECK_FALSE(cause_named(compared, "straightness:Y").difference);
-  CHECK(notes_say(compared, "cyclic error and straightness have no difference"));
+  CHECK(notes_say(compared, "periodic error and straightness have no difference"));
   CHECK(compared.causes.size() == 4);  // the other wave too
 }
 
@@ -153,7 +153,7 @@ TEST_CASE("without a feed our servo mismatch stays in um, in a note") {
   work.test.feed_mm_min.reset();
   const auto compared = must(compared_with(work, result_of(feature("AF_SERVO_MISMATCH", "UT_SERVO_MISMATCH", "0.4"))));
   CHECK_FALSE(cause_named(compared, "servo_mismatch:XY").ours);
-  CHECK(notes_say(compared, "ours is 10.00 um, which needs feed_mm_min"));
+  CHECK(notes_say(compared, "10.00 um here, which needs feed_mm_min"));
 }
 
 TEST_CASE("the axes of a plane may come in either order, another plane is refused with both named") {

@@ -159,10 +159,12 @@ TEST_CASE(
 TEST_CASE("a note says that no machine was given, or what its file lacks") {
   const auto test = measured_circle([](const CirclePlace&) { return CircleErrors{}; }, 0.5);
   const auto without = causes_of(test);
-  CHECK(contains(without.notes.front(), "no pitch of X is known: its cyclic errors are not tried. Give --machine"));
+  CHECK(contains(without.notes.front(),
+                 "the pitch of X is not known, so periodic errors of X were not looked for. Give --machine"));
   CHECK(only(must(diagnose_circle(test, {std::vector<double>{10.0}, std::vector<double>{}}, PitchSource::machine_file))
                  .notes) ==
-        "the machine file has no pitch of Y: its cyclic errors are not tried. Give screw_pitch_mm or scale_pitch_mm in "
+        "the machine file has no pitch of Y, so its periodic errors were not looked for. Give screw_pitch_mm or "
+        "scale_pitch_mm in "
         "[axis.Y]");
 }
 

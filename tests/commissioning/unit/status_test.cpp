@@ -68,7 +68,7 @@ TEST_CASE("a checksum that differs says what to do, and so does its JSON that it
                  "expected 1234ABCD, found 1234ABCE (CRC-32): they differ. What to do: send parameters and map again"));
   CHECK(differs.json["block_check"]["agrees"] == false);
   s.status.block_check_found = s.status.block_check_expected;
-  CHECK(contains(status_cell(s).text, "checksum     1234ABCD (CRC-32), as stored\n"));
+  CHECK(contains(status_cell(s).text, "checksum     1234ABCD (CRC-32), agrees with the stored one\n"));
 }
 
 TEST_CASE("battery and control are in the status, and unknown in a file of a unit that does not state them") {

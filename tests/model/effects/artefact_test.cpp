@@ -95,7 +95,7 @@ TEST_CASE("without the column a note names what cannot be tried, for readings ac
   const auto notes_of = [](Axis axis) {
     const auto notes = untried_effects(observations_of(measured({.axis = axis}, kNoise_um, nothing), Model{}, mill()));
     return std::count(notes.begin(), notes.end(),
-                      "artefact_angle and artefact_form cannot be tried: they need the column reversed");
+                      "artefact_angle and artefact_form cannot be tried: they need the column \"reversed\"");
   };
   CHECK(notes_of(Axis::Y) == 1);
   CHECK(notes_of(Axis::X) == 0);
