@@ -216,9 +216,9 @@ std::string shape_text(const std::string& variable, const std::vector<ShapePoint
   const std::vector<ShapePoint> few = thinned(points, kMostLines);
   double largest = 0.0;
   for (const ShapePoint& point : few) largest = std::max(largest, std::abs(point.um));
-  std::string text =
-      fmt::format("  {:>22}  {:>9}  of the residual of {} near each value\n", variable, fmt::format("mean [{}]", unit),
-                  senses.empty() ? "all lines together" : fmt::format("{}", fmt::join(senses, ", ")));
+  std::string text = fmt::format(
+      "  {:>22}  {:>9}  of the residual{}\n", variable, fmt::format("mean [{}]", unit),
+      senses.empty() ? ", all readings together" : fmt::format(" of {} near each value", fmt::join(senses, ", ")));
   for (const ShapePoint& point : few)
     text += fmt::format("  {:>22}  {:>9.2f}  {}\n", position_text(point.at), point.um, bar(point.um, largest));
   return text;

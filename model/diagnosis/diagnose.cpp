@@ -620,9 +620,12 @@ Result<Diagnosis> reported(const ReportInput& in) {
   const bool structure = diagnosis.verdict == Verdict::unexplained_structure ||
                          diagnosis.verdict == Verdict::partly_explained ||
                          (diagnosis.verdict == Verdict::likely_effect && !noise_left(in.found, in.options));
-  if (structure && !diagnosis.different_run &&
-      (!in.found.solution.chosen.empty() || in.found.noisy || in.found.odd_pass || in.found.wanders || in.found.wave))
-    diagnosis.notes.push_back(why_not_explained(in.found));
+  const bool tells_why =
+      structure && !diagnosis.different_run &&
+      (!in.found.solution.chosen.empty() || in.found.noisy || in.found.odd_pass || in.found.wanders || in.found.wave);
+  const bool why_in_headline =
+      tells_why && diagnosis.verdict == Verdict::unexplained_structure && !in.found.objection.empty();
+  if (tells_why && !why_in_headline) diagnosis.notes.push_back(why_not_explained(in.found));
   if (const auto note = sensor_noise_note(diagnosis, data, structure || verdict == Verdict::cannot_tell))
     diagnosis.notes.push_back(*note);
   if (structure) describe_what_is_left(diagnosis, data, after.residual, left_out);
@@ -658,6 +661,11 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.headline =
       headline_for(diagnosis, data, diagnosis.different_run ? diagnosis.different_run->text : run_note(in.found),
                    passes.has_value());
+  if (why_in_headline)
+    diagnosis.headline +=
+        fmt::format(" {} is named, because {}.",
+                    std::ranges::any_of(diagnosis.candidates, &Candidate::in_answer) ? "No other effect" : "No effect",
+                    in.found.objection);
   diagnosis.headline += beside_formulas(in.model, diagnosis);
   if (std::ranges::any_of(in.model.effects, [](const auto& effect) { return !effect.tied_with.empty(); }) ||
       std::ranges::find(in.base.core.undetermined, true) != in.base.core.undetermined.end())

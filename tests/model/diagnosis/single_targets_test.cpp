@@ -23,8 +23,8 @@ bool proves_any(const Diagnosis& found) {
 
 }  // namespace
 
-TEST_CASE("errors of single targets without any order are no proved curve, wave or step") {
-  int proved = 0, named = 0;
+TEST_CASE("errors of single targets without any order are no proved curve, wave or step, and the answer says why") {
+  int proved = 0, named = 0, reasons = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const int targets = 8 + static_cast<int>(seed) % 7;
     std::mt19937_64 random(seed);
@@ -36,9 +36,11 @@ TEST_CASE("errors of single targets without any order are no proved curve, wave 
     CHECK(found.verdict != Verdict::adequate);
     proved += proves_any(found) ? 1 : 0;
     named += std::ranges::any_of(found.candidates, &Candidate::in_answer) ? 1 : 0;
+    reasons += contains(found.headline, "No effect is named, because errors of single targets") ? 1 : 0;
   }
   CHECK(proved <= 1);
   CHECK(named <= 4);
+  CHECK(reasons >= 8);
 }
 
 TEST_CASE("beside a lost motion without any order, waves of each approach are no proved effects") {

@@ -57,7 +57,7 @@ TEST_CASE("predictions of repeated measurements scatter by the stated uncertaint
     return slope_of_ten(r) + 2.0 * std::sin(2.0 * std::numbers::pi * p(r) / 310.0);
   };
   constexpr unsigned kSets = 200;
-  const std::vector<double> x_mm{100.0, 555.0, 980.0, 1150.0};
+  const std::vector<double> x_mm{100.0, 555.0, 980.0, 1600.0};
   std::vector<double> sum(2 * x_mm.size(), 0.0), squares(sum), sigma(sum), extrapolated(sum);
   for (unsigned seed = 1; seed <= kSets; ++seed) {
     const Observations data = observations_of(measured({}, 0.3, truth, seed), model, mill());
