@@ -623,8 +623,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
   const bool tells_why =
       structure && !diagnosis.different_run &&
       (!in.found.solution.chosen.empty() || in.found.noisy || in.found.odd_pass || in.found.wanders || in.found.wave);
-  const bool why_in_headline =
-      tells_why && diagnosis.verdict == Verdict::unexplained_structure && !in.found.objection.empty();
+  const bool why_in_headline = tells_why && diagnosis.verdict == Verdict::unexplained_structure &&
+                               !in.found.objection.empty() &&
+                               std::ranges::none_of(diagnosis.candidates, &Candidate::in_answer);
   if (tells_why && !why_in_headline) diagnosis.notes.push_back(why_not_explained(in.found));
   if (const auto note = sensor_noise_note(diagnosis, data, structure || verdict == Verdict::cannot_tell))
     diagnosis.notes.push_back(*note);
@@ -661,11 +662,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.headline =
       headline_for(diagnosis, data, diagnosis.different_run ? diagnosis.different_run->text : run_note(in.found),
                    passes.has_value());
-  if (why_in_headline)
-    diagnosis.headline +=
-        fmt::format(" {} is named, because {}.",
-                    std::ranges::any_of(diagnosis.candidates, &Candidate::in_answer) ? "No other effect" : "No effect",
-                    in.found.objection);
+  if (why_in_headline) diagnosis.headline += fmt::format(" No effect is named, because {}.", in.found.objection);
   diagnosis.headline += beside_formulas(in.model, diagnosis);
   if (std::ranges::any_of(in.model.effects, [](const auto& effect) { return !effect.tied_with.empty(); }) ||
       std::ranges::find(in.base.core.undetermined, true) != in.base.core.undetermined.end())

@@ -116,9 +116,9 @@ void blame_step(Found& found) {
   found.noisy.reset();
   found.odd_pass.reset();
   if (found.bad_run)
-    found.objection =
-        fmt::format("a jump between runs {} and {} explains it equally well: check the events between them first",
-                    found.step->before, found.step->after);
+    found.objection = fmt::format(
+        "a jump between runs {} and {} explains the residual equally well: check the events between them first",
+        found.step->before, found.step->after);
   found.bad_run.reset();
   found.run_note.clear();
 }

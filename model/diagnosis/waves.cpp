@@ -195,8 +195,9 @@ std::string objection_to_waves(const Observations& data, const std::vector<Famil
       const bool two_causes = proved[i] && proved[j] && shapes_on_line_of(one.effect) == 2;
       if (is_jump(other.effect) && !two_causes && !is_known_pitch(i))
         return fmt::format(
-            "a wave of {:.4g} {} explains it only together with a step: any shape can be described in this way", period,
-            data.position_unit());
+            "a wave of {:.4g} {} explains the residual only together with a step: any shape can be described in this "
+            "way",
+            period, data.position_unit());
       if (j < i || !other.effect.traits().periodic) continue;
       const double period2 = chosen[j].nonlinear;
       const bool same = std::abs(period / period2 - 1.0) < kSamePeriod;
@@ -467,7 +468,8 @@ std::string objection_by_wave_in_time(const Observations& data, const Whitener& 
   const double price = 2.0 * std::log(readings) + 2.0 * std::log(std::max(1.0, highest - kFewestTurnsOfWave));
   if (most - price < score + 2.0 * std::log(kFarMore)) return "";
   return fmt::format(
-      "a wave in time with a period of {:.2g} min explains the readings better than these effects do. Look for a cause "
+      "a wave in time with a period of {:.2g} min explains the readings better than all effects together. Look for a "
+      "cause "
       "outside the machine with this "
       "period (cooling, air conditioning)",
       period_s / 60.0);

@@ -449,9 +449,10 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
     proved.push_back(group.e_value.value_or(0.0) >= kProved);
     periods.push_back(group.values.size());
   }
-  found.objection = found.bad_run ? fmt::format("an offset of run {} explains it equally well: check that run first",
-                                                found.bad_run->run)
-                                  : objection_to_waves(data, found.families, members, proved, periods);
+  found.objection = found.bad_run
+                        ? fmt::format("an offset of run {} explains the residual equally well: check that run first",
+                                      found.bad_run->run)
+                        : objection_to_waves(data, found.families, members, proved, periods);
   if (found.objection.empty()) found.objection = objection_by_target(data, search, whitener, found);
   const auto effect_of_member = [&](std::size_t i) -> const EffectInstance& {
     return found.families[chosen[i].family].effect;

@@ -610,4 +610,16 @@ Result<std::vector<double>> predicted(const Model& model, const Observations& at
   return std::vector<double>(sum.data(), sum.data() + sum.size());
 }
 
+Result<std::vector<std::string>> notes_of_lacking(const Model& model, const Observations& at) {
+  const Regressors regressors(at);
+  ECS_TRY(assembly, Assembly::of(with_values_held(model), regressors));
+  std::vector<std::string> notes;
+  for (const Slot& slot : assembly.slots)
+    if (slot.acting.skipped > 0)
+      notes.push_back(fmt::format("{} is left out of {} of {} predictions: they lack {}", to_text(slot.effect),
+                                  slot.acting.skipped, slot.acting.skipped + slot.acting.readings.size(),
+                                  slot.acting.lacking));
+  return notes;
+}
+
 }  // namespace ecs::model

@@ -183,14 +183,16 @@ std::vector<double> in_scale(std::vector<double> distance, const std::map<std::p
 }
 
 /// How far the other readings of its run, all or those of its kind, are from their repeats, at least 1: a visit that
-/// arrives elsewhere is off as a whole, and none of its readings is isolated.
+/// arrives elsewhere is off as a whole, and none of its readings is isolated. A visit shows several senses at once.
 double scale_of_run(const Observations& data, const std::vector<double>& by_repeats, std::size_t k) {
+  constexpr std::size_t kFewest = 4;
   std::vector<double> all, kind;
   for (std::size_t j = 0; j < data.size(); ++j) {
     if (j == k || data.run[j] != data.run[k]) continue;
     all.push_back(by_repeats[j]);
     if (data.channel(j) == data.channel(k) && data.axis[j] == data.axis[k]) kind.push_back(by_repeats[j]);
   }
+  if (all.size() < kFewest || kind.size() == all.size()) return 1.0;
   return std::max({1.0, robust_scale(all), robust_scale(kind)});
 }
 

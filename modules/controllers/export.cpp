@@ -73,7 +73,7 @@ Result<void> check_target(const Staged& one, const StagedFiles& before) {
 Result<void> stage(const OutputFile& file, StagedFiles& staged) {
   std::error_code ignored;
   Staged one{file.path, led_to(file.path), {}, std::nullopt};
-  if (const auto fits = check_target(one, staged); !fits) return fits;
+  if (auto fits = check_target(one, staged); !fits) return fits;
   if (fs::exists(one.target, ignored)) {
     auto old = read_file(one.target);
     if (!old)

@@ -162,7 +162,7 @@ class ToolsScreen final : public KeyedScreen {
 
   void select(std::uint16_t number) {
     start("selecting", {"utility", "tool", std::to_string(number)},
-          number == 0 ? "No tool of the table is selected." : fmt::format("Tool {} is selected.", number),
+          number == 0 ? "No tool is selected from the tool table." : fmt::format("Tool {} is selected.", number),
           [number](protocol::UnitClient& client) { return client.select_tool(number); });
   }
 

@@ -121,14 +121,14 @@ std::string second_text(const model::Added& added) {
                                      to_text(added.effect.effect), like));
 }
 
-/// Of the first effect, before which no error of held-out readings is known: that it does not predict them.
+/// Of the first effect, before which no error of held-out readings is known: that it does not lower it visibly.
 std::string no_prediction_text(const model::Added& added, std::string_view unit) {
   const auto& held_out = added.step.held_out_rms_um;
   if (!held_out || *held_out < added.step.rms_before_um) return {};
   return paragraph(
-      fmt::format("For readings that were left out of the fit, the rms is {:.3f} {}: the other readings do "
-                  "not predict them.",
-                  *held_out, unit));
+      fmt::format("For readings left out of the fit the rms is {:.3f} {}, not less than the rms of all readings before "
+                  "the effect was added ({:.3f} {}).",
+                  *held_out, unit, added.step.rms_before_um, unit));
 }
 
 /// Where the effect does not lower the error of readings that were not used for the fit: that, and how to take it back.

@@ -165,6 +165,7 @@ struct Predicted {
   bool has_readings = true;
   std::string clock_note{};               ///< as of Observations
   std::vector<model::Support> support{};  ///< as the readings of the set; empty: not asked for
+  std::vector<std::string> notes{};
 };
 
 /// @param fitted_to  readings to which the model was fitted; null: without uncertainties
@@ -172,12 +173,18 @@ Result<Predicted> predicted(const model::Model& model, const std::optional<param
                             const std::string& model_file, const laser::MeasurementSet* fitted_to) {
   const model::Observations at = model::all_observations_of(plan.set, model, machine);
   ECS_TRY(values, in_file(model::predicted(model, at), model_file));
+  ECS_TRY(notes, in_file(model::notes_of_lacking(model, at), model_file));
   std::vector<model::Support> support;
   if (fitted_to != nullptr) {
     ECS_TRY(found,
             in_file(model::support_of(model, model::observations_of(*fitted_to, model, machine), at), model_file));
-    support.resize(found.size());
-    for (std::size_t k = 0; k < at.size(); ++k) support[at.file_order[k]] = found[k];
+    support.resize(at.size());
+    for (std::size_t k = 0; k < at.size(); ++k) support[at.file_order[k]] = found.places[k];
+    if (found.is_other_fit)
+      notes.emplace_back(
+          "a fit to the readings of --fitted-to has clearly different values than the model: the uncertainties are "
+          "those "
+          "of that fit. Give the readings to which the model was fitted");
   }
   for (std::size_t k = 0; k < at.size(); ++k) {
     laser::Reading& reading = plan.set.readings[at.file_order[k]];
@@ -189,7 +196,7 @@ Result<Predicted> predicted(const model::Model& model, const std::optional<param
     reading.error = values[k] + at.of_map_in(k);
   }
   plan.set.metadata.push_back({"predicted_by", model_file});
-  return Predicted{std::move(plan.set), plan.has_readings, at.clock_note, std::move(support)};
+  return Predicted{std::move(plan.set), plan.has_readings, at.clock_note, std::move(support), std::move(notes)};
 }
 
 /// @param support  null: without uncertainties
@@ -244,6 +251,7 @@ Result<Outcome> predict(VerbContext& context, const PredictRequest& request) {
   const bool of_fit = std::any_of(model->history.begin(), model->history.end(),
                                   [&](const model::LadderStep& step) { return step.data == request.points; });
   if (!result.clock_note.empty() && !of_fit) context.console.note(result.clock_note);
+  for (const std::string& note : result.notes) context.console.note(note);
   Cell predictions = predictions_cell(result);
   if (!request.output.empty()) {
     ECS_DO(laser::write_measurement_set(request.output, result.set));
@@ -254,8 +262,9 @@ Result<Outcome> predict(VerbContext& context, const PredictRequest& request) {
   if (request.fitted_to.empty()) return outcome_of(record_cell("{predictions}", fields));
   const auto count = static_cast<std::size_t>(std::ranges::count_if(result.support, &model::Support::extrapolated));
   const std::string few = fmt::format(
-      "{} of {} predictions are extrapolated (*): the readings determine the model less well there than at any of "
-      "their own places.",
+      "{} of {} predictions are extrapolated (*): beyond the readings, or at places where these determine the model "
+      "less "
+      "well than at any of their own.",
       count, result.support.size());
   append(fields, "extrapolated"_is(count),
          "words"_shown(paragraph(fmt::format("sigma: standard uncertainty (k = 1) that follows from those of the "

@@ -182,7 +182,7 @@ TEST_CASE("a list of an axis not named X, Y or Z is refused, whatever its number
 }
 
 TEST_CASE("increments, rotary axes, and a list for one direction that says two things are refused") {
-  const auto refused = [](std::string text) {
+  const auto refused = [](const std::string& text) {
     const auto read = parse_twincat(text, "a.lis", {});
     return read ? std::string("taken") : to_text(read.error());
   };

@@ -109,9 +109,9 @@ TEST_CASE("each cause has both values in one unit, and the difference of their s
   CHECK(*cause_named(compared, "reversal_spike:X").difference == Approx(1.0));
   CHECK(*cause_named(compared, "circular_deviation:XY").ours == 7.0);
   CHECK(compared.not_compared.empty());
-  CHECK(notes_say(compared, "no real file was available"));
-  CHECK(notes_say(compared, "the signs of their values are not documented"));
-  CHECK(notes_say(compared, "over the diameter of 200 mm"));
+  CHECK(notes_say(compared, "never tested on a file of a real ball bar"));
+  CHECK(notes_say(compared, "the signs of the ball bar's values are not documented"));
+  CHECK(notes_say(compared, "divided by the diameter of 200 mm"));
 }
 
 TEST_CASE("a scale mismatch in ppm is one in um/m") {

@@ -40,7 +40,7 @@ TEST_CASE("the prediction of a straight line is as uncertain as the textbook say
   for (const Vector3& at : data.position_mm) squares += (at[0] - mean) * (at[0] - mean);
   for (const Vector3& at : data.position_mm) least = std::min(least, at[0]), greatest = std::max(greatest, at[0]);
   const Observations at = places(model, {-300.0, least, 250.0, mean, greatest, 1400.0});
-  const auto support = must(support_of(model, data, at));
+  const auto support = must(support_of(model, data, at)).places;
   REQUIRE(support.size() == 12);
   for (std::size_t k = 0; k < at.size(); ++k) {
     const double x = at.position_mm[k][0];
@@ -64,7 +64,7 @@ TEST_CASE("predictions of repeated measurements scatter by the stated uncertaint
     const Model with = fitted_to(model, data);
     const Observations at = places(with, x_mm);
     const auto values = must(predicted(with, at));
-    const auto support = must(support_of(with, data, at));
+    const auto support = must(support_of(with, data, at)).places;
     for (std::size_t k = 0; k < values.size(); ++k) {
       sum[k] += values[k];
       squares[k] += values[k] * values[k];
@@ -92,12 +92,44 @@ TEST_CASE("conditions that the readings did not see together are extrapolated, t
     r.position_mm[0] = r.position_mm[0] > 0.0 ? 20.0 : 10.0;
   });
   const Observations at = all_observations_of(set, with, mill());
-  const auto support = must(support_of(with, data, at));
+  const auto support = must(support_of(with, data, at)).places;
   for (std::size_t k = 0; k < at.size(); ++k) CHECK(support[k].extrapolated == (at.load_kg[k] > 100.0));
 }
 
 TEST_CASE("a sense that was not measured is extrapolated") {
   const Observations data = observations_of(measured({}, 0.3, slope_of_ten), straight(), mill());
   const Model model = fitted_to(straight(), data);
-  for (const Support& one : must(support_of(model, data, places(model, {500.0}, Sense::EY)))) CHECK(one.extrapolated);
+  for (const Support& one : must(support_of(model, data, places(model, {500.0}, Sense::EY))).places)
+    CHECK(one.extrapolated);
+}
+
+TEST_CASE("beyond its ends a curve is extrapolated, though its prediction stays the same") {
+  Model model = straight();
+  model.effects.push_back(effect(progressive, Axis::X, Sense::EX));
+  const auto truth = [](const Reading& r) { return 20.0 * std::sin(p(r) / 400.0); };
+  const Observations data = observations_of(measured({}, 0.3, truth), model, mill());
+  const Model with = fitted_to(model, data);
+  const Observations at = places(with, {-100.0, 500.0, 1200.0});
+  const auto support = must(support_of(with, data, at)).places;
+  for (std::size_t k = 0; k < at.size(); ++k) CHECK(support[k].extrapolated == (at.position_mm[k][0] != 500.0));
+}
+
+TEST_CASE("other readings than those of the fit are noticed, those of the fit are not") {
+  const Observations data = observations_of(measured({}, 0.3, slope_of_ten, 1), straight(), mill());
+  const Observations steeper =
+      observations_of(measured({}, 0.3, [](const Reading& r) { return 2.0 * slope_of_ten(r); }), straight(), mill());
+  const Model model = fitted_to(straight(), data);
+  CHECK_FALSE(must(support_of(model, data, data)).is_other_fit);
+  CHECK(must(support_of(model, steeper, data)).is_other_fit);
+}
+
+TEST_CASE("an effect whose sensor is missing at the places is said to be left out of their predictions") {
+  Model model = straight();
+  model.effects.push_back(effect(thermal_drift, Axis::X, Sense::EX));
+  model.effects.back().sensor = "t_material_degC";
+  const Observations data = observations_of(measured({}, 0.3, slope_of_ten), model, mill());
+  const Model with = fitted_to(model, data);
+  CHECK(must(notes_of_lacking(with, data)).empty());
+  CHECK(
+      contains(only(must(notes_of_lacking(with, places(with, {500.0})))), "thermal_drift:X:EX is left out of 2 of 2"));
 }

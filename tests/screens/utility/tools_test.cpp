@@ -47,7 +47,7 @@ TEST_CASE("tools are set, selected, given another offset and removed, and what w
   CHECK(contains(after(screen, "e"), "Offset of tool 3, X,Y,Z in mm: 0,0,-120"));
   replace_line(screen, "0,0,-121");
   REQUIRE(shows(screen, "-121.0000  selected"));
-  REQUIRE(shows_after(screen, "0", "No tool of the table is selected (compensation"));
+  REQUIRE(shows_after(screen, "0", "No tool is selected from the tool table (compensation"));
   CHECK(contains(after(screen, "r"), "Remove tool 3 from the table?"));
   REQUIRE(shows_after(screen, "y", "1 of 64 tools."));
   const ToolsInUnit held = bench.held();
