@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/test.hpp"
 
 using namespace ecs;
 using namespace ecs::model;
