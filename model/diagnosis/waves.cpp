@@ -469,9 +469,7 @@ std::string objection_by_wave_in_time(const Observations& data, const Whitener& 
   if (most - price < score + 2.0 * std::log(kFarMore)) return "";
   return fmt::format(
       "a wave in time with a period of {:.2g} min explains the readings better than all effects together. Look for a "
-      "cause "
-      "outside the machine with this "
-      "period (cooling, air conditioning)",
+      "cause outside the machine with this period (cooling, air conditioning)",
       period_s / 60.0);
 }
 

@@ -183,8 +183,7 @@ Result<Predicted> predicted(const model::Model& model, const std::optional<param
     if (found.is_other_fit)
       notes.emplace_back(
           "a fit to the readings of --fitted-to has clearly different values than the model: the uncertainties are "
-          "those "
-          "of that fit. Give the readings to which the model was fitted");
+          "those of that fit. Give the readings to which the model was fitted");
   }
   for (std::size_t k = 0; k < at.size(); ++k) {
     laser::Reading& reading = plan.set.readings[at.file_order[k]];
@@ -236,7 +235,9 @@ Cell predictions_cell(const Predicted& p) {
 }
 
 Result<Outcome> predict(VerbContext& context, const PredictRequest& request) {
-  ECS_DO(check_output_not_input(request.output, {request.points, request.model, request.machine}));
+  std::vector<std::string> inputs = request.fitted_to;
+  inputs.insert(inputs.end(), {request.points, request.model, request.machine});
+  ECS_DO(check_output_not_input(request.output, inputs));
   const auto model = model::read_model(request.model);
   if (!model) return tl::unexpected(model.error());
   ECS_TRY(machine, machine_in(context.console, request.machine));
