@@ -126,8 +126,9 @@ class Questions {
     return *std::ranges::find_if(weights, [&](const Weight& weight) { return above(weight) >= most - tolerance(); });
   }
 
-  /// @param options  of which at most one is true
-  [[nodiscard]] LeftProperty decided(const char* property, std::vector<Option> options) const {
+  /// @param options  of which at most one is true  @param measure  where several take nearly all
+  [[nodiscard]] LeftProperty decided(const char* property, std::vector<Option> options,
+                                     const char* measure = "") const {
     std::ranges::stable_sort(options, std::greater{}, &Option::above);
     const Option& best = options.front();
     const double apart = std::max(kSureChi2 * variance_, kFarApart * whole_);
@@ -135,7 +136,8 @@ class Questions {
                                    [&](const Option& other) { return other.above <= best.above - apart; });
     std::vector<std::string> parts;
     for (const Option& option : options) parts.push_back(evidence(option.words, option.above));
-    return {property, alone && is_nearly_all(best.above) ? best.is : "", with_noise(parts), ""};
+    const bool is_all = is_nearly_all(best.above);
+    return {property, alone && is_all ? best.is : "", with_noise(parts), is_all && !alone ? measure : ""};
   }
   /// Calls `take` with each condition that may matter.
   template <class Take>
@@ -154,10 +156,13 @@ class Questions {
       return Option{is, words, most};
     };
     const VectorXd forward = (r_.d.array() > 0.0).cast<double>(), reverse = (r_.d.array() < 0.0).cast<double>();
-    return decided("direction",
-                   {option("even", "the same in both directions", VectorXd::Ones(r_.y.size())),
-                    option("odd", "opposite in the directions", r_.d), option("forward", "forward only", forward),
-                    option("reverse", "reverse only", reverse)});
+    return decided(
+        "direction",
+        {option("even", "the same in both directions", VectorXd::Ones(r_.y.size())),
+         option("odd", "opposite in the directions", r_.d), option("forward", "forward only", forward),
+         option("reverse", "reverse only", reverse)},
+        "Approach each target from both directions one after the other: here a change over time, temperature "
+        "or runs would look the same.");
   }
 
   [[nodiscard]] LeftProperty position() const {

@@ -125,22 +125,4 @@ struct Fit {
 /// "thermal_drift:X:EX is left out of 2 of 9 predictions: they lack t_material_degC" for each effect that is.
 [[nodiscard]] Result<std::vector<std::string>> notes_of_lacking(const Model& model, const Observations& at);
 
-/// How far the readings to which a model was fitted support its prediction at another place.
-struct Support {
-  double sigma = 0.0;  ///< um, um/m: standard uncertainty of the prediction by that of the fitted parameters
-  /// Less certain there, by a tenth, than at any of the readings of its sense and axis (hidden extrapolation: Brooks,
-  /// Carroll and Verdini 1988; Montgomery, Peck and Vining 2012, 3.8), or beyond the positions of these along the axis,
-  /// or there are none.
-  bool extrapolated = false;
-};
-struct Supports {
-  std::vector<Support> places;  ///< one per reading of `at`, canonical order
-  bool is_other_fit = false;    ///< a fit to these readings has clearly other values than the model
-};
-
-/// The noise of a reading, effects that are not in the model, and what has no gradient (the place of a step, a value at
-/// its limit) are not in it.
-/// @param model  with values  @param data  to which it was fitted
-[[nodiscard]] Result<Supports> support_of(const Model& model, const Observations& data, const Observations& at);
-
 }  // namespace ecs::model

@@ -15,6 +15,7 @@
 #include "commissioning/models/work.hpp"
 #include "commissioning/session/commands.hpp"
 #include "laser/writers/writers.hpp"
+#include "model/diagnosis/support.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::app {
@@ -184,6 +185,7 @@ Result<Predicted> predicted(const model::Model& model, const std::optional<param
       notes.emplace_back(
           "a fit to the readings of --fitted-to has clearly different values than the model: the uncertainties are "
           "those of that fit. Give the readings to which the model was fitted");
+    notes.insert(notes.end(), found.notes.begin(), found.notes.end());
   }
   for (std::size_t k = 0; k < at.size(); ++k) {
     laser::Reading& reading = plan.set.readings[at.file_order[k]];
@@ -263,9 +265,7 @@ Result<Outcome> predict(VerbContext& context, const PredictRequest& request) {
   if (request.fitted_to.empty()) return outcome_of(record_cell("{predictions}", fields));
   const auto count = static_cast<std::size_t>(std::ranges::count_if(result.support, &model::Support::extrapolated));
   const std::string few = fmt::format(
-      "{} of {} predictions are extrapolated (*): beyond the readings, or at places where these determine the model "
-      "less "
-      "well than at any of their own.",
+      "{} of {} predictions are extrapolated (*): beyond the readings, or clearly less certain than at any of these.",
       count, result.support.size());
   append(fields, "extrapolated"_is(count),
          "words"_shown(paragraph(fmt::format("sigma: standard uncertainty (k = 1) that follows from those of the "

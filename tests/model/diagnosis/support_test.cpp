@@ -1,5 +1,7 @@
 // How far readings support predictions at other places: against textbook formulas and against the scatter of the
 // predictions of repeated measurements.
+#include "model/diagnosis/support.hpp"
+
 #include <numbers>
 
 #include "tests/model/support/measured_lines.hpp"
@@ -133,4 +135,68 @@ TEST_CASE("an effect whose sensor is missing at the places is said to be left ou
   CHECK(must(notes_of_lacking(with, data)).empty());
   CHECK(
       contains(only(must(notes_of_lacking(with, places(with, {500.0})))), "thermal_drift:X:EX is left out of 2 of 2"));
+}
+
+namespace {
+
+/// Of the places: with the first approach, in a run.
+Supports supported(const laser::MeasurementSet& set, const std::vector<double>& x_mm, int run) {
+  const Observations data = observations_of(set, straight(), mill());
+  const Model model = fitted_to(straight(), data);
+  Observations at = places(model, x_mm);
+  for (int& of : at.run) of = run;
+  return must(support_of(model, data, at));
+}
+
+/// Errors without any order, always the same at one number.
+double without_order(double number) { return 5.0 * std::sin(1e4 * (number + 1.0)); }
+
+}  // namespace
+
+TEST_CASE(
+    "between targets that all have an error of their own a prediction is as uncertain as these errors are large") {
+  const auto truth = [](const Reading& r) { return slope_of_ten(r) + without_order(p(r)); };
+  const auto set = measured({.step_mm = 50.0, .targets = 21}, 0.3, truth);
+  const double target_mm = p(set.readings[8]);
+  for (const Support& one : supported(set, {target_mm}, 1).places) CHECK_FALSE(one.extrapolated);
+  const Supports between = supported(set, {target_mm + 20.0}, 1);
+  CHECK(contains(only(between.notes), "2 predictions are at a value of x_mm that no reading has. The model lacks an"));
+  for (const Support& one : between.places) {
+    CHECK(one.extrapolated);
+    CHECK(one.sigma == Approx(5.0 / std::sqrt(2.0)).epsilon(0.35));  // 19 of them
+  }
+}
+
+TEST_CASE("the zero of a further run is as uncertain as those of the runs differ") {
+  const auto truth = [](const Reading& r) { return slope_of_ten(r) + without_order(r.run); };
+  const auto set = measured({.runs = 12}, 0.3, truth);
+  for (const Support& one : supported(set, {500.0}, 3).places) CHECK_FALSE(one.extrapolated);
+  const Supports further = supported(set, {500.0}, 13);
+  CHECK(contains(only(further.notes), "Each pass has a zero of its own"));
+  for (const Support& one : further.places) {
+    CHECK(one.extrapolated);
+    CHECK(one.sigma == Approx(5.0 / std::sqrt(2.0)).epsilon(0.5));  // 12 of them
+  }
+}
+
+TEST_CASE("an error that no effect of the model describes makes predictions of a further run uncertain") {
+  const auto truth = [](const Reading& r) { return slope_of_ten(r) + without_order(r.run) * (p(r) / 1000.0 - 0.5); };
+  const auto set = measured({.runs = 12}, 0.3, truth);
+  for (const Support& one : supported(set, {500.0}, 3).places) CHECK_FALSE(one.extrapolated);
+  const Supports further = supported(set, {500.0}, 13);
+  CHECK(contains(only(further.notes), "2 predictions are in a run that no reading has. The model lacks an effect"));
+  for (const Support& one : further.places) {
+    CHECK(one.extrapolated);
+    CHECK(one.sigma == Approx(5.0 / std::sqrt(24.0)).epsilon(0.5));  // rms of the slopes times that of the places
+  }
+}
+
+TEST_CASE("predictions of a further run, and between targets, are not extrapolated if the model is right") {
+  for (unsigned seed = 1; seed <= 100; ++seed) {
+    const auto set = measured({.step_mm = 50.0, .targets = 11, .runs = 4}, 0.3, slope_of_ten, seed);
+    for (const Support& one : supported(set, {p(set.readings[4]) + 20.0}, 5).places) {
+      CHECK_FALSE(one.extrapolated);
+      CHECK(one.sigma < 0.15);
+    }
+  }
 }
