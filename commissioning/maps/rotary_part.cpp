@@ -152,7 +152,7 @@ Cell rotary_cell(const laser::MapHeader& header) {
       location.text += fmt::format("{}{} {}", location.text.empty() ? "" : ", ", name, shortest(one.axis.location[s]));
     }
     if (location.text.empty()) location.text = "none";
-    return record_cell("  {letter}: {deg_per_count} deg a count, location errors {location}\n     {largest}\n",
+    return record_cell("  {letter}: {deg_per_count} deg per count, location errors {location}\n     {largest}\n",
                        "letter"_is(std::string(1, one.axis.letter)),
                        "deg_per_count"_is(one.axis.deg_per_count, shortest(one.axis.deg_per_count)),
                        "location"_is(location), "start_deg"_is(Cell{number_or_null(one.start_deg), {}}),

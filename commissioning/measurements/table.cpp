@@ -251,7 +251,9 @@ Cell table_cell(const std::vector<TableRow>& rows) {
   Cell table = list_cell(rows, row_cell,
                          fmt::format("{:<10} {:<20} {:<4} {:<12} {:<12} {:>5} {:>5} {:>4}\n", "name", "measurement",
                                      "unit", " published", "  measured", "A", "E", "x"));
-  table.text += fmt::format("\n{}:\n{}", laser::kBandDefinition, slopes_text(rows));
+  table.text +=
+      fmt::format("\n{}.\nSlope removed, as stated in the plan (end_points: line through the end points):\n{}",
+                  laser::kBandDefinition, slopes_text(rows));
   table.text +=
       "A, E: accuracy and systematic error (ISO 230-2) after compensation (before,\nif only that was measured); x: "
       "ratio of the bands; published: bands stated in the plan; 40.0->10.0: before -> after; !: more than published.\n";

@@ -393,7 +393,9 @@ Cell candidates_cell(const Diagnosis& d) {
       std::ranges::any_of(d.candidates, [](const Candidate& one) { return one.in_answer() && one.set.size() > 1; });
   return {std::move(list),
           titled_table(fmt::format("proved effects (columns: each effect alone{})",
-                                   of_groups ? "; of causes that cannot be distinguished, only the fitted one" : ""),
+                                   of_groups ? ". Where causes cannot be\ndistinguished, one of them is proved, but "
+                                               "not which; the fitted one is listed"
+                                             : ""),
                        named) +
               titled_table("likely effects, not proved", likely) + add_text(d) +
               titled_table(

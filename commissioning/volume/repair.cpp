@@ -147,7 +147,7 @@ class Draws {
 
 /// A prediction that may as well come out otherwise.
 std::string doubt(const CauseCost& cost, std::string_view quantity, std::string_view remedy, const Expected& size) {
-  return fmt::format("{} with {} {} {:.1f} um ({:.0f} %; {:.1f} to {:.1f} um possible)", quantity,
+  return fmt::format("{0} {3:.1f} um if {1} is {2} ({4:.0f} %, possible range {5:.1f} to {6:.1f} um)", quantity,
                      name_with_alternatives(cost.effect), remedy, size.um, 100.0 * size.share, size.least_um,
                      size.at_most_um);
 }
@@ -159,7 +159,7 @@ void note_doubts(RepairAnswer& answer, const std::vector<std::string>& steps) {
   std::vector<std::string> doubts;
   for (const CauseCost& cost : answer.causes) {
     const auto look = [&](std::string_view quantity, const Remaining& one) {
-      if (one.left.share < kLikely) doubts.push_back(doubt(cost, quantity, "left", one.left));
+      if (one.left.share < kLikely) doubts.push_back(doubt(cost, quantity, "left as it is", one.left));
       if (one.compensated.share < kLikely) doubts.push_back(doubt(cost, quantity, "compensated", one.compensated));
       if (one.repaired.share < kLikely) doubts.push_back(doubt(cost, quantity, "repaired", one.repaired));
     };
@@ -171,13 +171,14 @@ void note_doubts(RepairAnswer& answer, const std::vector<std::string>& steps) {
   std::string note;
   if (!steps.empty())
     note = fmt::format(
-        "{}: its position is decisive, and these readings do not determine it. Measure there in fine steps. ",
+        "{}. Between these targets, an error as large as the step may remain after compensation, and the readings do "
+        "not show it. Measure there in fine steps. ",
         fmt::join(steps, ", "));
   note += "Uncertain (probability of being right within 10 % or 1 um): ";
   const std::size_t more = doubts.size() > kMost ? doubts.size() - kMost : 0;
   doubts.resize(doubts.size() - more);
   note += fmt::format("{}", fmt::join(doubts, "; "));
-  if (more > 0) note += fmt::format("; {} more (_share of --json)", more);
+  if (more > 0) note += fmt::format("; {} more: see the fields of --json that end in _share", more);
   answer.notes.push_back(std::move(note));
 }
 
@@ -451,9 +452,9 @@ Cell repair_cell(const RepairAnswer& answer) {
   std::string head = fmt::format(
       "The table lists the remaining error [um]. Each block is for one cause: left as it is, compensated, or repaired. "
       "All other causes are compensated as far as the unit can. If left and compensated are equal in every row, the "
-      "unit does not compensate the cause. Parts of an rms value add as squares. The 95 % bound is in brackets. "
-      "Readings: {}, each with a noise of {:.2f} um. Volume: {} positions, each in both approaches, with errors "
-      "relative to the reference position: a constant offset changes the readings only.",
+      "unit does not compensate the cause. The rms values of several causes add as squares. The 95 % bound is in "
+      "brackets. Readings: {}; their noise of {:.2f} um each is not included. Volume: {} positions, each in both "
+      "approaches, with errors relative to the reference position: a constant offset changes the readings only.",
       answer.readings, answer.noise_um, answer.places);
   if (std::ranges::any_of(answer.causes, [](const CauseCost& cost) { return cost.remedy == Remedy::set_up; }))
     head +=
@@ -462,8 +463,7 @@ Cell repair_cell(const RepairAnswer& answer) {
   if (has_circle)
     head += fmt::format(" Circle: in {} around the middle of the travels, diameter {:.0f} mm.", answer.plane,
                         answer.diameter_mm);
-  head += has_circle ? " The volume and the circle contain only the causes of the model, not the residual."
-                     : " The volume contains only the causes of the model, not the residual.";
+  head += " All figures contain only the causes of the model, not the residual.";
   return record_cell(
       "{head}\n                                left       compensated          repaired\n{causes}{notes}",
       "head"_shown(paragraph(head)), "readings"_is(answer.readings), "points"_is(answer.places),

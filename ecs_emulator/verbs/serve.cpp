@@ -72,7 +72,7 @@ struct ServeRequest {
       return cli::OnText([&options](const std::string& link) { options.pty = link; });
     };
     const Fields<O> of_line{
-        {{"--pty", {}, "create this symbolic link to the pseudo-terminal (RTU)"}, pty},
+        {{"--pty", {}, "serve Modbus RTU on a pseudo-terminal; hosts open it by this symbolic link"}, pty},
         whole_number("--tcp", [](O& o, long long port) { o.tcp = static_cast<std::uint16_t>(port); },
                      "serve Modbus TCP on this port of 127.0.0.1, instead of --pty; 0: any free port", {0, 65535}),
         {"--also-tcp", &O::also_tcp,
@@ -98,7 +98,8 @@ struct ServeRequest {
          Fields<O>{{"--arm-code", &O::arm_code, "arming code shown by the unit; six random digits if not given"},
                    {"--real-time", &O::real_time,
                     "run in real time; `ecs-emulator workshop SOCKET state` shows the missed periods"}}},
-        {"--with-parent", &R::with_parent, "end when the parent process ends"}};
+        {"--with-parent", &R::with_parent,
+         "end when the process that started the emulator ends, for example a script"}};
   }
 };
 

@@ -176,7 +176,7 @@ void add_notes(Normalised& done, const Normalisation& how) {
       "coefficient {} um/(m degC), applied to {}; material temperature {:.2f} to {:.2f} degC{}; position {} mm is "
       "fixed",
       shortest(how.coefficient_um_per_m_degC),
-      done.instrument_um_per_m_degC == 0.0 ? std::string("the errors as measured")
+      done.instrument_um_per_m_degC == 0.0 ? std::string("errors without a correction by the instrument")
                                            : fmt::format("errors from which the {} of the instrument is removed",
                                                          shortest(done.instrument_um_per_m_degC)),
       done.least_degC, done.most_degC, how.material_degC ? " (one value for all readings)" : "",

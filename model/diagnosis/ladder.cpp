@@ -515,7 +515,7 @@ std::string undecided_text(const Model& model, const Observations& data) {
       if (const auto value = searched_value(effect); value && effect.traits().periodic)
         names.back() += fmt::format(" at {:.4g}", *value);
     }
-    text += fmt::format(" Undecided: {}.", fmt::join(names, " or "));
+    text += fmt::format(" These readings do not distinguish causes listed in the model: {}.", fmt::join(names, " or "));
   }
   return text;
 }

@@ -91,7 +91,8 @@ struct Undecided {
 };
 /// None of readings of a ball, whose exchangeable location errors a fit states.
 [[nodiscard]] std::vector<Undecided> undecided_effects(const Model& model, const Observations& data);
-/// " Undecided: scale:X:EX or cosine:X:EX."; "" where there is nothing of the kind.
+/// " These readings do not distinguish causes listed in the model: scale:X:EX or cosine:X:EX."; "" where there is
+/// nothing of the kind.
 [[nodiscard]] std::string undecided_text(const Model& model, const Observations& data);
 
 }  // namespace ecs::model

@@ -38,7 +38,7 @@ EffectDefinition offset() {
       .headline = "a shift of {um} in all {readings}",
       .parameters = {{"um", "um", "constant offset"}},
       .carrier = Carrier::error_map,
-      .how = "a constant in the map, or the null offset of the datum (null_offset_mm)",
+      .how = "a constant in the map, or the zero shift of the datum (parameter null_offset_mm)",
       .separated_by = separations::kFinerTargets,
       .traits =
           {.shows_at_zero = true, .of_lines = true, .is_usual = true, .one_per_axis = true, .on_rotary_axes = true},

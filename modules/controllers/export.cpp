@@ -170,12 +170,11 @@ Cell table_cell(const controllers::ExportedTable& t) {
 }
 
 Cell tables_cell(const std::vector<controllers::ExportedTable>& tables) {
-  Cell list = list_cell(
-      tables, table_cell,
-      fmt::format("{:<4} {:<37} {:>6} {:>6} {:>8} {:>8}\n", "", "table", "points", "in map", "largest", "differs"));
+  Cell list = list_cell(tables, table_cell,
+                        fmt::format("{0:<42} {1:>13}\n{0:<4} {2:<37} {3:>6} {4:>6} {5:>8} {6:>8}\n", "",
+                                    "points of the", "table", "table", "map", "largest", "differs"));
   list.text +=
-      "points: points of the table; in map: points of the map; largest: largest value of the table; differs: largest "
-      "difference from the compensation by the ECS unit\n";
+      "largest: largest value of the table; differs: largest difference from the compensation by the ECS unit\n";
   return list;
 }
 

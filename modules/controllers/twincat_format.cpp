@@ -33,10 +33,10 @@ double sign_of(const TwinCatOptions& options) { return options.adds.value_or(fal
 
 /// The list travels alone: what is not certain stands in it.
 std::string_view sign_warning(bool adds) {
-  return adds ? "sign against the manual's example, tried on no control: check one axis with the laser before use "
-                "(--ssfk-sign subtracts turns it)"
-              : "sign as in the example of the manual, not tried on a control: check one axis with the laser before "
-                "use (--ssfk-sign adds turns it)";
+  return adds ? "sign against the example of the TF5200 manual, not tried on a control: check one axis with the laser "
+                "before use (the option --ssfk-sign subtracts reverses it)"
+              : "sign as in the example of the TF5200 manual, not tried on a control: check one axis with the laser "
+                "before use (the option --ssfk-sign adds reverses it)";
 }
 
 /// The curve in whole tenths of a micrometre, positions and values.

@@ -304,7 +304,7 @@ Result<void> bring_to_lines(const ReadRequest& request, const ReadFiles& files, 
   const std::string by = !levers_given(request).empty() ? "as given by --levers"
                          : files.tables.levers_from_lines
                              ? "as stated in the head of the file"
-                             : "assumed, because the file does not state it; give --levers lines if this is wrong";
+                             : "assumed, because the file does not state it: if this is wrong, give --levers lines";
   made.levers_from = lines ? "measurement lines" : "machine zero";
   made.moved = !lines && made.parameters.has_value();
   std::string done;
@@ -321,11 +321,11 @@ Result<void> bring_to_lines(const ReadRequest& request, const ReadFiles& files, 
         made.moved ? fmt::format("curves moved from the machine zero to {}", lines_in_words(parameters))
                    : "curves as on their measurement lines, not moved");
   } else {
-    done =
-        lines ? "The curves were not moved. The file does not contain their measurement lines: they must be in the "
-                "parameters"
-              : "The curves were not moved: in the parameters for this map set measurement_line_mm to 0. With --params "
-                "the curves are moved to the measurement lines of those parameters";
+    done = lines
+               ? "The curves were not moved. The file does not contain their measurement lines: they must be in the "
+                 "parameters"
+               : "The curves were not moved: set measurement_line_mm to 0 in the parameters for this map. Or give the "
+                 "parameters with --params: then the curves are moved to the measurement lines";
   }
   made.notes.push_back(fmt::format("lever arms count from the {} ({}). {}", made.levers_from, by, done));
   return {};

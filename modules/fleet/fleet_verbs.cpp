@@ -285,7 +285,8 @@ const std::vector<Action> kFleet{
            "  fleet.csv:  id,model,data,machine,type,batch\n"
            "              7001,mill.toml,7001.csv,mill_machine.toml,mill,2026-04",
            fleet_diagnose),
-    action("fleet merge", "combine the results of many machines: confirmed causes, changes, causes shared by a batch",
+    action("fleet merge",
+           "combine the results of many machines: confirmed causes, changes, causes common to a batch of machines",
            "ecs fleet merge results*.jsonl --fdr 0.05 --previous yesterday.jsonl -o today.jsonl", fleet_merge)};
 
 }  // namespace

@@ -151,13 +151,13 @@ nlohmann::ordered_json json_of(const HiddenEffect& hidden) {
   return json;
 }
 
-/// "300 readings of EX over X; 3 runs; configuration TXYZ": what anybody sees who opens the files.
+/// "300 readings of EX along X; 3 runs; configuration TXYZ": what anybody sees who opens the files.
 std::string line_about(const HiddenCase& c) {
   std::string lines;
   int runs = 1;
   for (const Stop& stop : c.scene.stops) {
     runs = std::max(runs, stop.run);
-    const std::string line = fmt::format("{} over {}", name_of(stop.sense), letter_of(stop.axis));
+    const std::string line = fmt::format("{} along {}", name_of(stop.sense), letter_of(stop.axis));
     if (lines.find(line) == std::string::npos) lines += (lines.empty() ? "" : ", ") + line;
   }
   return fmt::format("{} readings of {}; {} run{}; configuration {}{}; the truth is in truth.sealed", c.readings.size(),

@@ -368,8 +368,8 @@ class LengthReport {
     constexpr double kMuchMore = 1.3;
     if (out.residual_um > kMuchMore * *out.repeat_um)
       out.notes.push_back(fmt::format(
-          "residuals {:.2f} um, repeats {:.2f} um: the curves do not follow the machine closely enough: use a smaller "
-          "knot spacing (--knots) or check for drift; the uncertainties include the residuals",
+          "residuals {:.2f} um, repeats {:.2f} um: the curves do not follow the machine closely enough. Place their "
+          "points closer together (--knots) or check for drift. The uncertainties include the residuals",
           out.residual_um, *out.repeat_um));
   }
 

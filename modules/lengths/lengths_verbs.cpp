@@ -463,7 +463,7 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
       "axis (one run in one direction) {pass_um} um and {pass_um_per_m} um per metre of lever\n  the map is known to U "
       "= {volume_U_um} um "
       "(expanded uncertainty, k = 2) of the error vector, root mean square over the volume; `ecs volume` states the "
-      "residual error after compensation\n{set_ups}{outliers}{notes}{map}{params_out}",
+      "remaining error after compensation\n{set_ups}{outliers}{notes}{map}{params_out}",
       "file"_is(work.test.source), "machine"_is(work.machine_name), "readings"_is(found.readings),
       "of_kind"_shown(model::has_points(work.test) ? "deviations" : "lengths"), "unknowns"_is(found.unknowns),
       "known_values"_is(found.known_values, known_text(work)), "degrees_of_freedom"_is(found.degrees_of_freedom),

@@ -448,7 +448,7 @@ Result<LogComparison> compared(const Logbook& book, const std::string& from, con
       state.volume = volume_of(*maps[day], run, comparison.notes, state.date);
     else
       comparison.notes.push_back(fmt::format("{}: no map had been built by then: no curves", state.date));
-    if (!state.diagnosis) comparison.notes.push_back(fmt::format("{}: no diagnosis by then", state.date));
+    if (!state.diagnosis) comparison.notes.push_back(fmt::format("{}: no diagnosis had been made by then", state.date));
     comparison.states[day] = std::move(state);
   }
   if (comparison.states[0].map && comparison.states[1].map &&

@@ -203,9 +203,10 @@ Cell replay_cell(const Replay& replay) {
 
 Cell comparison_of_log_cell(const LogComparison& comparison) {
   const auto& states = comparison.states;
-  const std::string head =
-      fmt::format("\n{:<5} {:<5} {:>12} {:>12} {:>15} {:>12}\n", "curve", "unit", states[0].date.substr(0, 10),
-                  states[1].date.substr(0, 10), "largest change", "change rms");
+  const std::string head = fmt::format(
+      "\nlargest value of each curve at each date, and change between the curves\n{:<5} {:<5} {:>12} {:>12} {:>15} "
+      "{:>12}\n",
+      "curve", "unit", states[0].date.substr(0, 10), states[1].date.substr(0, 10), "largest change", "change rms");
   Cell curves = list_cell(comparison.curves, curve_cell, comparison.curves.empty() ? "" : head);
   Cell causes = list_cell(comparison.causes, cause_cell, comparison.causes.empty() ? "" : "\ncauses\n");
   return record_cell("{states}{curves}{causes}{volume}{notes}", "from"_is(state_json(states[0])),

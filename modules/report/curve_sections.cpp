@@ -65,14 +65,14 @@ Markup iso_table(const TableRow& row) {
 
 std::string slope_of(const MeasuredPhase& phase) { return number_text(phase.readings.level.removed.slope_per_m, 1); }
 
-/// "slope −22.4, after 0.3 µm/m removed by least squares"
+/// "slope removed (least squares): before −22.4, after 0.3 µm/m"
 std::string slope_text(const TableRow& row) {
   const auto method = row.planned.slope;
   if (method == laser::SlopeMethod::none) return "no slope removed";
   const std::string values = row.before && row.after
-                                 ? fmt::format("{}, after {}", slope_of(*row.before), slope_of(*row.after))
+                                 ? fmt::format("before {}, after {}", slope_of(*row.before), slope_of(*row.after))
                                  : slope_of(row.before ? *row.before : *row.after);
-  return fmt::format("slope {} {} removed by {}", values, is_rotation(row.planned.sense) ? "µm/m per m" : "µm/m",
+  return fmt::format("slope removed ({2}): {0} {1}", values, is_rotation(row.planned.sense) ? "µm/m per m" : "µm/m",
                      method == laser::SlopeMethod::end_points ? "end points" : "least squares");
 }
 

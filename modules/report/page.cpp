@@ -174,8 +174,8 @@ Markup head_of(const ReportContent& content) {
   for (const auto& [key, value] : content.header)
     if (key != "machine" && key != "date") facts.emplace_back(title_of(key), value);
   if (content.machine) facts.emplace_back("configuration", content.machine->configuration);
-  facts.emplace_back("measured before", dates_of(content, &TableRow::before));
-  facts.emplace_back("measured after", dates_of(content, &TableRow::after));
+  facts.emplace_back("measurements before compensation", dates_of(content, &TableRow::before));
+  facts.emplace_back("measurements after compensation", dates_of(content, &TableRow::after));
   facts.emplace_back("date of the report", content.date.empty() ? "no date was given" : content.date);
   facts.emplace_back("error map (SHA-256)", content.map ? content.map->sha256.substr(0, 16) + "…" : "none given");
   if (content.map && content.map->check)

@@ -29,7 +29,7 @@ Cell term_cell(const laser::ThermalTerm& term) {
 }
 
 Cell law_cell(const std::string& title, const laser::ThermalLaw& law) {
-  return record_cell("  {title:<54} {rms_um:>8} {left_out_rms_um:>8}\n", "title"_shown(title),
+  return record_cell("  {title:<49} {rms_um:>15} {left_out_rms_um:>12}\n", "title"_shown(title),
                      "rms_um"_is(law.rms_um, 2), "left_out_rms_um"_is(law.left_out_rms_um, 2),
                      "terms"_is(list_cell(law.terms, term_cell)), "run_rms_um"_is(Json(law.run_rms_um)));
 }
@@ -37,13 +37,12 @@ Cell law_cell(const std::string& title, const laser::ThermalLaw& law) {
 Cell run_cell(const laser::ThermalTest& test, std::size_t r) {
   const laser::ThermalRun& run = test.runs[r];
   return record_cell(
-      "  {run:>5} {readings:>8} {plain:>8} {lagged:>8} {plain_shape:>8} {lagged_shape:>8}{words}\n", "run"_is(run.run),
+      "  {run:>5} {readings:>8} {plain:>9} {lagged:>8} {plain_shape:>9} {lagged_shape:>8}{words}\n", "run"_is(run.run),
       "readings"_is(run.readings), "plain"_shown(test.plain.run_rms_um[r], 2),
       "lagged"_shown(test.lagged.run_rms_um[r], 2), "plain_shape"_shown(test.plain_shape.run_rms_um[r], 2),
       "lagged_shape"_shown(test.lagged_shape.run_rms_um[r], 2), "extrapolates"_is(!run.beyond.empty()),
       "beyond"_is(Json(run.beyond)),
-      "words"_shown(run.beyond.empty() ? std::string()
-                                       : fmt::format("  extrapolates: {} degC", fmt::join(run.beyond, ", "))));
+      "words"_shown(run.beyond.empty() ? std::string() : fmt::format("  {}", fmt::join(run.beyond, ", "))));
 }
 
 /// What lowers the error of a run left out, with the numbers.
@@ -71,13 +70,12 @@ Result<Outcome> thermal(VerbContext& context, const ThermalRequest& request) {
   for (std::size_t r = 0; r < runs.size(); ++r) runs[r] = r;
   return outcome_of(
       record_cell("{file}: {count} runs; deviation from the first reading of each run {raw_rms_um} um rms\n"
-                  "  rms [um]                                                 all runs run left\n"
-                  "                                                            fitted      out\n"
+                  "  rms [um]                                          all runs fitted run left out\n"
                   "{plain}{lagged}{plain_shape}{lagged_shape}"
                   "  law with a delay for each sensor and a separate zero of each run:\n{law}"
                   "  each run predicted by the others, rms [um]\n"
-                  "                    from first reading    own zero each run\n"
-                  "    run readings  present  delayed  present  delayed  temperatures\n{runs}{words}\n",
+                  "                 from first reading  own zero each run\n"
+                  "    run readings  no delay  delayed  no delay  delayed  beyond other runs [degC]\n{runs}{words}\n",
                   "file"_is(request.file), "count"_shown(test.runs.size()), "raw_rms_um"_is(test.raw_rms_um, 2),
                   "plain"_is(law_cell("all sensors, from the first reading", test.plain)),
                   "lagged"_is(law_cell("sensors and delays chosen, from the first reading", test.lagged)),

@@ -117,7 +117,8 @@ class WorksheetReader {
     if (efficiency_ > 1.0) reader_.complain(*table->get("efficiency"), "screw.efficiency: expected at most 1");
     if (!pitch_mm) return;
     pitch_mm_ = *pitch_mm;
-    constant(pitch, "screw pitch / gear", fmt::format("{:g} mm / {:g}", pitch_mm_, gear_), pitch_mm_ / gear_);
+    constant(pitch, "screw pitch / gear (turns of the motor per turn of the screw)",
+             fmt::format("{:g} mm / {:g}", pitch_mm_, gear_), pitch_mm_ / gear_);
     constant(Ks, "screw pitch / (2 pi gear)", fmt::format("{:g} mm / ({:.6f} * {:g})", pitch_mm_, kTurn, gear_),
              pitch_mm_ / (kTurn * gear_));
   }

@@ -334,7 +334,8 @@ std::string differing_words(const VerifyRequest& request, const MapVerdict& verd
   if (parameters > 0)
     words += fmt::format("; {} parameter{} from {}", parameters, parameters == 1 ? " differs" : "s differ",
                          request.params.empty() ? request.file : request.params);
-  if (count > 0 && is_resampled) words += ". The points of the file are uneven, and a unit has them resampled";
+  if (count > 0 && is_resampled)
+    words += ". The points of the file are unequally spaced; the unit holds the curve resampled at equal spacing";
   return words;
 }
 

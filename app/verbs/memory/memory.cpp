@@ -253,8 +253,8 @@ Result<Outcome> compare(VerbContext& context, const CompareRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kMemory{
-    action("memory read", "show or store bytes of the unit's memory", "ecs memory read 0x100000 64", read_bytes,
-           {.link = Link::reads}),
+    action("memory read", "show bytes of the unit's memory or save them in a file", "ecs memory read 0x100000 64",
+           read_bytes, {.link = Link::reads}),
     action("memory write", "write bytes into the unit's memory (needs --yes)", "ecs memory write 0x048000 4E75 --yes",
            write_bytes, {.link = Link::writes}),
     action("memory dump", "save all memory of the unit and its status in one file", "ecs memory dump -o unit.ecsdump",

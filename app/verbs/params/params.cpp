@@ -230,11 +230,13 @@ struct ScaleRequest {
   double pitch_mm = 0.0, gear = 1.0;
   static Fields<ScaleRequest> fields() {
     using R = ScaleRequest;
-    return {{"--lines", &R::lines, "lines per turn of an incremental encoder; the unit counts four times as many",
-             Range{1, 1e6}},
-            {"--counts", &R::counts, "counts per turn of a resolver, in place of --lines", Range{1, 1e8}},
-            {"--pitch-mm", &R::pitch_mm, "travel per turn of the screw, mm", Range{1e-3, 1e4}, Need::required},
-            {"--gear", &R::gear, "turns of the screw per turn of the transducer", Range{1e-4, 1e4}}};
+    return {
+        {"--lines", &R::lines, "lines per turn of an incremental encoder; the unit counts four times as many",
+         Range{1, 1e6}},
+        {"--counts", &R::counts, "counts per turn of a resolver, in place of --lines", Range{1, 1e8}},
+        {"--pitch-mm", &R::pitch_mm, "travel per turn of the screw, mm", Range{1e-3, 1e4}, Need::required},
+        {"--gear", &R::gear, "turns of the screw per turn of the transducer (`ecs model drive` uses the inverse ratio)",
+         Range{1e-4, 1e4}}};
   }
 };
 

@@ -91,7 +91,8 @@ Result<Outcome> set_input(VerbContext& context, const InputRequest& request) {
 
 extern const std::vector<Action> kUtilityInputs{
     action("utility inputs",
-           "show temperatures, load and deviation at the unit, their state, and the thermal compensation",
+           "show the inputs of the unit (temperatures, load, deviation shown by an instrument), their state, and the "
+           "thermal compensation",
            "ecs utility inputs --json", show_inputs, {.link = Link::reads}),
     action("utility input",
            "set a temperature, the load or a deviation at an input without a sensor; also while the unit compensates",

@@ -21,15 +21,16 @@ const char* const kTwoPoints =
 
 TEST_CASE("a list holds actual minus nominal in tenths of a micrometre, a table for each direction") {
   const auto made = must(twincat_export(twincat_example(), {}));
-  CHECK(file_named(made, "achskw1.lis").content ==
-        "# EXX error of X, actual minus nominal, in 0.1 um; pos and neg: direction of motion\n"
-        "# sign as in the example of the manual, not tried on a control: check one axis with the laser before use "
-        "(--ssfk-sign adds turns it)\n"
-        "kopf.achs_nr 1\nkopf.log_achs_name X\nkw.ssfk.unit 1\nkw.ssfk.interval 0\nkw.ssfk.kw_startpos 0\n"
-        "kw.ssfk.kw_nr_max 3\nkw.ssfk.bilateral 1\nkw.ssfk.modulo 0\n"
-        "kw.ssfk.table[0].setpoint 0\nkw.ssfk.table[0].pos 0\nkw.ssfk.table[0].neg -30\n"
-        "kw.ssfk.table[1].setpoint 500000\nkw.ssfk.table[1].pos -40\nkw.ssfk.table[1].neg -70\n"
-        "kw.ssfk.table[2].setpoint 1000000\nkw.ssfk.table[2].pos -90\nkw.ssfk.table[2].neg -130\n");
+  CHECK(
+      file_named(made, "achskw1.lis").content ==
+      "# EXX error of X, actual minus nominal, in 0.1 um; pos and neg: direction of motion\n"
+      "# sign as in the example of the TF5200 manual, not tried on a control: check one axis with the laser before use "
+      "(the option --ssfk-sign adds reverses it)\n"
+      "kopf.achs_nr 1\nkopf.log_achs_name X\nkw.ssfk.unit 1\nkw.ssfk.interval 0\nkw.ssfk.kw_startpos 0\n"
+      "kw.ssfk.kw_nr_max 3\nkw.ssfk.bilateral 1\nkw.ssfk.modulo 0\n"
+      "kw.ssfk.table[0].setpoint 0\nkw.ssfk.table[0].pos 0\nkw.ssfk.table[0].neg -30\n"
+      "kw.ssfk.table[1].setpoint 500000\nkw.ssfk.table[1].pos -40\nkw.ssfk.table[1].neg -70\n"
+      "kw.ssfk.table[2].setpoint 1000000\nkw.ssfk.table[2].pos -90\nkw.ssfk.table[2].neg -130\n");
   CHECK(made.tables[0].deviation == Approx(0.04));  // 9.04 um became 9.0
   CHECK(made.settings[1] == "start-up list: achs_kw_log_ax_nr[0] 1, achs_kw[0] achskw1.lis");
   CHECK(made.settings[2] == "list of axis 1: lr_param.ssfk 1");

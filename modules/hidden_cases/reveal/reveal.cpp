@@ -327,7 +327,9 @@ void add_scores(Cell& list, const HiddenEffect& hidden, const FoundEffect& found
 
 Cell scores_cell(const Revealed& r) {
   Cell list{Json::array(),
-            fmt::format("{:<32} {:>12} {:>12} {:>10} {:>11}\n", "parameter", "hidden", "found", "sigma", "sigmas off")};
+            fmt::format("sigma: standard uncertainty that the diagnosis states; -: none, as for the\nposition of a "
+                        "step, which may be anywhere between two targets\n{:<32} {:>12} {:>12} {:>10} {:>11}\n",
+                        "parameter", "hidden", "found", "sigma", "sigmas off")};
   for (const HiddenEffect& hidden : r.truth.effects)
     for (const FoundEffect& found : r.answer.candidates)
       if (found.named && to_text(found.effect) == hidden.name && details_agree(hidden, found))
@@ -337,7 +339,10 @@ Cell scores_cell(const Revealed& r) {
                                [](const auto& one) { return without_turns(one.first, one.second) != one.second; });
   });
   if (turned && !list.json.empty())
-    list.text += paragraph("A phase is listed within half a turn of zero: 2 pi rad more is the same phase.", 0, 2);
+    list.text += paragraph(
+        "amplitude2, phase2: second harmonic. A phase is listed within half a turn of zero: 2 pi rad more is the same "
+        "phase.",
+        0, 2);
   return list;
 }
 

@@ -260,7 +260,9 @@ TEST_CASE("alternatives that the model keeps are undecided, and the run that sep
   const Observations data = observations_of(set, model, mill());
   auto found = must(diagnose(model, data));
   REQUIRE(found.verdict == Verdict::adequate);
-  CHECK_MESSAGE(contains(found.headline, " Undecided: backlash:X:EX or servo_lag:X:EX."), found.headline);
+  CHECK_MESSAGE(
+      contains(found.headline, " not distinguish causes listed in the model: backlash:X:EX or servo_lag:X:EX."),
+      found.headline);
   const NextMeasurement next = planned_next(model, data, found);
   CHECK(next.rivals == std::vector<std::string>{"backlash:X:EX", "servo_lag:X:EX"});
   REQUIRE_FALSE(next.proposals.empty());
