@@ -22,15 +22,14 @@ struct GlossaryRow {
 };
 
 constexpr GlossaryRow kGlossary[] = {
-    {"alias", "another period that the same targets cannot distinguish from the one found"},
+    {"alias", "another period of a periodic error that the same targets cannot distinguish from the one found"},
     {"approach", "the direction in which the axis last moved: forward (to larger coordinates) or reverse"},
     {"armed|arm code",
      "the unit accepts writes and commands from this host, because somebody has entered the arming code shown on the "
      "unit"},
     {"by chance",
-     "share of simulated noise-only data sets in which some effect explains as much as the named one does in the "
-     "measured "
-     "data"},
+     "how often noise alone would look as convincing: share of simulated noise-only data sets in which some effect "
+     "explains as much as the named effect explains in the measured data"},
     {"candidate|candidates", "an effect that was tried on the residual"},
     {"commit",
      "the step that makes a completely sent map active; until then the old map stays active; the unit numbers its "
@@ -45,8 +44,8 @@ constexpr GlossaryRow kGlossary[] = {
      "corrected"},
     {"diagnosis|diagnose", "the search for effects that the model lacks, with evidence"},
     {"e-value",
-     "how many times more probable held-out readings are with the effect than without it, divided by the number of "
-     "candidates tried; noise alone reaches 100 at most once in 100 cases; not valid where the zero of the readings "
+     "probability of the held-out readings with the effect, divided by their probability without it and by the number "
+     "of candidates tried; noise alone reaches 100 at most once in 100 cases; not valid where the zero of the readings "
      "drifts slowly"},
     {"held out|held-out", "readings that were not used for the fit and therefore test it"},
     {"integration mode|integration|integrating", "the unit accepts parameters, maps and commands; compensation is off"},
@@ -54,8 +53,8 @@ constexpr GlossaryRow kGlossary[] = {
     {"likely",
      "not proved, but improbable by chance: in at most 1 of 100 simulated noise-only data sets, some effect fits as "
      "well as this one fits the readings. Held-out readings do not contradict it. Together with the proved effects it "
-     "must reduce the residual to noise, or explain at least half of the residual above noise that remains with the "
-     "proved effects. Another cause remains possible"},
+     "must reduce the residual to noise, or explain at least half of the part above noise that the proved effects "
+     "leave unexplained. Another cause remains possible"},
     {"machine file",
      "description of the machine that is given with --machine: axes, travels, pitches, measurement lines (from which "
      "lever arms are measured), inputs of the unit"},
@@ -65,7 +64,7 @@ constexpr GlossaryRow kGlossary[] = {
     {"parked",
      "at rest at this position while another axis moves; the distance from the measurement line of the moving axis is "
      "the lever arm of its angular errors"},
-    {"pitch", "travel per turn of a screw, or distance between the lines of a scale: errors repeat with it"},
+    {"pitch", "travel per turn of a screw (lead), or distance between the lines of a scale: errors repeat with it"},
     {"proved",
      "shown by held-out readings with an e-value of at least 100 or, where these give no e-value, by comparison with "
      "simulated noise-only data sets"},

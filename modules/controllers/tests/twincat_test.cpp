@@ -97,7 +97,7 @@ TEST_CASE("a control that adds the values gets the other sign, and its lists are
   const auto made = must(twincat_export(twincat_example(), options));
   const std::string& text = file_named(made, "achskw1.lis").content;
   CHECK(text.starts_with("# EXX error of X, nominal minus actual"));
-  check_holds(text, {"\n# sign against the manual's example, tried on no control",
+  check_holds(text, {"\n# sign against the example of the TF5200 manual, not tried on a control",
                      "kw.ssfk.table[1].pos 40\nkw.ssfk.table[1].neg 70\n"});
   CHECK(compensation_at(parse_twincat(text, "a.lis", options)->tables[1], 50.0) == Approx(7.0));
   CHECK(compensation_at(made.applied.tables[1], 50.0) == Approx(7.0));
