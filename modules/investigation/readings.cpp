@@ -240,7 +240,7 @@ std::string micrometres(const std::optional<double>& um) { return um ? fmt::form
 Cell programme_cell(const IsoProgramme& programme) {
   const bool one = programme.lines == 1;
   return record_cell(
-      "ISO 230-2 programme of the same {what}: {runs} bidirectional runs over {targets} targets, {dwell_s} s dwell and "
+      "reference programme of the same {what}: {runs} bidirectional runs over {targets} targets, {dwell_s} s dwell and "
       "trigger, {set_up_minutes} min set-up per line, {minutes} min",
       "lines"_is(programme.lines), "runs"_is(IsoProgramme::kRuns, fmt::format("{}", IsoProgramme::kRuns)),
       "targets"_is(programme.targets), "dwell_s"_is(programme.dwell_s, fmt::format("{:g}", programme.dwell_s)),
