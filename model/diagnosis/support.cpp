@@ -114,7 +114,7 @@ struct Unseen {
 };
 
 Unseen unseen_values(const Observations& data, const Assembly& assembly, const CoreFit& core, std::size_t of) {
-  constexpr std::size_t kFewestUnseen = 3, kMostUnseen = 40;
+  constexpr std::size_t kFewestUnseen = 3, kMostUnseen = 200;
   constexpr double kDetermined = 1e-6;  // of a row
   Unseen unseen;
   for (std::size_t k = 0; k < data.size(); ++k) unseen.values.insert(value_of(data, k, of));
@@ -172,9 +172,9 @@ void mark_unseen(const Observations& data, const Observations& at, const Assembl
     for (const auto& [is_beyond, count] : marked) {
       const Predicted& predicted = is_beyond ? unseen.beyond : unseen.between;
       supports.notes.push_back(fmt::format(
-          "{} predictions are {} that no reading has. The model lacks an effect: readings {}, predicted from the other "
-          "ones, differ by {:.3g} {} rms, {:.1f} times as much as noise and fit explain",
-          count, words_for(data, of),
+          "extrapolated predictions {} without a reading: {}. The model lacks an effect: readings {} differ from their "
+          "predictions by the other ones by {:.3g} {} rms, {:.1f} times as much as noise and fit explain",
+          words_for(data, of), count,
           of == kRun  ? "of one run"
           : is_beyond ? "at an end value"
                       : "at one value",
@@ -198,9 +198,9 @@ bool mark_other_runs(const Observations& data, const Observations& at, const Cor
   }
   if (marked > 0)
     supports.notes.push_back(fmt::format(
-        "{} predictions are in runs without a reading. Each pass has a zero of its own: passes differ by {:.3g} {} "
-        "(one "
-        "standard deviation), readings within a pass by {:.3g}. The zero of a further pass cannot be predicted",
+        "extrapolated predictions in a run without a reading: {}. Each pass has a zero of its own: passes differ by "
+        "{:.3g} {} (one standard deviation), readings within a pass by {:.3g}. The zero of a further pass cannot be "
+        "predicted",
         marked, passes->between_um, data.reading_unit(), passes->within_um));
   return true;
 }

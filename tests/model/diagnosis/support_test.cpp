@@ -160,7 +160,8 @@ TEST_CASE(
   const double target_mm = p(set.readings[8]);
   for (const Support& one : supported(set, {target_mm}, 1).places) CHECK_FALSE(one.extrapolated);
   const Supports between = supported(set, {target_mm + 20.0}, 1);
-  CHECK(contains(only(between.notes), "2 predictions are at a value of x_mm that no reading has. The model lacks an"));
+  CHECK(contains(only(between.notes),
+                 "extrapolated predictions at a value of x_mm without a reading: 2. The model lacks"));
   for (const Support& one : between.places) {
     CHECK(one.extrapolated);
     CHECK(one.sigma == Approx(5.0 / std::sqrt(2.0)).epsilon(0.35));  // 19 of them
@@ -170,8 +171,8 @@ TEST_CASE(
 TEST_CASE("the zero of a further run is as uncertain as those of the runs differ") {
   const auto truth = [](const Reading& r) { return slope_of_ten(r) + without_order(r.run); };
   const auto set = measured({.runs = 12}, 0.3, truth);
-  for (const Support& one : supported(set, {500.0}, 3).places) CHECK_FALSE(one.extrapolated);
-  const Supports further = supported(set, {500.0}, 13);
+  for (const Support& one : supported(set, {p(set.readings[20])}, 3).places) CHECK_FALSE(one.extrapolated);
+  const Supports further = supported(set, {p(set.readings[20])}, 13);
   CHECK(contains(only(further.notes), "Each pass has a zero of its own"));
   for (const Support& one : further.places) {
     CHECK(one.extrapolated);
@@ -182,9 +183,10 @@ TEST_CASE("the zero of a further run is as uncertain as those of the runs differ
 TEST_CASE("an error that no effect of the model describes makes predictions of a further run uncertain") {
   const auto truth = [](const Reading& r) { return slope_of_ten(r) + without_order(r.run) * (p(r) / 1000.0 - 0.5); };
   const auto set = measured({.runs = 12}, 0.3, truth);
-  for (const Support& one : supported(set, {500.0}, 3).places) CHECK_FALSE(one.extrapolated);
-  const Supports further = supported(set, {500.0}, 13);
-  CHECK(contains(only(further.notes), "2 predictions are in a run that no reading has. The model lacks an effect"));
+  for (const Support& one : supported(set, {p(set.readings[20])}, 3).places) CHECK_FALSE(one.extrapolated);
+  const Supports further = supported(set, {p(set.readings[20])}, 13);
+  CHECK(contains(only(further.notes),
+                 "extrapolated predictions in a run without a reading: 2. The model lacks an effect"));
   for (const Support& one : further.places) {
     CHECK(one.extrapolated);
     CHECK(one.sigma == Approx(5.0 / std::sqrt(24.0)).epsilon(0.5));  // rms of the slopes times that of the places
