@@ -25,7 +25,7 @@ namespace {
 
 /// What every menu and verb takes.
 cli::Shared shared_by_all(VerbContext& context) {
-  return {{{"--json", &context.console.json, "write the answer as one JSON object to stdout"},
+  return {{{"--json", &context.console.json, "print the answer as JSON, for other programs"},
            {"--quiet", &context.console.quiet, "suppress notes and the progress bar"}},
           &context.link_option,
           &context.arm_code};

@@ -31,7 +31,7 @@ bool runs_differ(const std::optional<model::LackOfFit>& test, double rms_um, dou
 
 std::string lack_of_fit_text(const std::optional<model::LackOfFit>& test, double rms_um, double noise_um) {
   return runs_differ(test, rms_um, noise_um)
-             ? "no answer, because repeats in different runs differ as much as the residual"
+             ? "no answer, because the differences between runs are as large as the residual"
              : lack_of_fit_cell(test).text;
 }
 

@@ -216,7 +216,7 @@ Cell effects_cell(const WhatIfAnswer& answer) {
 
 Cell directions_cell(const WhatIfAnswer& answer) {
   const std::string unit = fmt::format("[{}]", answer.unit);
-  Cell directions{Json::array(), fmt::format("{:>31} {:>10} {:>10}", "", "rms now", "predicted")};
+  Cell directions{Json::array(), fmt::format("{:>31} {:>10} {:>10}", "", "rms before", "predicted")};
   directions.text += answer.achieved ? fmt::format(" {:>10} {:>14}\n", "achieved", "achieved /") : "\n";
   directions.text += fmt::format("sense axis direction   readings {0:>10} {0:>10}", unit);
   directions.text += answer.achieved ? fmt::format(" {:>10} {:>14}\n", unit, "predicted") : "\n";

@@ -636,7 +636,10 @@ Result<Diagnosis> reported(const ReportInput& in) {
       all = joined_with(all, columns_on(in.regressors, found.effect, found.choice));
     Left what = what_is_left(in.model, data, all, with);
     diagnosis.left = std::move(what.properties);
-    diagnosis.formula = std::move(what.formula);
+    const auto is_of_run = [](const UserFormula& of) { return of.text.find("(run ==") != std::string::npos; };
+    const bool only_of_run =  // which is no error of the machine
+        diagnosis.different_run && what.formula && std::ranges::any_of(what.formula->effect.formulas, is_of_run);
+    if (!only_of_run) diagnosis.formula = std::move(what.formula);
   }
   if (in.found.noisy && !in.found.noisy->off_um && diagnosis.different_run)
     if (const std::string condition = condition_of_runs(diagnosis.left); !condition.empty())

@@ -76,8 +76,8 @@ struct JudgeRequest {
 };
 
 constexpr const char* kNotShown =
-    "These readings do not show that every effect predicts better than the model without it: hold out four runs or "
-    "more.";
+    "These readings do not show that every effect predicts better than the model without it. Two stretches of "
+    "readings are needed, and four runs or more are better.";
 
 std::string group_name(const JudgedGroup& one) {
   if (one.by == "half" && one.value.size() > 2) return one.value.substr(2) + " half of " + one.value.substr(0, 1);
@@ -99,7 +99,7 @@ Cell group_cell(const JudgedGroup& one, std::size_t width) {
 Cell judged_effect_cell(const JudgedEffect& one) {
   const bool acts = one.readings > 0;
   const char* const shown = !acts          ? "does not act here"
-                            : !one.p_value ? "TOO FEW RUNS"
+                            : !one.p_value ? "TOO FEW STRETCHES"
                             : one.better() ? "better"
                             : one.helps()  ? "NOT SHOWN"
                                            : "NOT BETTER";
@@ -164,7 +164,8 @@ Cell judgement_cell(const Judgement& judgement) {
                                     "stretches", "p-value"));
     effects.text += paragraph(
         "without, with: rms of the model without and with the effect; stretches: runs, or parts of runs, that are "
-        "compared (TOO FEW RUNS: fewer than two); p-value: probability of such a result if the effect did not improve "
+        "compared (TOO FEW STRETCHES: fewer than two); p-value: probability of such a result if the effect did not "
+        "improve "
         "the prediction",
         2, 2);
   }

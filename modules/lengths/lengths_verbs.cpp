@@ -537,8 +537,8 @@ std::string repeats_text(const model::LengthComparison& found) {
   constexpr double kMuchMore = 1.3;  // as in the notes of `lengths fit`: scatter from a few repeats is known to a fifth
   return fmt::format("  repeated poses scatter by {:.2f} um: {}\n", *found.repeat_um,
                      found.left_um > kMuchMore * *found.repeat_um
-                         ? "the rest is more than scatter, the map lacks something"
-                         : "the rest is scatter");
+                         ? "the residuals are larger, so the map lacks something"
+                         : "the residuals are no more than that");
 }
 
 /// @param objections        to the map with these parameters: what it lacks counts as 0
@@ -557,7 +557,8 @@ Cell compared_cell(const std::string& map, const model::LengthTest& test, const 
   };
   return record_cell(
       "{map} reduces the standard deviation of {file} by {agreement_percent} %, from {error_um} to {left_um} um "
-      "({readings} lengths; {unknowns} zero offsets and stations fitted)\n{repeat_text}{set_ups}the lengths that fit "
+      "({readings} lengths; {unknowns} unknowns of the set-ups fitted: zeros, positions of the "
+      "tracker)\n{repeat_text}{set_ups}the lengths that fit "
       "worst:\n{worst}{objections}{verdict}",
       "map"_is(map), "file"_is(test.source), "readings"_is(found.readings), "unknowns"_is(found.unknowns),
       "agreement_percent"_is(100.0 * found.agreement(), 1), "error_um"_is(found.error_um, 2),

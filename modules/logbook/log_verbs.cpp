@@ -439,7 +439,8 @@ Cell certificate_cell(const std::optional<WrittenCertificate>& written, const st
       "SHA-256 {sha256}\n{remarks}",
       "file"_is(file), "identifier"_is(written->certificate.identifier),
       "schema_version"_is(written->certificate.schema_version), "validated"_is(!written->schema.empty()),
-      "validated_text"_shown(written->schema.empty() ? "NOT CHECKED against its schema" : "valid by its schema"),
+      "validated_text"_shown(written->schema.empty() ? "not validated, because no schema is given (--schema)"
+                                                     : "valid according to the DCC schema"),
       "signed"_is(written->certificate.to_be_signed), "sha256"_is(written->sha256),
       "logbook_hash"_is(written->certificate.logbook_hash),
       "previous"_is(written->certificate.previous ? Json(written->certificate.previous->identifier) : Json(nullptr)),

@@ -49,8 +49,9 @@ std::string coverage_text(const laser::BlockFit& fit) {
 
 std::string scatter_text(const laser::BlockFit& fit) {
   if (!fit.noise_um) return {};
-  return fmt::format("  standard deviation of a reading {:.2f} um ({} with {:g} degrees of freedom){}\n", *fit.noise_um,
-                     fit.noise_from_repeats ? "from repeats" : "about the straight line", fit.degrees_of_freedom,
+  return fmt::format("  standard deviation of a reading {:.2f} um ({} with {:g} degree{} of freedom){}\n",
+                     *fit.noise_um, fit.noise_from_repeats ? "from repeats" : "about the straight line",
+                     fit.degrees_of_freedom, fit.degrees_of_freedom == 1.0 ? "" : "s",
                      fit.lack_of_fit_p ? fmt::format(", lack of fit p = {:.2g}", *fit.lack_of_fit_p) : std::string());
 }
 

@@ -285,7 +285,7 @@ Result<Outcome> warm_up(VerbContext& context, const WarmUpRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kTestsOverTime{
-    action("test drift", "ISO 230-3: drift at one position, of the whole test and during one measurement",
+    action("test drift", "ISO 230-3: drift at one position, over the whole test and during one measurement",
            "ecs test drift etve.csv --window 1 --plot etve.svg", drift, {.logged = Logged::always, .kind = "test"}),
     action("test flatness", "ISO 230-1: flatness from level or mirror readings along the eight lines of a union jack",
            "ecs test flatness plate.csv --plot plate.svg", flatness, {.logged = Logged::always, .kind = "test"}),

@@ -87,7 +87,7 @@ struct BuildRequest : FromModelArguments {
              "machine file (.toml) for --from-model and for the travels to cover; default: machine.toml in the folder "
              "of the parameters"},
             {"--rotary", &R::rotary,
-             "errors of the rotary axes (.csv) that the unit compensates as well, instead of those of a model; needs "
+             "file (.csv) with errors of the rotary axes for the unit to compensate; replaces those of a model; needs "
              "--machine (docs/five_axes.md)"},
             {"--increment", &R::increment_mm,
              "increment of the tables made by --from-model [mm]; chosen automatically if not given"},
