@@ -85,10 +85,13 @@ struct Reached {
 
 /// What readings can have in common: a coordinate, by the number of its axis, or the run.
 constexpr std::size_t kRun = kAxes;
+constexpr long kTurn = 360'000;
 
-/// In steps that are one value: 1 um, 0.001 deg.
+/// In steps that are one value: 1 um, 0.001 deg; angles within a turn.
 long value_of(const Observations& data, std::size_t k, std::size_t of) {
-  return of == kRun ? data.run[k] : std::lround(data.position_mm[k][of] * 1e3);
+  if (of == kRun) return data.run[k];
+  const long value = std::lround(data.position_mm[k][of] * 1e3);
+  return data.rotary ? ((value % kTurn) + kTurn) % kTurn : value;
 }
 
 /// Readings predicted from those at other values, squares added up.
@@ -96,10 +99,11 @@ struct Predicted {
   double squares = 0.0;
   double of_noise = 0.0, of_sizes = 0.0;  ///< expected of them if the model is right
   double count = 0.0;
-  /// By twice as much as the noise and the fitted sizes explain: a choice; by chance never with so many readings.
+  /// By twice as much as the noise and the fitted sizes explain: a choice. Where the uncertainty of the sizes is most
+  /// of it, all errors may be multiples of one: chi-square of one degree of freedom, once in 10,000.
   [[nodiscard]] bool is_bad() const {
-    constexpr double kFactor = 2.0, kFewest = 12.0;
-    return count >= kFewest && squares > kFactor * kFactor * (of_noise + of_sizes);
+    constexpr double kTwice = 4.0, kOfOne = 15.1, kFewest = 12.0;
+    return count >= kFewest && squares > (of_sizes > of_noise ? kOfOne : kTwice) * (of_noise + of_sizes);
   }
   [[nodiscard]] double rms() const { return std::sqrt(squares / count); }
   /// Without the noise.
@@ -107,102 +111,124 @@ struct Predicted {
   [[nodiscard]] double factor() const { return std::sqrt(squares / (of_noise + of_sizes)); }
 };
 
-/// What is left out in turn: runs, or values of a coordinate between others and its least and greatest.
-struct Unseen {
-  std::set<long> values;  ///< empty: too few or too many to leave them out
-  Predicted between, beyond;
+/// One sense along one axis, or all poses of a ball: its readings, and the zeros of its passes.
+struct OneLine {
+  std::pair<Channel, Axis> key;
+  std::vector<bool> not_of_it;  ///< outliers, and all readings of others
+  std::optional<ScatterOfPasses> zeros{};
+  [[nodiscard]] bool has(const Observations& data, std::size_t k) const {
+    return !data.through_chain.empty() || std::pair(data.channel(k), data.axis[k]) == key;
+  }
 };
 
-Unseen unseen_values(const Observations& data, const Assembly& assembly, const CoreFit& core, std::size_t of) {
-  constexpr std::size_t kFewestUnseen = 3, kMostUnseen = 200;
-  constexpr double kDetermined = 1e-6;  // of a row
-  Unseen unseen;
-  for (std::size_t k = 0; k < data.size(); ++k) unseen.values.insert(value_of(data, k, of));
-  if (unseen.values.size() < kFewestUnseen || unseen.values.size() > kMostUnseen) unseen.values.clear();
-  const MatrixXd columns = assembly.columns();
-  const VectorXd target =
-      Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size())) - assembly.fixed(data.size());
-  const std::vector<double> noise = core.noise.sigma_by_row(data.size());
-  for (const long value : unseen.values) {
-    std::vector<bool> hidden = core.left_out;
-    for (std::size_t k = 0; k < data.size(); ++k) hidden[k] = hidden[k] || value_of(data, k, of) == value;
-    const Whitener whitener(data, core.noise, hidden);
-    const MatrixXd white = whitener(columns), inverse = pseudo_inverse(white);
-    const VectorXd sizes = inverse * whitener(target);
-    const bool is_end = of != kRun && (value == *unseen.values.begin() || value == *unseen.values.rbegin());
-    Predicted& predicted = is_end ? unseen.beyond : unseen.between;
-    for (std::size_t k = 0; k < data.size(); ++k) {
-      if (core.left_out[k] || value_of(data, k, of) != value) continue;
-      const Eigen::RowVectorXd row = columns.row(static_cast<Index>(k)), by_readings = row * inverse;
-      if ((row - by_readings * white).norm() > kDetermined * row.norm()) continue;  // the others do not determine it
-      const double error = target(static_cast<Index>(k)) - row.dot(sizes);
-      predicted.squares += error * error;
-      predicted.of_noise += noise[k] * noise[k];
-      predicted.of_sizes += by_readings.squaredNorm();
-      predicted.count += 1.0;
-    }
+/// What is left out in turn: runs, or values of a coordinate between others and its least and greatest.
+class Unseen {
+ public:
+  Unseen(const Observations& data, const OneLine& line, std::size_t of) : data_(data), line_(line), of_(of) {
+    for (std::size_t k = 0; k < data.size(); ++k)
+      if (!line.not_of_it[k]) values_.insert(value_of(data, k, of));
+    if (of == kRun || values_.empty()) return;
+    long widest = *values_.begin() + kTurn - *values_.rbegin(), before = *values_.begin();
+    for (const long value : values_) widest = std::max(widest, value - std::exchange(before, value));
+    has_ends_ = !data.rotary || widest >= kTurn / 2;
   }
-  return unseen;
+  [[nodiscard]] bool is_new(long value) const { return !values_.contains(value); }
+  [[nodiscard]] bool is_beyond(long value) const {
+    return has_ends_ && (value < *values_.begin() || value > *values_.rbegin());
+  }
+  /// Those between the others, or the two at the ends. Sizes are fitted to the others, all else is that of the fit.
+  [[nodiscard]] Predicted predicted(const Assembly& assembly, const CoreFit& core, bool at_ends) const {
+    constexpr std::size_t kFewestUnseen = 3, kMostUnseen = 200;
+    constexpr double kNothing = 1e-9, kDetermined = 1e-6;  // of a row
+    Predicted found;
+    if (values_.size() < kFewestUnseen || values_.size() > kMostUnseen) return found;
+    const MatrixXd columns = assembly.columns();
+    const VectorXd target = Eigen::Map<const VectorXd>(data_.reading.data(), static_cast<Index>(data_.size())) -
+                            assembly.fixed(data_.size());
+    const std::vector<double> noise = core.noise.sigma_by_row(data_.size());
+    const double of_zero = line_.zeros ? line_.zeros->between_um * line_.zeros->between_um : 0.0;
+    for (const long value : values_) {
+      if ((has_ends_ && (value == *values_.begin() || value == *values_.rbegin())) != at_ends) continue;
+      std::vector<bool> hidden = core.left_out;
+      for (std::size_t k = 0; k < data_.size(); ++k) hidden[k] = hidden[k] || is_at(k, value);
+      const Whitener whitener(data_, core.noise, hidden);
+      const MatrixXd white = whitener(columns);
+      const RowSpace space = row_space_of(white, kNothing);
+      const VectorXd sizes = space.back * (space.back.transpose() * (white.transpose() * whitener(target)));
+      for (std::size_t k = 0; k < data_.size(); ++k) {
+        if (!is_at(k, value)) continue;
+        const Eigen::RowVectorXd row = columns.row(static_cast<Index>(k));
+        if ((row * space.free).norm() > kDetermined * row.norm()) continue;  // the others do not determine it
+        const double error = target(static_cast<Index>(k)) - row.dot(sizes);
+        found.squares += error * error;
+        found.of_noise += noise[k] * noise[k] + of_zero;
+        found.of_sizes += (row * space.back).squaredNorm();
+        found.count += 1.0;
+      }
+    }
+    return found;
+  }
+
+ private:
+  [[nodiscard]] bool is_at(std::size_t k, long value) const {
+    return !line_.not_of_it[k] && value_of(data_, k, of_) == value;
+  }
+  const Observations& data_;
+  const OneLine& line_;
+  std::size_t of_;
+  std::set<long> values_;
+  bool has_ends_ = false;
+};
+
+/// "extrapolated predictions of EX along X at a value of x_mm without a reading: 2"
+std::string words_for(const Observations& data, const OneLine& line, std::size_t of, std::size_t count) {
+  const std::string what =
+      data.through_chain.empty()
+          ? fmt::format(" of {} along {}", name_of(static_cast<Sense>(line.key.first)), data.letter(line.key.second))
+          : "";
+  const std::string where =
+      of == kRun ? "in a run" : fmt::format("at a value of {}", data.position_name(static_cast<Axis>(of)));
+  return fmt::format("extrapolated predictions{} {} without a reading: {}", what, where, count);
 }
 
-/// "in a run", "at a value of c_deg"
-std::string words_for(const Observations& data, std::size_t of) {
-  return of == kRun ? "in a run" : fmt::format("at a value of {}", data.position_name(static_cast<Axis>(of)));
-}
-
-/// Marks the places in a run, or at a value of a coordinate, that no reading has, if readings are predicted badly from
-/// those in other runs, or at other values.
+/// Marks the places of a line in a run, or at a value of a coordinate, that none of its readings has, if its readings
+/// are predicted badly from those in other runs, or at other values; or if its passes have zeros of their own.
 void mark_unseen(const Observations& data, const Observations& at, const Assembly& assembly, const CoreFit& core,
-                 bool and_runs, Supports& supports) {
-  if (!data.paths.empty() || !at.paths.empty()) return;
-  for (std::size_t of = 0; of < kAxes + (and_runs ? 1 : 0); ++of) {
-    const Unseen unseen = unseen_values(data, assembly, core, of);
-    if (unseen.values.empty()) continue;
-    std::map<bool, std::size_t> marked;
-    for (std::size_t k = 0; k < at.size(); ++k) {
-      const long value = value_of(at, k, of);
-      const bool is_beyond = of != kRun && (value < *unseen.values.begin() || value > *unseen.values.rbegin());
-      const Predicted& predicted = is_beyond ? unseen.beyond : unseen.between;
-      if (unseen.values.contains(value) || !predicted.is_bad()) continue;
-      Support& one = supports.places[k];
-      one.sigma = std::max(one.sigma, predicted.sigma());
-      one.extrapolated = true;
-      ++marked[is_beyond];
-    }
-    for (const auto& [is_beyond, count] : marked) {
-      const Predicted& predicted = is_beyond ? unseen.beyond : unseen.between;
-      supports.notes.push_back(fmt::format(
-          "extrapolated predictions {} without a reading: {}. The model lacks an effect: readings {} differ from their "
-          "predictions by the other ones by {:.3g} {} rms, {:.1f} times as much as noise and fit explain",
-          words_for(data, of), count,
-          of == kRun  ? "of one run"
-          : is_beyond ? "at an end value"
-                      : "at one value",
-          predicted.rms(), data.reading_unit(), predicted.factor()));
+                 const OneLine& line, Supports& supports) {
+  const std::string_view unit = laser::unit_of(static_cast<Sense>(line.key.first));
+  for (std::size_t of = 0; of <= kRun; ++of) {
+    const Unseen unseen(data, line, of);
+    std::map<bool, std::vector<std::size_t>> places;  // beyond, or between
+    for (std::size_t k = 0; k < at.size(); ++k)
+      if (const long value = value_of(at, k, of); line.has(at, k) && unseen.is_new(value))
+        places[unseen.is_beyond(value)].push_back(k);
+    for (const auto& [is_beyond, list] : places) {
+      const bool has_zeros = of == kRun && line.zeros;
+      const Predicted predicted = has_zeros ? Predicted{} : unseen.predicted(assembly, core, is_beyond);
+      if (!has_zeros && !predicted.is_bad()) continue;
+      for (const std::size_t k : list) {
+        Support& one = supports.places[k];
+        one.sigma = has_zeros ? std::hypot(one.sigma, line.zeros->between_um) : std::max(one.sigma, predicted.sigma());
+        one.extrapolated = true;
+      }
+      std::string note = words_for(data, line, of, list.size());
+      if (has_zeros)
+        note += fmt::format(
+            ". Each pass has a zero of its own: passes differ by {:.3g} {} (one standard deviation), readings within a "
+            "pass by {:.3g}. The zero of a further pass cannot be predicted",
+            line.zeros->between_um, unit, line.zeros->within_um);
+      else
+        note += fmt::format(
+            ". The model lacks an effect: readings {} differ from their predictions by the other ones by {:.3g} {} "
+            "rms, "
+            "{:.1f} times as much as noise and fit explain",
+            of == kRun  ? "of one run"
+            : is_beyond ? "at an end value"
+                        : "at one value",
+            predicted.rms(), unit, predicted.factor());
+      supports.notes.push_back(std::move(note));
     }
   }
-}
-
-/// Marks the places in other runs if every pass has a zero of its own, and returns whether it has.
-bool mark_other_runs(const Observations& data, const Observations& at, const CoreFit& core, Supports& supports) {
-  const auto passes = scatter_of_passes(data, core.residual, core.left_out);
-  if (!passes) return false;
-  const std::set<int> runs(data.run.begin(), data.run.end());
-  std::size_t marked = 0;
-  for (std::size_t k = 0; k < at.size(); ++k) {
-    if (runs.contains(at.run[k])) continue;
-    Support& one = supports.places[k];
-    one.sigma = std::hypot(one.sigma, passes->between_um);
-    one.extrapolated = true;
-    ++marked;
-  }
-  if (marked > 0)
-    supports.notes.push_back(fmt::format(
-        "extrapolated predictions in a run without a reading: {}. Each pass has a zero of its own: passes differ by "
-        "{:.3g} {} (one standard deviation), readings within a pass by {:.3g}. The zero of a further pass cannot be "
-        "predicted",
-        marked, passes->between_um, data.reading_unit(), passes->within_um));
-  return true;
 }
 
 }  // namespace
@@ -248,8 +274,14 @@ Result<Supports> support_of(const Model& model, const Observations& data, const 
     }
     supports.places.push_back(one);
   }
-  const bool has_zeros = mark_other_runs(data, at, core, supports);
-  mark_unseen(data, at, assembly, core, !has_zeros, supports);
+  if (!data.paths.empty() || !at.paths.empty()) return supports;
+  for (const auto& each : reached) {
+    OneLine line{each.first, core.left_out};
+    for (std::size_t k = 0; k < data.size(); ++k) line.not_of_it[k] = line.not_of_it[k] || !line.has(data, k);
+    line.zeros = scatter_of_passes(data, core.residual, line.not_of_it);
+    mark_unseen(data, at, assembly, core, line, supports);
+    if (!data.through_chain.empty()) break;
+  }
   return supports;
 }
 

@@ -13,7 +13,7 @@ namespace ecs::model {
 
 /// How far the readings to which a model was fitted support its prediction at another place.
 struct Support {
-  double sigma = 0.0;  ///< um, um/m: standard uncertainty of the prediction by that of the fitted parameters
+  double sigma = 0.0;  ///< um, um/m: standard uncertainty of the prediction
   /// Less certain there, by a tenth, than at any of the readings of its sense and axis (hidden extrapolation: Brooks,
   /// Carroll and Verdini 1988; Montgomery, Peck and Vining 2012, 3.8), or beyond the positions of these along the axis,
   /// or there are none. Or a coordinate has a value that no reading has, and readings at such values are predicted

@@ -167,6 +167,7 @@ struct Predicted {
   std::string clock_note{};               ///< as of Observations
   std::vector<model::Support> support{};  ///< as the readings of the set; empty: not asked for
   std::vector<std::string> notes{};
+  bool fit_notes = false;  ///< some of them are about uncertainties that do not follow from the parameters
 };
 
 /// @param fitted_to  readings to which the model was fitted; null: without uncertainties
@@ -176,6 +177,7 @@ Result<Predicted> predicted(const model::Model& model, const std::optional<param
   ECS_TRY(values, in_file(model::predicted(model, at), model_file));
   ECS_TRY(notes, in_file(model::notes_of_lacking(model, at), model_file));
   std::vector<model::Support> support;
+  bool fit_notes = false;
   if (fitted_to != nullptr) {
     ECS_TRY(found,
             in_file(model::support_of(model, model::observations_of(*fitted_to, model, machine), at), model_file));
@@ -186,6 +188,7 @@ Result<Predicted> predicted(const model::Model& model, const std::optional<param
           "a fit to the readings of --fitted-to has clearly different values than the model: the uncertainties are "
           "those of that fit. Give the readings to which the model was fitted");
     notes.insert(notes.end(), found.notes.begin(), found.notes.end());
+    fit_notes = !found.notes.empty();
   }
   for (std::size_t k = 0; k < at.size(); ++k) {
     laser::Reading& reading = plan.set.readings[at.file_order[k]];
@@ -197,7 +200,8 @@ Result<Predicted> predicted(const model::Model& model, const std::optional<param
     reading.error = values[k] + at.of_map_in(k);
   }
   plan.set.metadata.push_back({"predicted_by", model_file});
-  return Predicted{std::move(plan.set), plan.has_readings, at.clock_note, std::move(support), std::move(notes)};
+  return Predicted{std::move(plan.set), plan.has_readings, at.clock_note,
+                   std::move(support),  std::move(notes),  fit_notes};
 }
 
 /// @param support  null: without uncertainties
@@ -269,7 +273,8 @@ Result<Outcome> predict(VerbContext& context, const PredictRequest& request) {
       count, result.support.size());
   append(fields, "extrapolated"_is(count),
          "words"_shown(paragraph(fmt::format("sigma: standard uncertainty (k = 1) that follows from those of the "
-                                             "fitted parameters, if the model is right. {}",
+                                             "fitted parameters, if the model is right{}. {}",
+                                             result.fit_notes ? ", or as the note says" : "",
                                              count > 0 ? few : "No prediction is extrapolated."),
                                  0, 2)));
   return outcome_of(record_cell("{predictions}{words}", fields));

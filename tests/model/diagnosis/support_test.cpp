@@ -160,8 +160,7 @@ TEST_CASE(
   const double target_mm = p(set.readings[8]);
   for (const Support& one : supported(set, {target_mm}, 1).places) CHECK_FALSE(one.extrapolated);
   const Supports between = supported(set, {target_mm + 20.0}, 1);
-  CHECK(contains(only(between.notes),
-                 "extrapolated predictions at a value of x_mm without a reading: 2. The model lacks"));
+  CHECK(contains(only(between.notes), "EX along X at a value of x_mm without a reading: 2. The model lacks"));
   for (const Support& one : between.places) {
     CHECK(one.extrapolated);
     CHECK(one.sigma == Approx(5.0 / std::sqrt(2.0)).epsilon(0.35));  // 19 of them
@@ -185,8 +184,7 @@ TEST_CASE("an error that no effect of the model describes makes predictions of a
   const auto set = measured({.runs = 12}, 0.3, truth);
   for (const Support& one : supported(set, {p(set.readings[20])}, 3).places) CHECK_FALSE(one.extrapolated);
   const Supports further = supported(set, {p(set.readings[20])}, 13);
-  CHECK(contains(only(further.notes),
-                 "extrapolated predictions in a run without a reading: 2. The model lacks an effect"));
+  CHECK(contains(only(further.notes), "EX along X in a run without a reading: 2. The model lacks an effect"));
   for (const Support& one : further.places) {
     CHECK(one.extrapolated);
     CHECK(one.sigma == Approx(5.0 / std::sqrt(24.0)).epsilon(0.5));  // rms of the slopes times that of the places
@@ -200,5 +198,13 @@ TEST_CASE("predictions of a further run, and between targets, are not extrapolat
       CHECK_FALSE(one.extrapolated);
       CHECK(one.sigma < 0.15);
     }
+  }
+}
+
+TEST_CASE("zeros of the runs make no gap between targets in a measured run uncertain") {
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    const auto truth = [&](const Reading& r) { return slope_of_ten(r) + 0.2 * without_order(7.0 * seed + r.run); };
+    const auto set = measured({.step_mm = 50.0, .targets = 11, .runs = 5}, 0.3, truth, seed);
+    CHECK(supported(set, {p(set.readings[4]) + 20.0}, 3).notes.empty());
   }
 }
