@@ -220,8 +220,7 @@ void mark_unseen(const Observations& data, const Observations& at, const Assembl
       else
         note += fmt::format(
             ". The model lacks an effect: readings {} differ from their predictions by the other ones by {:.3g} {} "
-            "rms, "
-            "{:.1f} times as much as noise and fit explain",
+            "rms, {:.1f} times as much as noise and fit explain",
             of == kRun  ? "of one run"
             : is_beyond ? "at an end value"
                         : "at one value",
