@@ -44,17 +44,17 @@ constexpr GlossaryRow kGlossary[] = {
      "corrected"},
     {"diagnosis|diagnose", "the search for effects that the model lacks, with evidence"},
     {"e-value",
-     "probability of the held-out readings with the effect, divided by their probability without it and by the number "
-     "of candidates tried; noise alone reaches 100 at most once in 100 cases; not valid where the zero of the readings "
-     "drifts slowly"},
+     "probability of the held-out readings according to the model with the effect, divided by that according to the "
+     "model without it and by the number of candidates tried; noise alone reaches 100 at most once in 100 cases; not "
+     "valid where the zero of the readings drifts slowly"},
     {"held out|held-out", "readings that were not used for the fit and therefore test it"},
     {"integration mode|integration|integrating", "the unit accepts parameters, maps and commands; compensation is off"},
     {"lack of fit", "the means deviate from the model by more than the scatter of repeated readings allows (F test)"},
     {"likely",
-     "not proved, but improbable by chance: in at most 1 of 100 simulated noise-only data sets, some effect fits as "
-     "well as this one fits the readings. Held-out readings do not contradict it. Together with the proved effects it "
-     "must reduce the residual to noise, or explain at least half of the part above noise that the proved effects "
-     "leave unexplained. Another cause remains possible"},
+     "not proved, but unlikely to be due to chance: in at most 1 of 100 simulated noise-only data sets, some effect "
+     "fits as well as this one fits the readings. Held-out readings do not contradict it. Together with the proved "
+     "effects it must reduce the residual to noise, or at least halve the part above noise (mean square) that remains "
+     "with the proved effects alone. Another cause remains possible"},
     {"machine file",
      "description of the machine that is given with --machine: axes, travels, pitches, measurement lines (from which "
      "lever arms are measured), inputs of the unit"},
