@@ -228,8 +228,8 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
        Words{"EX", "EY", "EZ", "EA", "EB", "EC"}},
       {"--parked", &A::parked, "position of the other axes, if the file does not state it, as in y=-1400,z=0 [mm]"},
       {"--columns", &A::columns,
-       "read a table: FIELD=COLUMN[unit]*factor, as in x_mm=1[in],reading=3[um]*0.1,run=2,approach=4; "
-       "approach=motion,run=motion: from the order of the positions"},
+       "read a table: FIELD=COLUMN[unit]*factor, as in x_mm=1[in],reading=3[um]*0.1,run=2,approach=4. "
+       "With approach=motion or run=motion these are derived from the order of the positions"},
       {"--profile", &A::profile, "use the import options saved under this name or path"},
       F{{"--encoding", &A::encoding, "code page; detected if not given",
          Words{"UTF-8", "Windows-1252", "GBK", "ISO-8859-1", "Shift-JIS", "UTF-16"}},

@@ -187,8 +187,8 @@ std::string summary(const Diagnosis& d) {
   const bool is_judged = d.outliers.empty() || d.verdict != Verdict::adequate;
   text += "Lack-of-fit test: " + lack_of_fit_text(d.lack_of_fit, is_judged ? d.rms_um : 0.0, d.noise.noise_um);
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)
-    text += fmt::format("; with the named effects, fitted to these readings: {}",
-                        lack_of_fit_cell(d.lack_of_fit_after).text);
+    text +=
+        fmt::format(". After the named effects are added and fitted, {}", lack_of_fit_cell(d.lack_of_fit_after).text);
   return paragraph(text + ".");
 }
 
@@ -393,8 +393,8 @@ Cell candidates_cell(const Diagnosis& d) {
       std::ranges::any_of(d.candidates, [](const Candidate& one) { return one.in_answer() && one.set.size() > 1; });
   return {std::move(list),
           titled_table(fmt::format("proved effects (columns: each effect alone{})",
-                                   of_groups ? ". Where causes cannot be\ndistinguished, one of them is proved, but "
-                                               "not which; the fitted one is listed"
+                                   of_groups ? ". Where causes cannot be\ndistinguished, one of them is proved to be "
+                                               "present, but not which; the fitted one is listed"
                                              : ""),
                        named) +
               titled_table("likely effects, not proved", likely) + add_text(d) +
@@ -471,6 +471,8 @@ std::string words_for_answer(const std::string& property, const std::string& is)
   if (property == "direction")
     for (const auto& [name, words] : kDirections)
       if (name == is) return std::string(words);
+  if (property == "position" && is == "odd") return "of opposite sign on the two sides";
+  if (property == "position" && is == "even") return "symmetric";
   if (property == "frame") return is == "workpiece" ? "the set-up, with which it moves" : is;
   if (property == "growth")
     return is == "none" ? "the residual changes with none of those that were varied" : "changes with " + is;
@@ -486,10 +488,12 @@ std::string answer_text(const model::LeftProperty& one, const Diagnosis& d) {
   std::string text = words_for_answer(one.property, one.is);
   if (one.is != "none") return text;
   for (const model::LeftProperty& other : d.left)
-    if ((other.property == "growth" || other.property == "session") && !other.is.empty() && other.is != "none")
-      text += other.property == "growth" ? fmt::format(", once the change with {} is allowed for", other.is)
-                                         : fmt::format(", once the differences between the {} are allowed for",
-                                                       other.is == "run" ? "runs" : "set-ups");
+    if (other.property == "growth" && !other.is.empty() && other.is != "none")
+      text += fmt::format(", once the change with {} is allowed for", other.is);
+    else if (other.property == "session" && !other.is.empty() && other.is != "none")
+      text =
+          fmt::format("within each {0}, {1}. A dependence on one of them stated above is a difference between the {0}s",
+                      other.is == "run" ? "run" : "set-up", text);
   return text;
 }
 
@@ -497,7 +501,8 @@ std::string answer_text(const model::LeftProperty& one, const Diagnosis& d) {
 std::string question_of(const std::string& property) {
   constexpr std::pair<std::string_view, std::string_view> kQuestions[] = {
       {"direction", "whether the error depends on the direction of approach"},
-      {"position", "how the error depends on position (the same everywhere, even or odd)"},
+      {"position",
+       "how the error depends on position (the same everywhere, symmetric, or of opposite sign on the two sides)"},
       {"turn", "how it repeats over a turn"},
       {"frame", "whether it belongs to the machine or to the set-up"},
       {"growth", "whether it changes with another variable (time, load, feed, temperature, other axes)"},
@@ -509,21 +514,27 @@ std::string question_of(const std::string& property) {
 
 /// What is told, evidence that several share once; then what is not, and what would tell.
 Cell left_cell(const Diagnosis& d) {
-  Cell left{Json::array(), d.left.empty() ? ""
-                                          : "\nproperties of the residual; in brackets the share of its variance above "
-                                            "noise that each description alone explains\n"};
+  Cell left{Json::array(), ""};
+  if (!d.left.empty())
+    left.text = "\n" + paragraph(
+                           "properties of the residual, with the assumptions tried: the part of the residual that "
+                           "each alone reproduces (share of the variance above noise)",
+                           0, 2);
   std::vector<std::string> withheld;
   std::set<std::string> said, measure;
   for (const model::LeftProperty& one : d.left) {
     left.json.push_back(object_of("property"_is(one.property), "is"_is(text_or_null(one.is)), "because"_is(one.because),
                                   "measure"_is(text_or_null(one.measure))));
+    const bool is_new = !one.is.empty() && said.insert(one.because).second;
+    const bool is_list = one.because.find("; noise of ") != std::string::npos;
     if (one.is.empty())
       withheld.push_back(question_of(one.property));
     else
-      left.text += paragraph(fmt::format("{}: {}{}", words_for_property(one.property), answer_text(one, d),
-                                         said.insert(one.because).second
-                                             ? "; part of the residual that each description reproduces: " + one.because
-                                             : ""),
+      left.text += paragraph(fmt::format("{}: {}{}{}", words_for_property(one.property), answer_text(one, d),
+                                         !is_new   ? ""
+                                         : is_list ? ". Tried: "
+                                                   : ": ",
+                                         is_new ? one.because : ""),
                              2, 4);
     if (!one.measure.empty()) measure.insert(one.measure);
   }
@@ -603,6 +614,8 @@ std::string tried_text(const Diagnosis& d) {
 
 Cell diagnosis_cell(const Diagnosis& d) {
   const std::string tried = tried_text(d);
+  std::vector<std::string> notes = d.notes;
+  std::erase_if(notes, [&](const std::string& note) { return d.headline.starts_with(note); });  // said there
   Cell answer = record_cell(
       "{headline}\n{summary}{candidates}{where}{left}{formula}{outliers}\n{blanks}{notes}",
       "observations"_is(d.observations), "rms_um"_is(d.rms_um), "noise_um"_is(d.noise.noise_um),
@@ -611,7 +624,7 @@ Cell diagnosis_cell(const Diagnosis& d) {
       "different_run"_is(different_run_json(d)), "summary"_shown(summary(d)), "candidates"_is(candidates_cell(d)),
       "add"_is(add_json(d)), "where"_is(where_cell(d)), "left"_is(left_cell(d)), "formula"_is(formula_cell(d)),
       "rms_after_um"_is(d.rms_after_um), "lack_of_fit_after"_is(lack_of_fit_cell(d.lack_of_fit_after)),
-      "outliers"_is(d.outliers, outliers_text(d)), "notes"_is(d.notes, notes_text(d.notes)),
+      "outliers"_is(d.outliers, outliers_text(d)), "notes"_is(d.notes, notes_text(notes)),
       "candidates_tried"_is(d.candidates_tried), "own_terms"_is(own_terms_json(d.own_terms)),
       "blanks"_is(d.noise_replicates, d.noise_replicates > 0 ? tried : ""));
   add_by_unit(answer.json, d.noise.unit,

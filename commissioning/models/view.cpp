@@ -199,9 +199,11 @@ std::string noise_text(const model::PureError& noise) {
   if (noise.from_repeats && noise.in_part)
     return size + " from repeats, or from neighbouring readings where too few were repeated";
   if (noise.from_repeats) return size + " from repeats";
+  if (!noise.differ_in.empty())
+    return fmt::format("at most {}, from readings of the same targets with different {}", size, noise.differ_in);
   return fmt::format(
-      "at most {}, from neighbouring readings (no target was repeated under the same conditions, such as approach, "
-      "feed and load; the value depends on the effects in the model)",
+      "at most {}, from the residuals of neighbouring readings, so it changes a little with the model (too few "
+      "repeats with the same approach and conditions)",
       size);
 }
 

@@ -147,7 +147,7 @@ class Draws {
 
 /// A prediction that may as well come out otherwise.
 std::string doubt(const CauseCost& cost, std::string_view quantity, std::string_view remedy, const Expected& size) {
-  return fmt::format("{0} {3:.1f} um if {1} is {2} ({4:.0f} %, possible range {5:.1f} to {6:.1f} um)", quantity,
+  return fmt::format("{0}: {3:.1f} um if {1} is {2} ({4:.0f} %, possible range {5:.1f} to {6:.1f} um)", quantity,
                      name_with_alternatives(cost.effect), remedy, size.um, 100.0 * size.share, size.least_um,
                      size.at_most_um);
 }
@@ -163,9 +163,9 @@ void note_doubts(RepairAnswer& answer, const std::vector<std::string>& steps) {
       if (one.compensated.share < kLikely) doubts.push_back(doubt(cost, quantity, "compensated", one.compensated));
       if (one.repaired.share < kLikely) doubts.push_back(doubt(cost, quantity, "repaired", one.repaired));
     };
-    look("volume, largest", cost.volume_largest);
-    look("volume, rms", cost.volume_rms);
-    if (answer.diameter_mm > 0.0) look("circle G", cost.circle);
+    look("Volume, largest", cost.volume_largest);
+    look("Volume, rms", cost.volume_rms);
+    if (answer.diameter_mm > 0.0) look("Circle G", cost.circle);
   }
   if (doubts.empty()) return;
   std::string note;
@@ -174,11 +174,11 @@ void note_doubts(RepairAnswer& answer, const std::vector<std::string>& steps) {
         "{}. Between these targets, an error as large as the step may remain after compensation, and the readings do "
         "not show it. Measure there in fine steps. ",
         fmt::join(steps, ", "));
-  note += "Uncertain (probability of being right within 10 % or 1 um): ";
+  note += "Some predictions are uncertain. In brackets: probability of being right within 10 % or 1 um. ";
   const std::size_t more = doubts.size() > kMost ? doubts.size() - kMost : 0;
   doubts.resize(doubts.size() - more);
-  note += fmt::format("{}", fmt::join(doubts, "; "));
-  if (more > 0) note += fmt::format("; {} more: see the fields of --json that end in _share", more);
+  note += fmt::format("{}", fmt::join(doubts, ". "));
+  if (more > 0) note += fmt::format(". {} more: see the fields of --json that end in _share", more);
   answer.notes.push_back(std::move(note));
 }
 

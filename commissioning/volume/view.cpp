@@ -150,11 +150,11 @@ Json uncertainty_json(const VolumeWork& work) {
 /// "" within the bound.
 std::string exceeded_text(const VolumeWork& work) {
   if (!exceeds_bound(work)) return {};
-  return paragraph(
-      fmt::format("THE BOUND IS EXCEEDED: the true error is {:.1f} um at the worst position and {:.1f} um rms. Compare "
-                  "the components that are declared zero or missing with the errors file: the bound assumes a standard "
-                  "uncertainty of {:g} um or um/m for each (--zero-uncertainty).",
-                  work.answer.after.all.largest_um, work.answer.after.all.rms_um, work.settings.declared_zero));
+  return paragraph(fmt::format(
+      "THE BOUND IS EXCEEDED: the true error is {0:.1f} um at the worst position and {1:.1f} um rms. Compare "
+      "the components that are declared zero or missing with the errors file: the bound assumes a standard "
+      "uncertainty of {2:g} um or {2:g} um/m for each. Change it with --zero-uncertainty.",
+      work.answer.after.all.largest_um, work.answer.after.all.rms_um, work.settings.declared_zero));
 }
 
 std::string bound_text(const VolumeWork& work) {

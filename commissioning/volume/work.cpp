@@ -138,8 +138,8 @@ void note_rotary(VolumeWork& work) {
   }
   if (!missing.empty() && !work.true_rotary)
     work.notes.push_back(
-        fmt::format("not given: {} (--rotary); assumed to be zero with a standard uncertainty of {:g} um or um/m "
-                    "(--zero-uncertainty)",
+        fmt::format("not given: {0} (--rotary); assumed to be zero with a standard uncertainty of {1:g} um or {1:g} "
+                    "um/m. Change it with --zero-uncertainty",
                     fmt::join(missing, ", "), work.settings.declared_zero));
   std::vector<std::string> unstated;
   for (const kinematics::ChainJoint& one : rotary->machine.chain) {
@@ -151,7 +151,8 @@ void note_rotary(VolumeWork& work) {
   }
   if (!unstated.empty() && !work.true_rotary)
     work.notes.push_back(
-        fmt::format("{}: no standard uncertainty is given (column u); {:g} um or um/m is assumed (--zero-uncertainty)",
+        fmt::format("{0}: no standard uncertainty is given (column u); {1:g} um or {1:g} um/m is assumed. Change it "
+                    "with --zero-uncertainty",
                     fmt::join(unstated, ", "), work.settings.declared_zero));
 }
 
@@ -167,8 +168,8 @@ std::string rotary_in_words(const VolumeWork& work) {
       angles.push_back(fmt::format("{} {:.4g}", rotary_letter(r), rotary->angles_deg[r]));
     }
   return fmt::format(
-      "rotary axes {} deg, {} settings; chain {}; largest error before compensation at {} deg, where slices and "
-      "pictures are drawn",
+      "rotary axes {} deg, {} settings; chain {}; largest error before compensation at {} deg (slices and "
+      "pictures show these angles)",
       fmt::join(travels, ", "), work.answer.settings.size(), kinematics::iso_notation(rotary->machine.chain),
       fmt::join(angles, ", "));
 }
@@ -280,9 +281,10 @@ void note_missing(VolumeWork& work) {
                                       fmt::join(without_lever, ", "), without_lever.size() == 1 ? "has" : "have",
                                       without_lever.size() == 1 ? "does" : "do")));
   if (!zero.empty())
-    work.notes.push_back(fmt::format("{} {} declared zero: standard uncertainty {:g} um or um/m (--zero-uncertainty)",
-                                     fmt::join(zero, ", "), zero.size() == 1 ? "is" : "are",
-                                     work.settings.declared_zero));
+    work.notes.push_back(
+        fmt::format("{0} {1} declared zero: standard uncertainty {2:g} um or {2:g} um/m. Change it with "
+                    "--zero-uncertainty",
+                    fmt::join(zero, ", "), zero.size() == 1 ? "is" : "are", work.settings.declared_zero));
 }
 
 /// The parts of a budget of rotary axes, each alone, by name.

@@ -53,7 +53,8 @@ constexpr const char* kPeriodHidden =
 void note_rotary_targets(const Iso230& axis, std::vector<std::string>& notes) {
   const std::size_t wanted = rotary_targets(span_mm(axis));
   if (axis.targets.size() < wanted)
-    notes.push_back(fmt::format("fewer than {} targets ({} on {:g} deg)", wanted, axis.targets.size(), span_mm(axis)));
+    notes.push_back(fmt::format("{} targets on {:g} deg; ISO 230-2 requires at least {}", axis.targets.size(),
+                                span_mm(axis), wanted));
   if (is_evenly_spaced(axis)) notes.emplace_back(kPeriodHidden);
   note_closing(axis, notes);
 }
@@ -62,9 +63,9 @@ void note_targets(const Iso230& axis, std::vector<std::string>& notes) {
   if (axis.rotary) return note_rotary_targets(axis, notes);
   const std::size_t count = axis.targets.size();
   const double metres = span_mm(axis) / kMmPerM;
-  if (count < 5) notes.push_back(fmt::format("fewer than 5 targets ({})", count));
+  if (count < 5) notes.push_back(fmt::format("{} targets; ISO 230-2 requires at least 5", count));
   if (metres > 0.0 && metres <= kLongAxis_mm / kMmPerM && static_cast<double>(count) < kTargetsPerMetre * metres)
-    notes.push_back(fmt::format("fewer than 5 targets per metre ({} on {:.3f} m)", count, metres));
+    notes.push_back(fmt::format("{} targets on {:.3f} m; ISO 230-2 requires at least 5 per metre", count, metres));
   if (metres > kLongAxis_mm / kMmPerM)
     notes.push_back(
         "longer than 2000 mm: the standard requires targets about every 250 mm, and defines A and R for shorter axes "

@@ -84,7 +84,7 @@ class Questions {
     const double chance = kChance * std::sqrt(2.0 * static_cast<double>(r_.y.size())) * variance_;
     return above_noise >= kToldShare * whole_ && whole_ - above_noise <= kSmall * whole_ + chance;
   }
-  /// "opposite in the directions 3.10 um rms (97 %)"
+  /// "opposite in the two directions 3.10 um rms (97 %)"
   [[nodiscard]] std::string evidence(const std::string& words, double above_noise) const {
     return fmt::format("{} {:.2f} {} rms ({:.0f} %)", words,
                        std::sqrt(std::max(0.0, above_noise) / static_cast<double>(r_.y.size())),
@@ -159,14 +159,14 @@ class Questions {
     return decided(
         "direction",
         {option("even", "the same in both directions", VectorXd::Ones(r_.y.size())),
-         option("odd", "opposite in the directions", r_.d), option("forward", "forward only", forward),
+         option("odd", "opposite in the two directions", r_.d), option("forward", "forward only", forward),
          option("reverse", "reverse only", reverse)},
         "Approach each target from both directions one after the other: here a change over time, temperature "
         "or runs would look the same.");
   }
 
   [[nodiscard]] LeftProperty position() const {
-    const std::string about = r_.data.rotary ? "about the angle 0" : "about the middle";
+    const std::string about = r_.data.rotary ? "the angle 0" : "the middle";
     const VectorXd x = r_.p.array() - r_.middle;
     const VectorXd side = x.unaryExpr([&](double from_middle) {
       return std::abs(from_middle) < 0.01 * r_.step ? 0.0 : std::copysign(1.0, from_middle);
@@ -195,9 +195,9 @@ class Questions {
     each_condition([&](const Condition& c) { constant = std::max(constant, above(weight(r_.y, c, r_.ways, 0))); });
     const double even = parity(0, one);
     LeftProperty answer =
-        decided("position", {{"odd", "odd " + about, parity(1, side)},
+        decided("position", {{"odd", "of opposite sign on the two sides of " + about, parity(1, side)},
                              constant >= even - tolerance() ? Option{"constant", "the same everywhere", constant}
-                                                            : Option{"even", "even " + about, even}});
+                                                            : Option{"even", "symmetric about " + about, even}});
     if (answer.is.empty() && r_.distinct_targets < 8)
       answer.measure = "Measure eight targets or more, as far to either side of the middle.";
     return answer;

@@ -44,6 +44,7 @@ struct PureError {
   bool from_repeats = false;  ///< false: from differences of neighbouring readings
   bool in_part = false;       ///< from repeats, but too few readings of one kind were repeated: there from neighbours
   double dof = 0.0;           ///< degrees of freedom of the repeats
+  std::string differ_in;      ///< "feeds or loads": from readings of the same targets that differ in these; else empty
   bool is_of_step = false;    ///< repeats scatter less than the step of the readings must: they do not show the noise
   std::string_view unit = "um";  ///< of the readings: um, um/m, or both
   [[nodiscard]] bool all_from_repeats() const { return from_repeats && !in_part; }

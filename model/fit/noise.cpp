@@ -10,10 +10,14 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/linear/decompositions.hpp"
 #include "model/fit/core.hpp"
@@ -371,6 +375,21 @@ std::array<double, kAxes> beside_position(const Observations& data, std::size_t 
   return data.pose_deg.empty() ? std::array<double, kAxes>{} : rounded(data.pose_deg[k]);
 }
 
+/// The conditions that vary in these readings: "feeds or loads".
+std::string varied_conditions(const Observations& data) {
+  const auto varies = [](const std::vector<double>& column) {
+    return std::ranges::any_of(column, [&](double value) {
+      return rounded(value, kSameCondition) != rounded(column.front(), kSameCondition);
+    });
+  };
+  const auto set_up = data.extras.find("set_up");
+  std::vector<std::string_view> names;
+  if (varies(data.feed_mm_min)) names.emplace_back("feeds");
+  if (varies(data.load_kg)) names.emplace_back("loads");
+  if (set_up != data.extras.end() && varies(set_up->second)) names.emplace_back("set-ups");
+  return fmt::format("{}", fmt::join(names, " or "));
+}
+
 Repeats numbered(const Observations& data, bool conditions) {
   using Places = std::array<double, kAxes>;
   using Key = std::tuple<Channel, Axis, int, Places, double, double, double, bool, Places>;
@@ -502,7 +521,9 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
     if (!basis) basis = absorbed.cols() > 0 ? PivotedQr(absorbed).basis() : Eigen::MatrixXd(residual.size(), 0);
     for (const bool shared : {false, true}) {
       Deviations directions = deviations_of_directions(data, residual, out, shared, *basis, noise);
-      if (scatter_less(directions, least)) least = std::move(directions);
+      if (!scatter_less(directions, least)) continue;
+      least = std::move(directions);
+      noise.pure.differ_in.clear();
     }
     return least;
   };
@@ -527,6 +548,7 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
     noise.pure.dof = std::max(size - static_cast<double>(nodes.size()), 1.0);
   }
   if (!noise.pure.from_repeats) {
+    if (from_places && !noise.pure.in_part) noise.pure.differ_in = varied_conditions(data);
     Deviations least = with_directions(
         from_places ? Deviations{std::move(deviation), noise.pure.dof} : of_neighbours(left_out), left_out);
     deviation = std::move(least.of);

@@ -634,7 +634,7 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
         together.insert(pair.truth == name ? pair.rival : pair.truth);
     if (!together.empty())
       candidate.next_measurement +=
-          fmt::format(" It does not distinguish {} from {}.", name, fmt::join(together, ", "));
+          fmt::format(" This measurement does not distinguish {} from {}.", name, fmt::join(together, ", "));
   }
   return next;
 }

@@ -80,6 +80,23 @@ std::vector<Apart> pairs_once(const MeasurementProposal& p) {
   return list;
 }
 
+/// The effect that every pair of the first contains, and none of the second; empty: there is none.
+std::string apart_from_all(const std::vector<Apart>& apart, const std::vector<Apart>& together) {
+  if (apart.size() < 2 || together.empty()) return {};
+  for (const std::string& one : {apart.front().first, apart.front().second}) {
+    const auto is_of = [&](const Apart& pair) { return pair.first == one || pair.second == one; };
+    if (!one.empty() && std::ranges::all_of(apart, is_of) && std::ranges::none_of(together, is_of)) return one;
+  }
+  return {};
+}
+
+std::string names_of(const std::vector<Apart>& pairs) {
+  std::vector<std::string> names;
+  for (const Apart& pair : pairs)
+    names.push_back(pair.second.empty() ? pair.first : fmt::format("{} from {}", pair.first, pair.second));
+  return listed(names);
+}
+
 }  // namespace
 
 std::string minutes_text(const MeasurementProposal& p) {
@@ -89,26 +106,29 @@ std::string minutes_text(const MeasurementProposal& p) {
 std::string what_it_tells(const MeasurementProposal& p, Question question) {
   const std::string minutes = minutes_text(p);
   if (question == Question::repeat) return fmt::format("shows whether the residual repeats ({})", minutes);
-  std::vector<std::string> apart, together;
+  std::vector<Apart> apart, together;
   double least = kBeyondAll;
   for (const Apart& pair : pairs_once(p)) {
-    const std::string names = pair.second.empty() ? pair.first : fmt::format("{} from {}", pair.first, pair.second);
     if (pair.sigma < std::min(kSeparates, p.separation_sigma)) {
-      together.push_back(names);
+      together.push_back(pair);
       continue;
     }
-    apart.push_back(names);
+    apart.push_back(pair);
     least = std::min(least, pair.sigma);
   }
   if (question == Question::see)
     return fmt::format(
         "A measurement of {} would show {} at {:.1f} sigma if this error were as large as the noise of "
         "one reading",
-        minutes, listed(apart), p.separation_sigma);
-  if (question == Question::confirm) return fmt::format("confirms {}: {:.1f} sigma, {}", listed(apart), least, minutes);
+        minutes, names_of(apart), p.separation_sigma);
+  if (question == Question::confirm)
+    return fmt::format("confirms {}: {:.1f} sigma, {}", names_of(apart), least, minutes);
   if (apart.empty()) return fmt::format("rules out one of the group: {:.1f} sigma, {}", p.separation_sigma, minutes);
-  std::string text = fmt::format("distinguishes {} ({:.1f} sigma, {})", listed(apart), least, minutes);
-  if (!together.empty()) text += fmt::format(", but not {}", listed(together));
+  const std::string alone = apart_from_all(apart, together);
+  std::string text =
+      fmt::format("distinguishes {} ({:.1f} sigma, {})",
+                  alone.empty() ? names_of(apart) : fmt::format("{} from all the others", alone), least, minutes);
+  if (!together.empty()) text += fmt::format(", but not {}", names_of(together));
   return text;
 }
 

@@ -342,7 +342,7 @@ Cell curve_cell(const model::IdentifiedCurve& curve) {
   const auto number = [&](double value) {
     return number_cell(curve.determined ? std::optional(value) : std::nullopt, 2);
   };
-  return record_cell("  {component:<4} {description:<38} {unit:<4} {largest:>8} {reversal:>8} {U_largest:>8}\n",
+  return record_cell("  {component:<4} {description:<38} {unit:<4} {largest:>8} {reversal:>10} {U_largest:>10}\n",
                      "component"_is(name_of(curve.component)), "description"_is(laser::description_of(curve.component)),
                      "unit"_is(unit), "determined"_is(curve.determined),
                      "largest"_is(number(greatest_in(curve.forward, curve.reverse))), "reversal"_is([&] {
@@ -359,7 +359,7 @@ Cell square_cell(const model::IdentifiedSquareness& square) {
   const auto number = [&](double value) {
     return number_cell(square.determined ? std::optional(value) : std::nullopt, 2);
   };
-  return record_cell("  {component:<4} {description:<38} {unit:<4} {um_per_m:>8} {none:>8} {U:>8}\n",
+  return record_cell("  {component:<4} {description:<38} {unit:<4} {um_per_m:>8} {none:>10} {U:>10}\n",
                      "component"_is(name_of(square.component)),
                      "description"_is(laser::description_of(square.component)), "unit"_is("um/m"),
                      "determined"_is(square.determined), "um_per_m"_is(number(square.um_per_m)), "none"_shown(""),
@@ -434,7 +434,7 @@ Cell single_cell(const model::SingleSetUps& single, double U_um, double minutes)
       "not_reached"_shown(single.reached ? "" : " (not reached)"));
 }
 
-/// " and 3 values known beforehand (scale of each set-up: --scale)"
+/// " and 3 values known beforehand: the length scale of the instrument in each set-up (option --scale)"
 std::string known_text(const LengthsWork& work) {
   const int known = work.found.known_values;
   if (known == 0) return {};
@@ -442,9 +442,9 @@ std::string known_text(const LengthsWork& work) {
                      return set_up.instrument == model::LengthInstrument::ball_bar;
                    });
   const bool scales = known > (bar ? 1 : 0);
-  return fmt::format(" and {} value{} known beforehand ({}{}{})", known, known == 1 ? "" : "s",
-                     scales ? "scale of each set-up: --scale" : "", scales && bar ? ", " : "",
-                     bar ? "length of the ball bar: # bar_um" : "");
+  return fmt::format(" and {} value{} known beforehand: {}{}{}", known, known == 1 ? "" : "s",
+                     scales ? "the length scale of the instrument in each set-up (option --scale)" : "",
+                     scales && bar ? " and " : "", bar ? "the length of the ball bar (# bar_um)" : "");
 }
 
 /// Uncertainties are expanded (95 %). @param map, params_out  files that were written; empty: none
@@ -456,21 +456,23 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
   const std::string none = found.whole() ? "map not written: give --params and -o map.csv\n"
                                          : "map not written: some components are not determined\n";
   return record_cell(
-      "{file}: {readings} {of_kind}{known_values}, {unknowns} unknowns, {degrees_of_freedom} degrees of "
+      "{file}: {readings} {of_kind}{known_values}. {unknowns} unknowns, {degrees_of_freedom} degrees of "
       "freedom\n{components}{squareness}{without_effect}{not_determined}"
-      "  standard deviation of a single reading {residual_um} um{repeated}\n  it consists of: the reading itself "
-      "{white_um} um; each stop of each axis {stop_um} um and {stop_um_per_m} um per metre of lever; each pass of each "
-      "axis (one run in one direction) {pass_um} um and {pass_um_per_m} um per metre of lever\n  the map is known to U "
-      "= {volume_U_um} um "
-      "(expanded uncertainty, k = 2) of the error vector, root mean square over the volume; `ecs volume` states the "
-      "remaining error after compensation\n{set_ups}{outliers}{notes}{map}{params_out}",
+      "  standard deviation of a single reading {residual_um} um{repeated}\n  contributions (added as squares): the "
+      "instrument {white_um} um; each stop of each axis {stop_um} um and {stop_um_per_m} um per metre of lever; each "
+      "pass of each axis (one run in one direction) {pass_um} um and {pass_um_per_m} um per metre of lever\n  expanded "
+      "uncertainty of the error vector of the map: U = {volume_U_um} um (k = 2), root mean square over the volume. "
+      "`ecs volume` states the remaining error after compensation\n{set_ups}{outliers}{notes}{map}{params_out}",
       "file"_is(work.test.source), "machine"_is(work.machine_name), "readings"_is(found.readings),
       "of_kind"_shown(model::has_points(work.test) ? "deviations" : "lengths"), "unknowns"_is(found.unknowns),
       "known_values"_is(found.known_values, known_text(work)), "degrees_of_freedom"_is(found.degrees_of_freedom),
       "knots_mm"_is(Json(found.knots_mm)), "determined"_is(found.whole()),
-      "components"_is(list_cell(acting, curve_cell,
-                                fmt::format("  {:<4} {:<38} {:<4} {:>8} {:>8} {:>8}\n", "", "component", "unit",
-                                            "largest", "reversal", "U (95 %)"))),
+      "components"_is(
+          list_cell(acting, curve_cell,
+                    fmt::format("  Largest: largest absolute error along the travel. Reversal: largest absolute\n"
+                                "  difference of forward and reverse. U: largest expanded uncertainty\n  {:<4} {:<38} "
+                                "{:<4} {:>8} {:>10} {:>10}\n",
+                                "", "component", "unit", "largest", "reversal", "U (95 %)"))),
       "squareness"_is(list_cell(found.squareness, square_cell)),
       "without_effect"_is(Json(without_effect(found)), idle_text(without_effect(found))),
       "not_determined"_is(lines_cell(missing_in(found), "  ")), "residual_um"_is(found.residual_um, 3),
@@ -505,11 +507,15 @@ Cell lengths_plan_cell(const model::LengthPlan& plan, double wanted_U_um, const 
   };
   Cell stations = list_cell(plan.test.set_ups, set_up);
   if (!plan.reached) stations.text.clear();  // no plan to follow
+  const bool one_tool = plan.test.tools.size() == 1;
   return record_cell(
-      "{reached_text}: U = {volume_U_um} um over the volume and the tools (wanted {wanted_U_um}), {first_tool_U_um} um "
-      "with the first tool\n{minutes} minutes, of which {set_up_minutes} for {set_ups} set-ups; {paths} paths, "
-      "{readings} poses\n{advice}{stations}{notes}for comparison: {single}  with the first tool alone: "
-      "{single_first_tool}{plan}",
+      one_tool ? "{reached_text}: U = {volume_U_um} um over the volume (wanted {wanted_U_um})\n{minutes} minutes, of "
+                 "which {set_up_minutes} for {set_ups} set-ups; {paths} paths with {readings} readings in all\n"
+                 "{advice}{stations}{notes}for comparison: {single}{plan}"
+               : "{reached_text}: U = {volume_U_um} um over the volume and the tools (wanted {wanted_U_um}), "
+                 "{first_tool_U_um} um with the first tool\n{minutes} minutes, of which {set_up_minutes} for {set_ups} "
+                 "set-ups; {paths} paths with {readings} readings in all\n{advice}{stations}{notes}for comparison: "
+                 "{single}  with the first tool alone: {single_first_tool}{plan}",
       "reached_text"_shown(plan.reached ? "reached" : "NOT REACHED with three runs of every path"),
       "advice"_shown(unreached_advice(plan)), "reached"_is(plan.reached), "wanted_U_um"_is(wanted_U_um, 3),
       "volume_U_um"_is(plan.volume_U_um, 3), "first_tool_U_um"_is(plan.first_tool_U_um, 3),

@@ -89,7 +89,7 @@ const Module& lengths_module() {
   constexpr const char* kPlanSought =
       "tracker tracking interferometer ball bar diagonal multilateration fewest minutes";
   static const Module module{
-      .menus = {{"lengths", "PROCESS LASER DATA: all components from lengths"}},
+      .menus = {{"lengths", "PROCESS LASER DATA: all error components from measured lengths"}},
       .verbs = {{"laser", &kLengths}},
       .forms = lengths_forms,
       .synonyms = {{"LENGTHS", kLengthsSought},

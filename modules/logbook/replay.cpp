@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -337,11 +340,23 @@ std::vector<ComparedCurve> curves_of(const std::optional<LoggedMap>& from, const
   return curves;
 }
 
+/// "150 um/m" of um_per_m, "amplitude 3 um" of amplitude_um.
+std::string size_text(const std::string& name, double value) {
+  constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
+      {"um_per_m", "um/m"}, {"um", "um"}, {"mm", "mm"}, {"rad", "rad"}, {"deg", "deg"}, {"s", "s"}};
+  for (const auto& [ending, unit] : kUnits) {
+    if (name == ending) return fmt::format("{:.4g} {}", value, unit);
+    if (name.ends_with(fmt::format("_{}", ending)))
+      return fmt::format("{} {:.4g} {}", name.substr(0, name.size() - ending.size() - 1), value, unit);
+  }
+  return fmt::format("{} {:.4g}", name, value);
+}
+
 std::string parameters_text(const Json& cause) {
   const auto found = cause.find("parameters");
   std::string text;
   const auto add = [&text](const std::string& name, const Json& value) {
-    if (value.is_number()) text += fmt::format("{}{} {:.4g}", text.empty() ? "" : ", ", name, value.get<double>());
+    if (value.is_number()) text += (text.empty() ? "" : ", ") + size_text(name, value.get<double>());
   };
   if (found == cause.end()) return text;
   if (found->is_object())

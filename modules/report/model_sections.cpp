@@ -161,8 +161,8 @@ Markup diagnosis_part(const ReportedDiagnosis& d) {
         fmt::join(where, ", ")));
   if (!d.left.empty()) {
     body += paragraph_of(
-        "Residual after these effects; in brackets the share of its variance above noise that each description alone "
-        "explains:");
+        "Properties of the residual, with the assumptions tried: the part of the residual that each alone reproduces "
+        "(share of the variance above noise):");
     body += list_of(d.left);
   }
   if (!d.formula.empty()) body += paragraph_of(fmt::format("As a formula: {}.", d.formula));

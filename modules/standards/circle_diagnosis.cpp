@@ -475,10 +475,10 @@ std::vector<std::string> circle_notes(const CircleData& data, const CircleNoise&
                         axis, pitch_mm));
   for (const CircleFaultFound& fault : diagnosis.faults)
     if (fault.name.starts_with(kReversalSpike) && !fault.nonlinear_sigma_mm)
-      notes.push_back(
-          fmt::format("{}: the fitted decay length is the limit of the values tried, {:.3g} mm. The size of the spikes "
-                      "is valid for this length only",
-                      fault.title, fault.nonlinear_mm));
+      notes.push_back(fmt::format(
+          "{}: the fitted decay length is at the limit of the range tried, {:.3g} mm. The size of the spikes "
+          "is valid for this length only",
+          fault.title, fault.nonlinear_mm));
   const bool without_cyclic = std::ranges::any_of(pitches_mm, &std::vector<double>::empty);
   if (diagnosis.lack_of_fit_ln_p < std::log(kLackOfFit))
     notes.push_back(fmt::format("the residual, {:.2f} um rms, is more than the noise of {:.2f} um: {}",

@@ -73,8 +73,9 @@ Result<Outcome> blocks(VerbContext&, const BlocksRequest& request) {
       "scale"_is(value_cell(fit.scale_um_per_m, "scale error", "um/m", "")),
       "constant"_is(value_cell(
           fit.constant_um, "constant", "um",
-          "\n    It is subtracted from the error of an outside measurement, and added to that\n    of an inside one. "
-          "Positive: the tool or probe is larger than assumed.\n    It includes the lost motion.")),
+          "\n    It makes the error of outside measurements more negative by this amount, and\n    that of inside ones "
+          "more positive. If it is positive, the tool or probe is\n    larger than assumed. It includes the lost "
+          "motion.")),
       "error"_is(value_cell(fit.error_um, "error", "um", ", scale and constant together over this length")),
       "coverage_factor"_is(of_readings(fit.coverage_factor)),
       "coverage_degrees_of_freedom"_is(of_readings(fit.coverage_degrees)), "coverage"_shown(coverage_text(fit)),

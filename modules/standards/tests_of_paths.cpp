@@ -45,9 +45,8 @@ Cell pass_cell(const laser::CirclePass& pass) {
 
 Cell pair_cell(const laser::CirclePair& pair) {
   return record_cell(
-      "  both, run {counter_clockwise_run} ccw and {clockwise_run} cw: G(b) {G_um} um, mean radial deviation D {D_um} "
-      "um, "
-      "hysteresis H {H_um} um at {H_at_deg} deg, all about the centre {centre_um} um\n",
+      "  both directions, run {counter_clockwise_run} ccw with run {clockwise_run} cw: G(b) {G_um} um, mean radial "
+      "deviation D {D_um} um, hysteresis H {H_um} um at {H_at_deg} deg, all about the centre {centre_um} um\n",
       "counter_clockwise_run"_is(pair.counter_clockwise_run), "clockwise_run"_is(pair.clockwise_run),
       "G_um"_is(pair.G_um, 2), "D_um"_is(pair.D_um, 2), "H_um"_is(pair.H_um, 2), "H_at_deg"_is(pair.H_at_deg, 0),
       "centre_um"_is(centre_cell(pair.centre_um)));

@@ -85,13 +85,14 @@ std::string noise_words(const laser::SpindleMotion& motion, std::size_t turns) {
   const double excess = motion.asynchronous - by_noise;
   const bool beyond = motion.synchronous > kBeyondNoise * motion.if_noise.synchronous;
   return fmt::format(
-      "    Comparison with random noise of the rms of the asynchronous motion, {1:.3f} {0}, in {2} turns\n"
+      "    Compared with random noise of the same rms as the asynchronous motion ({1:.3f} {0}), over {2} turns:\n"
       "    asynchronous  {3:.3f} {0} from noise, {4:.3f} {0} measured. The measured value {5}\n"
       "    synchronous   {6:.3f} {0} from noise, {7:.3f} {0} measured. The measured value {8}\n",
       unit, motion.asynchronous_rms, turns, by_noise, motion.asynchronous,
       std::abs(excess) <= kLikeNoise * by_noise ? "cannot be distinguished from noise"
-      : excess < 0.0 ? "is smaller, so the motion is not only random. It usually repeats over several turns"
-                     : "is larger, so the motion is not only random. Single turns differ by more",
+      : excess < 0.0
+          ? "is smaller, so the motion is not purely random. It usually repeats only after several turns (cage, belt)"
+          : "is larger, so the motion is not purely random. Single turns differ by more",
       motion.if_noise.synchronous, motion.synchronous, beyond ? "exceeds noise" : "cannot be distinguished from noise");
 }
 
@@ -245,7 +246,8 @@ Result<Outcome> spindle(VerbContext&, const SpindleRequest& request) {
   const std::string heading = fmt::format("  {:<32} {:>8} {:>8} {:>8} {:>8} {:>7} {:>8}\n", "error motion", "total",
                                           "synchr.", "(MRS)", "asynchr.", "at deg", "drift");
   return outcome_of(record_cell(
-      "{file}: {turns} turns, each read at {readings_per_turn} angles. The angle {way}{speed}. Drift is removed.\n"
+      "{file}: {turns} turns, each read at {readings_per_turn} angles{speed}. The angle {way} with time. Drift is "
+      "removed.\n"
       "Radial values refer to the least-squares centre (LSC). Those in the column MRS refer to the\n"
       "centre of minimum radial separation. Axial values refer to the mean.\n"
       "The synchronous value is the range of the mean of all turns. The asynchronous value is the\n"
@@ -253,7 +255,7 @@ Result<Outcome> spindle(VerbContext&, const SpindleRequest& request) {
       "{motions}{further}{separated}{notes}{output}{plot}",
       "file"_is(request.file), "turns"_is(test.turns), "readings_per_turn"_is(test.angles), "falling"_is(test.falling),
       "way"_shown(test.falling ? "decreases" : "increases"), "speed_rpm"_is(test.speed_rpm),
-      "speed"_shown(test.speed_rpm ? fmt::format(" at {:.6g} rpm", *test.speed_rpm) : std::string()),
+      "speed"_shown(test.speed_rpm ? fmt::format(", at {:.6g} rpm", *test.speed_rpm) : std::string()),
       "motions"_is(list_cell(test.motions, motion_cell, heading)), "further"_shown(further_words(test)),
       "separated"_is(list_cell(separations, separation_cell,
                                separations.empty() ? "" : "spindle and ball, separated by the reversal\n")),

@@ -175,7 +175,7 @@ Result<Outcome> flatness(VerbContext&, const FlatnessRequest& request) {
   const Cell closure = closure_cell(flatness, request.closure_um);
   const Cell answer = record_cell(
       "{file}: {width_mm} x {depth_mm} mm between the corner stations, {heights} heights\n"
-      "  {flatness_um:>9} um  flatness: minimum zone, the closest two planes\n"
+      "  {flatness_um:>9} um  flatness: minimum zone, the two closest parallel planes\n"
       "  {least_squares_um:>9} um  planes parallel to the least-squares plane\n"
       "  {moody_um:>9} um  planes parallel to both diagonals (Moody 1955)\n"
       "{closure}{prediction}heights above the lowest station [um], along each line from its first "

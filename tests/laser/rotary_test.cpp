@@ -97,7 +97,7 @@ TEST_CASE("statistics of a full turn: the targets that the standard asks for, an
   const Iso230 iso = must(iso230_of(set, only(groups_of(set))));
   CHECK(iso.rotary);
   CHECK(*iso.E_forward == Approx(4.0));
-  CHECK(says(iso.notes, "fewer than 8 targets (5 on 360 deg)"));
+  CHECK(says(iso.notes, "5 targets on 360 deg; ISO 230-2 requires at least 8"));
   CHECK(says(iso.notes, "the readings at 0 and 360 deg, the same position, differ by +4 um/m"));
   CHECK_FALSE(says(iso.notes, "longer than 2000 mm"));
   CHECK_FALSE(says(iso.notes, "not a positioning error"));

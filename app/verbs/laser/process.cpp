@@ -92,8 +92,8 @@ Cell smoothing_cell(const laser::Smoothed& smooth, double window_mm, std::string
 Cell slope_cell(const laser::Levelled& level, std::string_view unit) {
   const auto& error = level.slope_std_error_per_m;
   return record_cell(level.method == laser::SlopeMethod::none
-                         ? "  no slope removed\n"
-                         : "  slope removed ({method}): {removed_per_m}{std_error_per_m} {unit}\n",
+                         ? "  no straight line removed\n"
+                         : "  straight line removed ({method}): slope {removed_per_m}{std_error_per_m} {unit}\n",
                      "method"_is(laser::name_of(level.method)), "removed_per_m"_is(level.removed.slope_per_m, 3),
                      "removed_offset"_is(level.removed.offset),
                      "std_error_per_m"_is(error, error ? fmt::format(" +- {:.3f} (k = 1)", *error) : ""),

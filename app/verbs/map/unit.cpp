@@ -266,7 +266,7 @@ struct ReceiveRequest {
   std::string output;
   static Fields<ReceiveRequest> fields() {
     using R = ReceiveRequest;
-    return {{"-o,--output", &R::output, "file to write; without it the CSV goes to stdout", Is::output}};
+    return {{"-o,--output", &R::output, "file to write; without it the CSV is printed on the screen", Is::output}};
   }
 };
 

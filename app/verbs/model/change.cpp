@@ -344,7 +344,8 @@ Result<Outcome> history(VerbContext&, const HistoryRequest& request) {
 }  // namespace
 
 extern const std::vector<Action> kModelLadder{
-    action("model add", "add an effect at the place where it fits best, and show the residual before and after",
+    action("model add",
+           "add an effect to the axis and sense where it fits best, and show the residual before and after",
            "ecs model add model.toml cyclic:X:EX data.csv --machine machine.toml -o model.toml", add,
            {.logged = Logged::always, .kind = "model"}),
     action("model undo", "remove the effect that was added last", "ecs model undo model.toml", undo,

@@ -174,7 +174,8 @@ extern const std::vector<Action> kUtilityDatum{
            "ecs utility datum show x_datum.csv", show),
     action("utility datum test", "run the unit's datum routine, axis by axis", "ecs utility datum test X Y --wait 120",
            test, {.link = Link::writes}),
-    action("utility status", "show mode, fault and remedy, memory tests, address pointers and relays",
+    action("utility status",
+           "show mode, fault and remedy, memory tests, the table values used last (address pointers) and relays",
            "ecs utility status --save status.json\n  ecs utility status --from status.json", show_status,
            {.link = Link::reads})};
 

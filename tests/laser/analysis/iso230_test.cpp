@@ -164,7 +164,7 @@ TEST_CASE("unknown approaches beside known ones are left out and counted") {
 
 TEST_CASE("conditions of the standard that are not met are named") {
   const Iso230 axis = evaluated(set_of({{0.0, {1.0, 1.0}, {0.0}}, {1000.0, {1.0}, {0.0}}}));
-  CHECK(says(axis.notes, "fewer than 5 targets (2)"));
+  CHECK(says(axis.notes, "2 targets; ISO 230-2 requires at least 5"));
   CHECK(says(axis.notes, "per metre"));
   CHECK(says(axis.notes, "the number of forward readings differs between targets: 1 to 2"));
 }
