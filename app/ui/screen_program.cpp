@@ -44,23 +44,24 @@ constexpr GlossaryRow kGlossary[] = {
      "corrected"},
     {"diagnosis|diagnose", "the search for effects that the model lacks, with evidence"},
     {"e-value",
-     "probability of the held-out readings according to the model with the effect, divided by that according to the "
-     "model without it and by the number of candidates tried; noise alone reaches 100 at most once in 100 cases; not "
-     "valid where the zero of the readings drifts slowly"},
+     "how many times more probable the held-out readings are with the effect than without it, divided by the number of "
+     "candidates tried; noise alone reaches 100 at most once in 100 cases; not valid where the zero of the readings "
+     "drifts slowly"},
     {"held out|held-out", "readings that were not used for the fit and therefore test it"},
     {"integration mode|integration|integrating", "the unit accepts parameters, maps and commands; compensation is off"},
     {"lack of fit", "the means deviate from the model by more than the scatter of repeated readings allows (F test)"},
     {"likely",
      "not proved, but unlikely to be due to chance: in at most 1 of 100 simulated noise-only data sets, some effect "
-     "fits as well as this one fits the readings. Held-out readings do not contradict it. Together with the proved "
-     "effects it must reduce the residual to noise, or at least halve the part above noise (mean square) that remains "
-     "with the proved effects alone. Another cause remains possible"},
+     "fits as well as this one fits the readings. Held-out readings do not contradict it. The proved and likely "
+     "effects together must reduce the residual to noise. Otherwise the likely ones must at least halve the part above "
+     "noise (mean square of the residual minus that of the noise) that the proved ones leave. Another cause remains "
+     "possible"},
     {"machine file",
      "description of the machine that is given with --machine: axes, travels, pitches, measurement lines (from which "
      "lever arms are measured), inputs of the unit"},
     {"marker",
-     "the index pulse of the transducer, once a revolution or at one place; together with the switch it defines the "
-     "datum"},
+     "the index pulse of the transducer, once per revolution or at one place on a scale; together with the switch it "
+     "defines the datum"},
     {"parked",
      "at rest at this position while another axis moves; the distance from the measurement line of the moving axis is "
      "the lever arm of its angular errors"},

@@ -443,8 +443,10 @@ DoctorFinding terminal_finding() {
   const char* kind = std::getenv("TERM");
   if (::isatty(STDOUT_FILENO) == 1 && kind != nullptr && std::string_view(kind) != "dumb")
     return {"terminal", FindingState::ok, fmt::format("a terminal of kind {}", kind), {}};
-  return {
-      "terminal", FindingState::note, "stdout is not a terminal, or TERM is not set: no screens, no progress bar", {}};
+  return {"terminal",
+          FindingState::note,
+          "the output does not go to a terminal, or TERM is not set: no screens, no progress bar",
+          {}};
 }
 
 }  // namespace

@@ -149,10 +149,10 @@ Cell comparison_cell(const Comparison& c, std::size_t readings) {
   const std::string few = readings < kFewForNoise && !c.noise.from_repeats
                               ? fmt::format(", uncertain with only {} readings", readings)
                               : std::string();
-  const std::string summary =
-      paragraph(fmt::format("{} readings: rms {}, peak {}; noise of one reading {}; lack-of-fit test of the model: {}",
-                            readings, in_each_unit(c.rms_um, c.rms_by_unit, c.noise.unit),
-                            in_each_unit(c.peak_um, c.peak_by_unit, c.noise.unit), noise_text(c.noise) + few, judged));
+  const std::string summary = paragraph(fmt::format(
+      "{} readings: rms {}, peak {}; noise of one reading with this model: {}; lack-of-fit test of the model: {}",
+      readings, in_each_unit(c.rms_um, c.rms_by_unit, c.noise.unit),
+      in_each_unit(c.peak_um, c.peak_by_unit, c.noise.unit), noise_text(c.noise) + few, judged));
   Cell answer = record_cell(
       "{summary}\n{directions}{variables}{worst}{outliers}", "observations"_is(readings), "summary"_shown(summary),
       "rms_um"_is(c.rms_um), "peak_um"_is(c.peak_um), "noise_um"_is(c.noise.noise_um),
@@ -175,15 +175,15 @@ std::string rms_text(const Diagnosis& d, const std::string& rms, const std::stri
 }
 
 std::string summary(const Diagnosis& d) {
-  std::string text = fmt::format("{} readings. The residual is {}; the noise of one reading is {}. ", d.observations,
+  std::string text = fmt::format("{} readings. The residual is {}. ", d.observations,
                                  rms_text(d, in_each_unit(d.rms_um, d.rms_by_unit, d.noise.unit),
-                                          in_each_unit(d.kept_rms_um, d.kept_by_unit, d.noise.unit)),
-                                 noise_text(d.noise));
+                                          in_each_unit(d.kept_rms_um, d.kept_by_unit, d.noise.unit)));
   if (d.verdict != Verdict::adequate && d.rms_after_um < d.rms_um)
     text += fmt::format("With {} the residual is {}{}. ", d.add ? "the proved or likely effects" : "the named effects",
                         rms_text(d, in_each_unit(d.rms_after_um, d.rms_after_by_unit, d.noise.unit),
                                  in_each_unit(d.kept_rms_after_um, d.kept_after_by_unit, d.noise.unit)),
                         d.outliers.empty() && d.rms_after_um <= d.noise.noise_um ? ", no more than the noise" : "");
+  text += fmt::format("The noise of one reading is {}. ", noise_text(d.noise));
   const bool is_judged = d.outliers.empty() || d.verdict != Verdict::adequate;
   text += "Lack-of-fit test: " + lack_of_fit_text(d.lack_of_fit, is_judged ? d.rms_um : 0.0, d.noise.noise_um);
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)

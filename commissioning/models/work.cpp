@@ -351,7 +351,8 @@ Result<ModelWork> begun_model(MessageSink& messages, const ModelArguments& argum
 std::string usual_in_words(const ModelWork& work) {
   const model::Observations& data = work.data;
   if (!data.through_chain.empty())
-    return "the position of the ball, the location errors of the rotary axes that it shows, and their backlash where "
+    return "the position of the ball, the location errors of the rotary axes that its readings show, and their "
+           "backlash where "
            "both approaches were measured";
   if (work.model.effects.empty()) return "no effects yet";
   std::set<std::pair<Sense, Axis>> measured;

@@ -452,10 +452,11 @@ Cell repair_cell(const RepairAnswer& answer) {
   std::string head = fmt::format(
       "The table lists the remaining error [um]. Each block is for one cause: left as it is, compensated, or repaired. "
       "All other causes are compensated as far as the unit can. If left and compensated are equal in every row, the "
-      "unit does not compensate the cause. The rms values of several causes add as squares. The 95 % bound is in "
-      "brackets. Readings: {}; their noise of {:.2f} um each is not included. Volume: {} positions, each in both "
-      "approaches, with errors relative to the reference position: a constant offset changes the readings only.",
-      answer.readings, answer.noise_um, answer.places);
+      "unit does not compensate the cause. The 95 % bound is in brackets. The rows \"readings\" ({}) also contain the "
+      "residual of the model, with the noise; volume and circle contain only the causes of the model. Volume: {} "
+      "positions, each in both approaches, with errors relative to the reference position: a constant offset shows "
+      "only in the readings.",
+      answer.readings, answer.places);
   if (std::ranges::any_of(answer.causes, [](const CauseCost& cost) { return cost.remedy == Remedy::set_up; }))
     head +=
         " \"Put the measurement right\" is for an error of the measurement, not of the machine. It has no rows for the "
@@ -463,7 +464,6 @@ Cell repair_cell(const RepairAnswer& answer) {
   if (has_circle)
     head += fmt::format(" Circle: in {} around the middle of the travels, diameter {:.0f} mm.", answer.plane,
                         answer.diameter_mm);
-  head += " All figures contain only the causes of the model, not the residual.";
   return record_cell(
       "{head}\n                                left       compensated          repaired\n{causes}{notes}",
       "head"_shown(paragraph(head)), "readings"_is(answer.readings), "points"_is(answer.places),

@@ -159,8 +159,8 @@ Result<MeasurementSet> read_assignments(std::string_view text, const std::string
     }
   }
   set.notes.push_back(
-      "FWD is read as forward and BWD as reverse. Some reports of such data use FWD for backward: if B has the wrong "
-      "sign, forward and reverse are exchanged");
+      "FWD is read as forward and BWD as reverse. Some instruments use FWD for the reverse approach. If the mean "
+      "reversal error has the wrong sign for a lost motion, exchange forward and reverse");
   number_rows(set);
   return set;
 }

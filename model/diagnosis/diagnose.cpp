@@ -469,8 +469,9 @@ std::optional<std::string> slope_note(const Candidate& one, const Regressors& re
       std::ranges::any_of(one.rivals, [&](const EffectInstance& rival) { return is_curve(rival, false); }))
     return std::nullopt;
   return fmt::format(
-      "{} has the same shape in these readings as a scale error and a smooth error along the travel together. One "
-      "cause is more probable than two; measure a second line at another distance to exclude them",
+      "a scale error and a smooth error along the travel together would have the same shape in these readings as {0}. "
+      "{0} is named because one cause is more probable than two. To exclude the two, measure a second line at another "
+      "distance",
       place_text(one.effect));
 }
 

@@ -110,13 +110,32 @@ std::vector<PairSeparation> pairs_of(const MatrixXd& sigma, const std::vector<st
   return pairs;
 }
 
+/// Whether b tells no more than a of anything. @param readings  of b for each of a
+bool tells_no_more(const MeasurementProposal& b, const MeasurementProposal& a, double readings) {
+  constexpr double kNoMore = 1.02;
+  if (a.pairs.size() != b.pairs.size()) return false;
+  for (std::size_t i = 0; i < a.pairs.size(); ++i)
+    if (b.pairs[i].sigma > kNoMore * std::sqrt(readings) * a.pairs[i].sigma) return false;
+  return true;
+}
+
 /// Whether b tells no more than a of anything, and takes no less time.
 bool outdone(const MeasurementProposal& a, const MeasurementProposal& b) {
-  constexpr double kNoMore = 1.02;
-  if (a.minutes > b.minutes || a.pairs.size() != b.pairs.size()) return false;
-  for (std::size_t i = 0; i < a.pairs.size(); ++i)
-    if (b.pairs[i].sigma > kNoMore * a.pairs[i].sigma) return false;
-  return true;
+  return a.minutes <= b.minutes && tells_no_more(b, a, 1.0);
+}
+
+/// Leaves out runs at another feed or with other reversals that tell no more than the same readings without: these
+/// conditions are then no reason, whatever minutes they save.
+void without_idle_motions(std::vector<Weighed>& runs) {
+  const auto passes = [](const MeasurementProposal& p) { return p.runs * (p.second_feed_mm_min ? 2.0 : 1.0); };
+  const std::vector<Weighed> all = runs;
+  std::erase_if(runs, [&](const Weighed& one) {
+    return std::ranges::any_of(all, [&](const Weighed& plain) {
+      const MeasurementProposal &a = plain.proposal, &b = one.proposal;
+      return a.condition == kAnotherRun && a.axis == b.axis && a.sense == b.sense &&
+             (a.feed_mm_min != b.feed_mm_min || b.short_overrun) && tells_no_more(b, a, passes(b) / passes(a));
+    });
+  });
 }
 
 /// @param ranked  best first
@@ -157,6 +176,7 @@ std::vector<Weighed> weighed(const std::vector<MeasurementProposal>& options, co
       else if (before(one.proposal, one.mean_sigma, same->proposal, same->mean_sigma))
         *same = std::move(one);
     }
+  without_idle_motions(best);
   std::ranges::stable_sort(best, [](const Weighed& a, const Weighed& b) {
     return before(a.proposal, a.mean_sigma, b.proposal, b.mean_sigma);
   });

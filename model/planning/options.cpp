@@ -132,7 +132,7 @@ class Conditions {
       : data_(data), now_(now), times_(times) {}
 
   std::vector<MeasurementProposal> all() {
-    add("with the present set-up, another run", [](MeasurementProposal&) {});
+    add(std::string(kAnotherRun), [](MeasurementProposal&) {});
     motion();
     temperatures();
     time_and_air();

@@ -73,6 +73,9 @@ struct OpenGroup {
                                                      const Regressors& regressors, const Model& model,
                                                      std::size_t most);
 
+/// The condition of a run that changes nothing.
+inline constexpr std::string_view kAnotherRun = "with the present set-up, another run";
+
 /// One line as it is measured now: the most frequent parked place of an axis moved and a sense read.
 struct PresentLine {
   Axis axis = Axis::X;

@@ -497,6 +497,12 @@ Result<ControllerExport> siemens_export(const ExportSource& source, const Siemen
   if (!groups.empty()) made.files.push_back({kCrossFile, cross_text(all_tables(groups), options)});
   add_settings(made, positioning.encoder, groups, options);
   leave_behind(made, source, carried, "cannot be corrected by a table, which has no lever arm", kTooFew);
+  bool travels_known = true;
+  for (const Axis axis : kAllAxes)
+    travels_known = travels_known && (!has_axis(source, axis) || source.travel_mm[index_of(axis)]);
+  for (LeftBehind& left : made.not_carried)
+    if (const auto component = component_of(left.what); component && is_squareness(*component) && !travels_known)
+      left.why = "needs the travels of all axes: give --machine";
   made.notes.push_back("changing MD18342 or MD38000 reformats the memory of the control: save its data first");
   made.notes.push_back(
       "signs: the manual gives that of ENC_COMP; that of CEC is assumed to be the same. Check one CEC table on the "

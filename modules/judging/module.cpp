@@ -23,7 +23,8 @@ cli::Fields<FreezeArguments> FreezeArguments::fields() {
                           &M::import};
   return {{&R::of, of},
           {"--limits", &R::limits,
-           "acceptance limits of the held-out groups (.toml; modules/judging/README.md has an example)",
+           "acceptance limits for each group of held-out readings, such as a run (.toml; modules/judging/README.md has "
+           "an example)",
            cli::Need::required},
           {"-o,--output", &R::output, "file for the frozen model, data and limits (.json)", cli::Need::required,
            cli::Is::output}};

@@ -81,7 +81,8 @@ std::string shapes_text(const DriveDiagnosis& d) {
   }
   std::vector<std::optional<double>> rms{std::nullopt, d.rms_V};
   if (mended) rms.emplace_back(d.candidates.front().rms_after_V);
-  return text + row_of("rms of the difference [V]", rms);
+  return text + row_of("rms of the difference [V]", rms) +
+         (mended ? "  corrected: simulated with the corrected constants\n" : "");
 }
 
 std::string value_of(const DriveChange& change, const model::DriveParameters& given) {
@@ -210,10 +211,12 @@ Cell drive_candidates_cell(const DriveDiagnosis& d, const model::DriveParameters
     if (shown && !list.json.empty() && candidate.explains) one.text.insert(0, "or\n");
     list.add(one);
     if (!candidate.explains && d.candidates.front().explains)
-      weaker.push_back(fmt::format("{} (residual {} V)", name_of(candidate.alternatives.front().constant),
+      weaker.push_back(fmt::format("{} ({} V rms would remain)", name_of(candidate.alternatives.front().constant),
                                    few_digits(candidate.rms_after_V)));
   }
-  if (!weaker.empty()) list.text += "\n" + paragraph(fmt::format("Not enough alone: {}.", fmt::join(weaker, ", ")));
+  if (!weaker.empty())
+    list.text += "\n" + paragraph(fmt::format("One of these alone does not explain the difference: {}.",
+                                              fmt::join(weaker, ", ")));
   return list;
 }
 

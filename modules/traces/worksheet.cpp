@@ -119,7 +119,7 @@ class WorksheetReader {
     pitch_mm_ = *pitch_mm;
     constant(pitch, "screw pitch / gear (turns of the motor per turn of the screw)",
              fmt::format("{:g} mm / {:g}", pitch_mm_, gear_), pitch_mm_ / gear_);
-    constant(Ks, "screw pitch / (2 pi gear)", fmt::format("{:g} mm / ({:.6f} * {:g})", pitch_mm_, kTurn, gear_),
+    constant(Ks, "screw pitch / (2 pi * gear)", fmt::format("{:g} mm / ({:.6f} * {:g})", pitch_mm_, kTurn, gear_),
              pitch_mm_ / (kTurn * gear_));
   }
 
@@ -134,7 +134,7 @@ class WorksheetReader {
   /// Speed of the motor at a feed [rad/s].
   double speed_at(double feed_mm_min, const std::string& symbol) {
     const double speed = kTurn * gear_ * feed_mm_min / (kSecondsPerMinute * pitch_mm_);
-    step(symbol, "2 pi gear feed / (60 screw pitch)",
+    step(symbol, "2 pi * gear * feed / (60 * screw pitch)",
          fmt::format("{:.6f} * {:g} * {:g} mm/min / (60 * {:g} mm)", kTurn, gear_, feed_mm_min, pitch_mm_), speed,
          "rad/s", "speed of the motor");
     return speed;
@@ -215,7 +215,7 @@ class WorksheetReader {
          readings.size() < 2 ? std::string("one reading")
                              : fmt::format("standard uncertainty {:.3g} N", std::sqrt(squares / (n - 1.0) / n)));
     constant(
-        T1, "F screw pitch / (2 pi gear efficiency)",
+        T1, "F * screw pitch / (2 pi * gear * efficiency)",
         fmt::format("{:.6g} N * {:g} m / ({:.6f} * {:g} * {:g})", mean, pitch_mm_ / kMmPerM, kTurn, gear_, efficiency_),
         mean * pitch_mm_ / kMmPerM / (kTurn * gear_ * efficiency_));
   }
@@ -229,7 +229,7 @@ class WorksheetReader {
       return 0.0;
     }
     const double mass = *density * volume_mm3 / kMm3PerM3;
-    step("m", "density volume", fmt::format("{:g} kg/m3 * {:.6g} m3", *density, volume_mm3 / kMm3PerM3), mass, "kg",
+    step("m", "density * volume", fmt::format("{:g} kg/m3 * {:.6g} m3", *density, volume_mm3 / kMm3PerM3), mass, "kg",
          name);
     return mass;
   }
@@ -246,7 +246,7 @@ class WorksheetReader {
     if (mass <= 0.0 || pitch_mm_ <= 0.0) return 0.0;
     const double pitch_m = pitch_mm_ / kMmPerM;
     const double inertia = mass * pitch_m * pitch_m / (efficiency_ * kTurn * kTurn * gear_ * gear_);
-    step("Js", "sliding mass screw pitch^2 / (efficiency 4 pi^2 gear^2)",
+    step("Js", "sliding mass * screw pitch^2 / (efficiency * 4 pi^2 * gear^2)",
          fmt::format("{:.6g} kg * ({:g} m)^2 / ({:g} * {:.4f} * {:g}^2)", mass, pitch_m, efficiency_, kTurn * kTurn,
                      gear_),
          inertia, "kg m2", "the sliding mass, at the motor");
@@ -275,7 +275,7 @@ class WorksheetReader {
       const double ratio = on == "motor" ? 1.0 : gear_;
       const double inertia = half * mass * r_m * r_m / (ratio * ratio);
       step("Jr",
-           fmt::format("{}{}", radius ? "mass radius^2 / 2" : "mass radius_of_gyration^2",
+           fmt::format("{}{}", radius ? "mass * radius^2 / 2" : "mass * radius_of_gyration^2",
                        ratio == 1.0 ? "" : " / gear^2"),
            fmt::format("{:.6g} kg * ({:g} m)^2{}{}", mass, r_m, radius ? " / 2" : "",
                        ratio == 1.0 ? "" : fmt::format(" / {:g}^2", ratio)),
@@ -298,12 +298,12 @@ class WorksheetReader {
     const auto k = known(K), kd = known(Kd), ke = known(Ke), kw = known(Kw), ks = known(Ks);
     if (k && kd && ke && kw) {
       sheet_.kv_per_s = *k * *kd * *ke / *kw;
-      step("Kv", "K Kd Ke / Kw", fmt::format("{:.6g} * {:.6g} * {:.6g} / {:.6g}", *k, *kd, *ke, *kw), *sheet_.kv_per_s,
-           "1/s", "gain of the position loop");
+      step("Kv", "K * Kd * Ke / Kw", fmt::format("{:.6g} * {:.6g} * {:.6g} / {:.6g}", *k, *kd, *ke, *kw),
+           *sheet_.kv_per_s, "1/s", "gain of the position loop");
     }
     if (k && kw && ks && known(dac_limit)) {
       sheet_.fastest_mm_min = *k * *known(dac_limit) / *kw * *ks * kSecondsPerMinute;
-      step("v", "60 K dac_limit Ks / Kw",
+      step("v", "60 * K * dac_limit * Ks / Kw",
            fmt::format("60 * {:.6g} * {:g} V * {:.6g} / {:.6g}", *k, *known(dac_limit), *ks, *kw),
            *sheet_.fastest_mm_min, "mm/min", "fastest speed, at the limit of the D/A converter");
     }
@@ -316,7 +316,8 @@ class WorksheetReader {
     step("J", "Jm + J1", fmt::format("{:g} kg m2 + {:.6g} kg m2", *known(Jm), *known(J1)), inertia, "kg m2",
          "all that the motor turns");
     if (known(Ka) && kw && known(Kt))
-      step("tw", "J / (Ka Kw Kt)", fmt::format("{:.6g} / ({:g} * {:.6g} * {:g})", inertia, *known(Ka), *kw, *known(Kt)),
+      step("tw", "J / (Ka * Kw * Kt)",
+           fmt::format("{:.6g} / ({:g} * {:.6g} * {:g})", inertia, *known(Ka), *kw, *known(Kt)),
            kMsPerS * inertia / (*known(Ka) * *kw * *known(Kt)), "ms", "time constant of the velocity loop");
   }
 
@@ -337,9 +338,10 @@ class WorksheetReader {
     if (k && kw && dac_V_ && dac_feed_mm_min_ && pitch_mm_ > 0.0) {
       const double speed = kTurn * gear_ * *dac_feed_mm_min_ / (kSecondsPerMinute * pitch_mm_);
       const double by_dac = *k * *dac_V_ / speed;
-      step("Kw'", "K D/A voltage / speed of the motor at that voltage",
+      step("Kw'", "K * D/A voltage / speed of the motor at that voltage",
            fmt::format("{:.6g} * {:g} V / {:.6g} rad/s", *k, *dac_V_, speed), by_dac, "V s/rad",
-           fmt::format("check: must be equal to Kw, here {:.6g} V s/rad", *kw));
+           fmt::format("check: should be Kw = {:.6g} V s/rad; differs by {:.2g} %", *kw,
+                       100.0 * std::abs(by_dac / *kw - 1.0)));
       if (std::abs(*kw / by_dac - 1.0) > kSameReading)
         sheet_.findings.push_back(
             fmt::format("Kw = {:.6g} V s/rad contradicts the D/A voltage, from which {:.6g} V s/rad follows: it is {}",

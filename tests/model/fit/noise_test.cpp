@@ -109,6 +109,23 @@ TEST_CASE("what a place shows there and back, alike or with its sign turned, is 
   CHECK(noise_um([&](const Reading& r) { return rough(r) * (2.0 + d(r)); }).noise_um > 5.0);
 }
 
+TEST_CASE("where targets were repeated only with other feeds or loads, these readings show the noise and are named") {
+  Measured m = white();
+  const auto noise = [&] {
+    for (Index k = 0; k < m.residual.size(); ++k)  // no neighbour says it
+      m.residual(k) = m.data.reading[static_cast<std::size_t>(k)] +
+                      15.0 * std::sin(7.7 * m.data.p_mm(static_cast<std::size_t>(k), Axis::X));
+    return noise_in(m).pure;
+  };
+  CHECK(noise().differ_in.empty());
+  for (std::size_t k = 0; k < m.data.size(); ++k) m.data.feed_mm_min.push_back(1000.0 * m.data.run[k]);
+  CHECK(noise().differ_in == "feeds");
+  CHECK_FALSE(noise().from_repeats);
+  CHECK(noise().noise_um == Approx(kWhite_um).epsilon(0.12));
+  for (std::size_t k = 0; k < m.data.size(); ++k) m.data.load_kg.push_back(100.0 * m.data.run[k]);
+  CHECK(noise().differ_in == "feeds or loads");
+}
+
 TEST_CASE("noise that lasts over several readings is recognised as correlated") {
   std::mt19937_64 random(4);
   NormalDraws normal;
