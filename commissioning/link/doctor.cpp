@@ -445,7 +445,8 @@ DoctorFinding terminal_finding() {
     return {"terminal", FindingState::ok, fmt::format("a terminal of kind {}", kind), {}};
   return {"terminal",
           FindingState::note,
-          "the output does not go to a terminal, or TERM is not set: no screens, no progress bar",
+          "the output does not go to a terminal window, or its type (the variable TERM) is unknown: no screens, no "
+          "progress bar",
           {}};
 }
 

@@ -157,7 +157,7 @@ void trace(MapFromModel& built, const Model& model, const std::vector<model::Own
   }
   if (!untraced.empty())
     built.notes.push_back(fmt::format(
-        "{}: the model does not state the data of its fit; `ecs model fit -o` and `ecs model add` store them",
+        "{}: the model does not state the readings of its fit; `ecs model fit -o` and `ecs model add` record them",
         fmt::join(untraced, ", ")));
 }
 

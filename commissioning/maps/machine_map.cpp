@@ -123,9 +123,9 @@ Result<ExportWork> export_work(MessageSink& messages, const ExportArguments& arg
       unknown.emplace_back(1, letter_of(axis));
   if (!unknown.empty())
     work.notes.push_back(fmt::format(
-        "the travel of {} is unknown, because the map has no table along it: the predicted error is that at "
-        "{} 0. State the travels with --machine",
-        fmt::join(unknown, " and "), fmt::join(unknown, " 0, ")));
+        "the travel of {} is unknown, because the map has no table along {}: the error in the volume is not "
+        "predicted. State the travels with --machine",
+        fmt::join(unknown, " and "), unknown.size() == 1 ? "it" : "them"));
   if (auto left = laser::squareness_left_behind(work.source.map.header, work.source.parameters))
     work.notes.push_back(std::move(*left));
   for (const std::string& input : {arguments.map, arguments.machine, arguments.model})

@@ -229,7 +229,7 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
       {"--parked", &A::parked, "position of the other axes, if the file does not state it, as in y=-1400,z=0 [mm]"},
       {"--columns", &A::columns,
        "read a table: FIELD=COLUMN[unit]*factor, as in x_mm=1[in],reading=3[um]*0.1,run=2,approach=4. "
-       "With approach=motion or run=motion these are derived from the order of the positions"},
+       "approach=motion and run=motion: approach or run is derived from the order of the positions"},
       {"--profile", &A::profile, "use the import options saved under this name or path"},
       F{{"--encoding", &A::encoding, "code page; detected if not given",
          Words{"UTF-8", "Windows-1252", "GBK", "ISO-8859-1", "Shift-JIS", "UTF-16"}},
@@ -246,7 +246,7 @@ cli::Fields<ImportArguments> ImportArguments::fields(const std::string& sense_op
          "separator: one character, or blank, tab, comma, semicolon; detected if not given"},
         {"--decimal", &A::decimal, "decimal separator of the table; both are accepted if not given",
          Words{"point", "comma"}},
-        {"--values", &A::values, "meaning of the readings of the table; error if not given",
+        {"--values", &A::values, "meaning of the readings of the table; default: error",
          Words{"error", "actual", "compensation"}},
         {"--keep-set-up", &A::keep_set_up,
          "do not remove shift and rotation of the set-up from measured_x_mm, measured_y_mm, ..."}}

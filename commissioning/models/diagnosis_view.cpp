@@ -16,7 +16,7 @@ namespace {
 using model::Comparison;
 
 /// A residual of this many times the noise of one reading is no noise, whatever a test against repeats says.
-constexpr double kFarAboveNoise = 2.0;
+constexpr double kFarAboveNoise = 2.0, kAboveNoise = 1.3;
 
 double largest_in(const std::vector<ShapePoint>& points) {
   double largest = 0.0;
@@ -27,12 +27,6 @@ double largest_in(const std::vector<ShapePoint>& points) {
 /// That a model fits the scatter of repeats says little where the runs differ far more than readings of one run.
 bool runs_differ(const std::optional<model::LackOfFit>& test, double rms_um, double noise_um) {
   return test && !test->fails() && !test->is_in_doubt() && rms_um > kFarAboveNoise * noise_um;
-}
-
-std::string lack_of_fit_text(const std::optional<model::LackOfFit>& test, double rms_um, double noise_um) {
-  return runs_differ(test, rms_um, noise_um)
-             ? "no answer, because the differences between runs are as large as the residual"
-             : lack_of_fit_cell(test).text;
 }
 
 Cell direction_cell(const model::DirectionSummary& d, bool rotary, double noise_um) {
@@ -142,6 +136,17 @@ std::string outliers_text(const Comparison& c) {
 
 }  // namespace
 
+std::string lack_of_fit_text(const std::optional<model::LackOfFit>& test, double rms_um, double noise_um) {
+  if (runs_differ(test, rms_um, noise_um))
+    return "no answer, because the differences between runs are as large as the residual";
+  std::string text = lack_of_fit_cell(test).text;
+  if (test && !test->fails() && !test->is_in_doubt() && rms_um > kAboveNoise * noise_um)
+    text +=
+        fmt::format(", although the residual is {:.1f} times the noise: the test allows for differences between runs",
+                    rms_um / noise_um);
+  return text;
+}
+
 Cell comparison_cell(const Comparison& c, std::size_t readings) {
   const Cell lack_of_fit = lack_of_fit_cell(c.lack_of_fit);
   const std::string judged = lack_of_fit_text(c.lack_of_fit, c.outliers.empty() ? c.rms_um : 0.0, c.noise.noise_um);
@@ -175,15 +180,18 @@ std::string rms_text(const Diagnosis& d, const std::string& rms, const std::stri
 }
 
 std::string summary(const Diagnosis& d) {
-  std::string text = fmt::format("{} readings. The residual is {}. ", d.observations,
+  std::string text = fmt::format("{} readings. The residual is {}", d.observations,
                                  rms_text(d, in_each_unit(d.rms_um, d.rms_by_unit, d.noise.unit),
                                           in_each_unit(d.kept_rms_um, d.kept_by_unit, d.noise.unit)));
   if (d.verdict != Verdict::adequate && d.rms_after_um < d.rms_um)
-    text += fmt::format("With {} the residual is {}{}. ", d.add ? "the proved or likely effects" : "the named effects",
+    text += fmt::format(". With {} it is {}{}, and the noise of one reading is {}. ",
+                        d.add ? "the proved or likely effects" : "the named effects",
                         rms_text(d, in_each_unit(d.rms_after_um, d.rms_after_by_unit, d.noise.unit),
                                  in_each_unit(d.kept_rms_after_um, d.kept_after_by_unit, d.noise.unit)),
-                        d.outliers.empty() && d.rms_after_um <= d.noise.noise_um ? ", no more than the noise" : "");
-  text += fmt::format("The noise of one reading is {}. ", noise_text(d.noise));
+                        d.outliers.empty() && d.rms_after_um <= d.noise.noise_um ? ", no more than the noise" : "",
+                        noise_text(d.noise));
+  else
+    text += fmt::format("; the noise of one reading is {}. ", noise_text(d.noise));
   const bool is_judged = d.outliers.empty() || d.verdict != Verdict::adequate;
   text += "Lack-of-fit test: " + lack_of_fit_text(d.lack_of_fit, is_judged ? d.rms_um : 0.0, d.noise.noise_um);
   if (d.lack_of_fit_after && d.verdict == Verdict::missing_effect)
@@ -491,9 +499,10 @@ std::string answer_text(const model::LeftProperty& one, const Diagnosis& d) {
     if (other.property == "growth" && !other.is.empty() && other.is != "none")
       text += fmt::format(", once the change with {} is allowed for", other.is);
     else if (other.property == "session" && !other.is.empty() && other.is != "none")
-      text =
-          fmt::format("within each {0}, {1}. A dependence on one of them stated above is a difference between the {0}s",
-                      other.is == "run" ? "run" : "set-up", text);
+      text = fmt::format(
+          "within each {0}, {1}. If the table above shows a dependence on one of them, it comes from the "
+          "differences between the {0}s",
+          other.is == "run" ? "run" : "set-up", text);
   return text;
 }
 
@@ -517,8 +526,8 @@ Cell left_cell(const Diagnosis& d) {
   Cell left{Json::array(), ""};
   if (!d.left.empty())
     left.text = "\n" + paragraph(
-                           "properties of the residual, with the assumptions tried: the part of the residual that "
-                           "each alone reproduces (share of the variance above noise)",
+                           "properties of the residual, and how much of it each assumption reproduces alone: um rms, "
+                           "and share of the variance above noise (100 %: all of it)",
                            0, 2);
   std::vector<std::string> withheld;
   std::set<std::string> said, measure;

@@ -202,8 +202,8 @@ std::string noise_text(const model::PureError& noise) {
   if (!noise.differ_in.empty())
     return fmt::format("at most {}, from readings of the same targets with different {}", size, noise.differ_in);
   return fmt::format(
-      "at most {}, from the residuals of neighbouring readings, so it changes a little with the model (too few "
-      "repeats with the same approach and conditions)",
+      "at most {}, from the residuals of neighbouring readings, because there are too few repeats with the same "
+      "approach and conditions; it depends slightly on the model",
       size);
 }
 

@@ -145,6 +145,8 @@ inline constexpr std::size_t kMostShapes = 2;
 
 /// {"F", "p"}, or null without repeats; "the model is not rejected at 1 % (p = 0.4)", "too few repeats to judge".
 [[nodiscard]] Cell lack_of_fit_cell(const std::optional<model::LackOfFit>& test);
+/// The same as text beside the rms of the residual, which the test may not see. @param rms_um  0: not compared
+[[nodiscard]] std::string lack_of_fit_text(const std::optional<model::LackOfFit>& test, double rms_um, double noise_um);
 /// name, unit, value, sigma, held, undetermined; the text of a value has as many digits as its sigma has meaning for.
 [[nodiscard]] AnswerFields fields_of(const model::ParameterEstimate& parameter);
 /// @param layout  of each; {label}: its name in words

@@ -209,7 +209,8 @@ Cell effects_cell(const WhatIfAnswer& answer) {
   }
   if (!answer.what.shares.empty())
     effects.text += paragraph(
-        "rms: over the readings on which the effect acts; the first sentences are over all readings. The rms values of "
+        "rms: over the readings on which the effect acts; the sentences at the top are for all readings. The rms "
+        "values of "
         "independent causes add as squares; causes that partly cancel leave less.");
   return effects;
 }

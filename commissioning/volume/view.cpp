@@ -176,7 +176,9 @@ std::string bound_text(const VolumeWork& work) {
              "{}With 95 % confidence the remaining error is at most {:.1f} um anywhere and {:.1f} um rms, with 50 % "
              "confidence {:.1f} and {:.1f} um. These figures include the errors that the map is known to leave, the "
              "uncertainty of the map{}, and the uncertainty assumed for components that were not measured. Not "
-             "included are other errors, such as short periods, heat and load. {} to this uncertainty: {}.",
+             "included are other errors, such as periodic errors with a short period and the effects of heat and load. "
+             "{} to "
+             "this uncertainty: {}.",
              missing, u.largest_95_um, u.rms_95_um, u.largest_50_um, u.rms_50_um,
              work.prepared.machine.rotary ? " and of the rotary axes" : "",
              shares.size() == 1 ? "Largest contribution" : "Largest contributions", fmt::join(shares, ", "))) +

@@ -159,8 +159,10 @@ Result<MeasurementSet> read_assignments(std::string_view text, const std::string
     }
   }
   set.notes.push_back(
-      "FWD is read as forward and BWD as reverse. Some instruments use FWD for the reverse approach. If the mean "
-      "reversal error has the wrong sign for a lost motion, exchange forward and reverse");
+      "FWD is read as forward and BWD as reverse. Some instruments use FWD for the reverse approach. With a "
+      "lost motion and a motor encoder, the mean B (forward minus reverse) is negative. If it is positive, exchange "
+      "the "
+      "names FWD and BWD in the file and import it again");
   number_rows(set);
   return set;
 }
@@ -174,7 +176,7 @@ Recognition recognises_assignments(const FileStart& file) {
 
 extern const FileFormat kIso230Assignments{
     .id = "iso230_assignments",
-    .title = "ISO 230-2 file of lines name = value (.dat)",
+    .title = "ISO 230-2 file with lines `name = value` (.dat)",
     .sample = "axis.dat",
     .recognises = recognises_assignments,
     .read = read_assignments,

@@ -198,7 +198,9 @@ EffectDefinition cyclic() {
       .formula = "A sin(2 pi p/P + phi), harmonics 1-2",
       .cause =
           "pitch of screw, rack, gear or grating, electronic subdivision; for a long wave, form or supports of the way",
-      .tells_apart = "the same period everywhere along the travel, often the pitch of a screw or scale, or one turn",
+      .tells_apart =
+          "the same period everywhere along the travel: often the pitch of a screw or scale, or one turn of a rotary "
+          "axis",
       .check =
           "compare the period with pitches of screw, rack, gears and scale; check for an eccentric screw, a bent "
           "coupling, a dirty or tilted reading head",

@@ -15,7 +15,7 @@ EffectDefinition thermal_drift() {
       .tells_apart = "the same at every position; follows one sensor",
       .check = "run the spindle or the heat source with the axes at rest and watch the drift with a gauge at the tool",
       .headline = "a drift of {um_per_degC} in {where} with the {sensor} temperature, equal at every position",
-      .parameters = {lag_parameter(), {"um_per_degC", "um/degC", "growth"}},
+      .parameters = {lag_parameter(), {"um_per_degC", "um/degC", "shift"}},
       .carrier = Carrier::inputs,
       .live = {{"um_per_degC", ThermalLaw::shift, LiveSource::sensor}},
       .how = "a thermal row of the map that follows its sensor",

@@ -18,6 +18,7 @@
 #include "model/diagnosis/waves.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/fit/statistics.hpp"
 #include "model/planning/questions.hpp"
 #include "model/planning/run.hpp"
@@ -341,6 +342,16 @@ std::vector<MeasurementProposal> without_ties(std::vector<MeasurementProposal> o
   return kept;
 }
 
+/// Until the slowest of causes that follow temperatures with a delay, as fitted, has reached 95 %; 0: none is late.
+double minutes_to_settle(const std::vector<EffectInstance>& rivals) {
+  constexpr double kTimeConstants = 3.0;
+  double lag_s = 0.0;
+  for (const EffectInstance& rival : rivals)
+    if (const auto lag = rival.fitted.find(std::string(kLag)); lag != rival.fitted.end())
+      lag_s = std::max(lag_s, lag->second);
+  return std::ceil(kTimeConstants * lag_s / kSecondsAMinute);
+}
+
 /// @param options  runs to choose from
 Result<void> ask_group_by(NextMeasurement& next, const Setting& in, OpenGroup group,
                           const std::vector<MeasurementProposal>& options) {
@@ -358,6 +369,12 @@ Result<void> ask_group_by(NextMeasurement& next, const Setting& in, OpenGroup gr
   const Separations separations(all, options, belief, explanations, zero_matters);
   const Question question = group.rivals.size() > 1 ? Question::separate : Question::confirm;
   take_proposals(next, weighed(options, separations, group.names, question, in.times), question);
+  if (const double minutes = minutes_to_settle(group.rivals); minutes > 0.0)
+    for (MeasurementProposal& one : next.proposals)
+      one.sentence += fmt::format(
+          " Keep the temperatures constant for {:.0f} min before this run: the causes differ in "
+          "the delay with which they follow them.",
+          minutes);
   if (next.proposals.empty())
     next.notes.push_back(why_not(group, separations, options));
   else if (next.proposals.front().separation_sigma < kSeparates)

@@ -496,7 +496,9 @@ cli::Fields<CaptureChoice> CaptureChoice::fields() {
       {"--resume", &A::resume, "continue an unfinished FILE.part"},
       &A::target,
       {"--trigger", &A::trigger,
-       "trigger of a reading: DEVICE.toml[@SERIAL], enter, or each (every value that arrives)"},
+       "trigger of a reading: a device file (DEVICE.toml, with @SERIAL if several are connected), enter (the key), "
+       "or "
+       "each (every value that arrives)"},
       {"--gauge", &A::gauge, "read from an indicator gauge: DEVICE.toml[@SERIAL]"},
       {"--readings", &A::readings, "file or named pipe with the readings in order: each trigger takes the next line"},
       {"--follow", &A::follow, "file or named pipe that a display keeps writing: each trigger takes the last line"},
@@ -505,9 +507,10 @@ cli::Fields<CaptureChoice> CaptureChoice::fields() {
        cli::Words{"error", "position"}},
       {"--scale", &A::scale, "factor that converts the reading to um (um/m), or a position to mm; default 1"},
       {"--environment", &A::environment,
-       "thermometer to record with every reading: temper (a USB thermometer TEMPer), or a device file "
+       "thermometer of which the latest value is recorded with every reading: temper (a USB thermometer TEMPer), or a "
+       "device file "
        "DEVICE.toml[@SERIAL]"},
-      {"--environment-every", &A::environment_every_s, "time between the values of --environment [s]",
+      {"--environment-every", &A::environment_every_s, "time between the values of the thermometer [s]",
        cli::Range{0.1, 3600.0}},
       {"--min-interval", &A::min_interval_s,
        "shortest time between triggers; an earlier one is ignored [s]; default 0.5"},

@@ -404,6 +404,8 @@ Result<std::vector<ResidualRow>> residuals(const ExportSource& source, const Con
   for (const Axis axis : kAllAxes)
     if (source.travel_mm[index_of(axis)])
       ECS_DO(add(fmt::format("line of {}", letter_of(axis)), line_places(source, axis)));
+  for (const Axis axis : kAllAxes)
+    if (has_axis(source, axis) && !source.travel_mm[index_of(axis)]) return rows;  // the volume is not known
   ECS_DO(add("volume", volume_places(source)));
   const auto take_largest = [](ResidualSize& of, const ResidualSize& line) {
     for (std::size_t d = 0; d < of.largest_um.size(); ++d)

@@ -190,7 +190,7 @@ Cell not_carried_cell(const std::vector<controllers::LeftBehind>& all) {
     at->second += fmt::format("{}{} {:.1f} {}", at->second.empty() ? "" : ", ", one.what, one.largest, one.unit);
   }
   list.text = reasons.empty() ? "every component of the map is exported\n" : "NOT EXPORTED (largest values)\n";
-  for (const auto& [why, what] : reasons) list.text += paragraph(fmt::format("{}: {}", why, what), 2, 4);
+  for (const auto& [why, what] : reasons) list.text += paragraph(fmt::format("{}: {}", what, why), 2, 4);
   return list;
 }
 

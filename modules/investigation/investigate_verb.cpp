@@ -27,8 +27,8 @@ struct InvestigateRequest : commissioning::WorkshopChoice {
              "parameters of the unit; default: parameters.toml in the folder of the machine file, else parameters made "
              "from it"},
             {"--workshop", &R::socket,
-             "address (socket) of a running `ecs-emulator serve`, whose virtual workshop makes the measurements and "
-             "gives the link"},
+             "path where a running `ecs-emulator serve` listens, as in /tmp/shop: its emulated workshop makes the "
+             "measurements, and its unit is the link"},
             {"--watch", &R::folder,
              "folder in which a person places the readings; accepted files are listed in its ledger.json"},
             {"--minutes", &R::minutes, "time available for the runs, including set-up and waiting [min]",

@@ -176,7 +176,7 @@ struct Investigation {
   std::vector<InvestigatedCause> causes;  ///< largest first
   double minutes = 0.0;                   ///< of all steps
   IsoProgramme programme;                 ///< the full programme of the same lines
-  std::optional<double> rms_before_um;    ///< of the readings of the first look, each run about its mean
+  std::optional<double> rms_before_um;    ///< of the readings of the first look, each line about its mean
   /// Of the same targets measured again with the new map active; absent: no map could be made or sent.
   std::optional<double> rms_compensated_um;
   double compensated_minutes = 0.0;        ///< of measuring again; not part of `minutes`

@@ -458,9 +458,12 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
   return record_cell(
       "{file}: {readings} {of_kind}{known_values}. {unknowns} unknowns, {degrees_of_freedom} degrees of "
       "freedom\n{components}{squareness}{without_effect}{not_determined}"
-      "  standard deviation of a single reading {residual_um} um{repeated}\n  contributions (added as squares): the "
-      "instrument {white_um} um; each stop of each axis {stop_um} um and {stop_um_per_m} um per metre of lever; each "
-      "pass of each axis (one run in one direction) {pass_um} um and {pass_um_per_m} um per metre of lever\n  expanded "
+      "  standard deviation of a single reading {residual_um} um{repeated}\n  its contributions (added as squares): "
+      "the "
+      "instrument {white_um} um; the scatter of each axis at each stop {stop_um} um and {stop_um_per_m} um per metre "
+      "of lever; the "
+      "scatter of each axis from pass to pass (one run in one direction) {pass_um} um and {pass_um_per_m} um per metre "
+      "of lever\n  expanded "
       "uncertainty of the error vector of the map: U = {volume_U_um} um (k = 2), root mean square over the volume. "
       "`ecs volume` states the remaining error after compensation\n{set_ups}{outliers}{notes}{map}{params_out}",
       "file"_is(work.test.source), "machine"_is(work.machine_name), "readings"_is(found.readings),

@@ -68,7 +68,10 @@ Result<Outcome> blocks(VerbContext&, const BlocksRequest& request) {
       "{constant}{error}{coverage}{scatter}{notes}",
       "file"_is(request.file), "axis"_is(axis), "readings"_is(test.readings.size()), "cut"_is(test.cut),
       "kind"_shown(test.cut ? "cut by the machine" : "measured by the machine"),
-      "error_is"_shown(test.cut ? "length cut - programmed length" : "true length - length shown by the machine"),
+      "error_is"_shown(
+          test.cut
+              ? "length cut - programmed length"
+              : "true length - length shown by the machine (the sign is opposite to that of an error of indication)"),
       "blocks"_is(list_cell(fit.means, mean_cell, heading)),
       "scale"_is(value_cell(fit.scale_um_per_m, "scale error", "um/m", "")),
       "constant"_is(value_cell(

@@ -115,7 +115,8 @@ Cell diagnosis_cell(const model::CircleDiagnosis& diagnosis) {
                 "  {:>8} {:>8} {:>8}  {}\n",
                 "share", "rms [um]", "G [um]", "cause, with its size +- standard uncertainty (k = 1)");
   return record_cell(
-      "causes: deviations {rms_um} um rms, each pass about its own centre; noise {noise_um} um{from}, residual "
+      "causes: deviations {rms_um} um rms from the best-fitting circle of each pass; noise {noise_um} um{from}, "
+      "residual "
       "{left_um} um "
       "rms\n{faults}{notes}",
       "rms_um"_is(diagnosis.rms_um, 3), "noise_um"_is(diagnosis.noise_um, 3),

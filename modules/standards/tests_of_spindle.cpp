@@ -90,10 +90,11 @@ std::string noise_words(const laser::SpindleMotion& motion, std::size_t turns) {
       "    synchronous   {6:.3f} {0} from noise, {7:.3f} {0} measured. The measured value {8}\n",
       unit, motion.asynchronous_rms, turns, by_noise, motion.asynchronous,
       std::abs(excess) <= kLikeNoise * by_noise ? "cannot be distinguished from noise"
-      : excess < 0.0
-          ? "is smaller, so the motion is not purely random. It usually repeats only after several turns (cage, belt)"
-          : "is larger, so the motion is not purely random. Single turns differ by more",
-      motion.if_noise.synchronous, motion.synchronous, beyond ? "exceeds noise" : "cannot be distinguished from noise");
+      : excess < 0.0 ? "is smaller, so part of the motion is not random. The usual cause repeats only after several "
+                       "turns (cage, belt)"
+                     : "is larger, so part of the motion is not random. Single turns differ by more",
+      motion.if_noise.synchronous, motion.synchronous,
+      beyond ? "exceeds that of noise" : "cannot be distinguished from noise");
 }
 
 /// What does not fit into the row of a motion.
@@ -123,7 +124,7 @@ std::string further_words(const laser::SpindleTest& test) {
 Cell separation_cell(const laser::SpindleSeparation& separation) {
   return record_cell(
       "  {motion:<27} synchronous {synchronous_um} um (MRS {synchronous_mrs_um}), form of the ball {form_um} um (MRS "
-      "{form_mrs_um}), each +- {sigma_um} um (k = 1) at one angle\n",
+      "{form_mrs_um}); standard uncertainty of either curve at any one angle: {sigma_um} um\n",
       "motion"_is(separation.id, fmt::format("radial, fixed direction {}", separation.id == "radial_y" ? 'Y' : 'X')),
       "synchronous_um"_is(separation.synchronous_um, 3), "synchronous_mrs_um"_is(separation.synchronous_zone_um, 3),
       "form_um"_is(separation.form_um, 3), "form_mrs_um"_is(separation.form_zone_um, 3),

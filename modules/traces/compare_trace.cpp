@@ -215,8 +215,8 @@ Cell drive_candidates_cell(const DriveDiagnosis& d, const model::DriveParameters
                                    few_digits(candidate.rms_after_V)));
   }
   if (!weaker.empty())
-    list.text += "\n" + paragraph(fmt::format("One of these alone does not explain the difference: {}.",
-                                              fmt::join(weaker, ", ")));
+    list.text +=
+        "\n" + paragraph(fmt::format("None of these alone explains the difference: {}.", fmt::join(weaker, ", ")));
   return list;
 }
 

@@ -103,7 +103,8 @@ struct BuildRequest : FromModelArguments {
             {"--customer", &R::customer, "customer to state in the map header"},
             {"--engineer", &R::engineer, "engineer to state in the map header"},
             {"--date", &R::date, "date in the map header, as in 2026-03-12"},
-            {"--shrink", &R::shrink, "reduce the noise of every curve, estimated from its repeats (docs/volume.md)"},
+            {"--shrink", &R::shrink,
+             "smooth every curve according to its noise, which is estimated from the repeats (docs/volume.md)"},
             &R::import};
   }
 };

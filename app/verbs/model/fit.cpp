@@ -154,9 +154,10 @@ Cell fit_cell(const Fit& fit, const model::Observations& data, bool rotary, cons
       "noise_from_repeats"_is(fit.noise.from_repeats), "lack_of_fit"_is(lack_of_fit),
       "fitted_parameters"_is(fit.fitted_parameters),
       "condition"_is(fit.condition,
-                     paragraph(fmt::format("noise of one reading {}; lack-of-fit test: {}{}", noise_text(fit.noise),
-                                           lack_of_fit.text,
-                                           fit.fitted_parameters > 0 ? "; " + separation_text(fit.condition) : ""))),
+                     paragraph(fmt::format(
+                         "noise of one reading {}; lack-of-fit test: {}{}", noise_text(fit.noise),
+                         lack_of_fit_text(fit.lack_of_fit, fit.outliers.empty() ? fit.rms_um : 0.0, fit.noise.noise_um),
+                         fit.fitted_parameters > 0 ? "; " + separation_text(fit.condition) : ""))),
       "effects"_is(effects_cell(fit, data)), "correlations"_is(correlations_cell(fit)),
       "not_distinguished"_is(zero, not_distinguished_text(zero)), "undetermined"_is(fit.undetermined, undetermined),
       "outliers"_is(fit.outliers, outliers_text(fit)), "noise"_is(noise_cell(fit, rotary, !data.time_s.empty())),

@@ -328,7 +328,8 @@ void add_scores(Cell& list, const HiddenEffect& hidden, const FoundEffect& found
 Cell scores_cell(const Revealed& r) {
   Cell list{Json::array(),
             fmt::format("sigma: standard uncertainty that the diagnosis states; -: none, because the\nvalue was fixed "
-                        "or the readings do not determine it (as of a step between two targets)\n{:<32} {:>12} {:>12} "
+                        "or the readings do not determine it (for example the position of a step between two "
+                        "targets)\n{:<32} {:>12} {:>12} "
                         "{:>10} {:>11}\n",
                         "parameter", "hidden", "found", "sigma", "sigmas off")};
   for (const HiddenEffect& hidden : r.truth.effects)
