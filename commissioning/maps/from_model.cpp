@@ -156,9 +156,10 @@ void trace(MapFromModel& built, const Model& model, const std::vector<model::Own
       built.compiled.map.header.processing.push_back(fmt::format("{} fitted to {}", name, step->data));
   }
   if (!untraced.empty())
-    built.notes.push_back(fmt::format(
-        "{}: the model does not state the readings of its fit; `ecs model fit -o` and `ecs model add` record them",
-        fmt::join(untraced, ", ")));
+    built.notes.push_back(
+        fmt::format("{}: the model file does not state to which readings it was fitted; `ecs model fit -o` and `ecs "
+                    "model add` record this",
+                    fmt::join(untraced, ", ")));
 }
 
 Result<void> complete_header(MapFromModel& built, const FromModelArguments& arguments) {

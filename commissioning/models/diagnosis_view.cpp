@@ -154,10 +154,12 @@ Cell comparison_cell(const Comparison& c, std::size_t readings) {
   const std::string few = readings < kFewForNoise && !c.noise.from_repeats
                               ? fmt::format(", uncertain with only {} readings", readings)
                               : std::string();
+  const std::string drift =
+      runs_differ(c.lack_of_fit, c.outliers.empty() ? c.rms_um : 0.0, c.noise.noise_um) ? " (drift included)" : "";
   const std::string summary = paragraph(fmt::format(
       "{} readings: rms {}, peak {}; noise of one reading with this model: {}; lack-of-fit test of the model: {}",
       readings, in_each_unit(c.rms_um, c.rms_by_unit, c.noise.unit),
-      in_each_unit(c.peak_um, c.peak_by_unit, c.noise.unit), noise_text(c.noise) + few, judged));
+      in_each_unit(c.peak_um, c.peak_by_unit, c.noise.unit), noise_text(c.noise) + few + drift, judged));
   Cell answer = record_cell(
       "{summary}\n{directions}{variables}{worst}{outliers}", "observations"_is(readings), "summary"_shown(summary),
       "rms_um"_is(c.rms_um), "peak_um"_is(c.peak_um), "noise_um"_is(c.noise.noise_um),
@@ -526,8 +528,8 @@ Cell left_cell(const Diagnosis& d) {
   Cell left{Json::array(), ""};
   if (!d.left.empty())
     left.text = "\n" + paragraph(
-                           "properties of the residual, and how much of it each assumption reproduces alone: um rms, "
-                           "and share of the variance above noise (100 %: all of it)",
+                           "properties of the residual, with each assumption tried: the rms that it reproduces "
+                           "alone, and the share of the variance above noise (100 %: all of it; more is better)",
                            0, 2);
   std::vector<std::string> withheld;
   std::set<std::string> said, measure;

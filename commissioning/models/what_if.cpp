@@ -211,7 +211,8 @@ Cell effects_cell(const WhatIfAnswer& answer) {
     effects.text += paragraph(
         "rms: over the readings on which the effect acts; the sentences at the top are for all readings. The rms "
         "values of "
-        "independent causes add as squares; causes that partly cancel leave less.");
+        "independent causes add as squares; causes that partly cancel give less, possibly less than one of them "
+        "alone.");
   return effects;
 }
 

@@ -426,8 +426,7 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
                    [](const CauseCost& a, const CauseCost& b) { return largest_cost_um(a) > largest_cost_um(b); });
   if (!fit.undetermined.empty())
     answer.notes.push_back(fmt::format(
-        "Not determined by these readings: {}. The prediction may therefore be far off. First make the measurement "
-        "that `ecs model next` proposes",
+        "{}. These predictions may therefore be far off. First make the measurement that `ecs model next` proposes",
         fmt::join(fit.undetermined, "; ")));
   for (const CauseCost& cost : answer.causes) {
     if (cost.remedy == Remedy::compensate && !measurement_alternatives(cost.effect).empty())
@@ -442,8 +441,8 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
   note_doubts(answer, steps);
   if (unseen)
     answer.notes.emplace_back(
-        "volume and circle are computed for a machine at rest, unloaded, at constant temperature: effects of "
-        "feed, load, time or temperature appear in the readings only");
+        "volume and circle are computed without load, at a slow feed and constant temperature: effects of feed, load, "
+        "time or temperature appear only in the rows \"readings\"");
   return answer;
 }
 
@@ -452,7 +451,8 @@ Cell repair_cell(const RepairAnswer& answer) {
   std::string head = fmt::format(
       "The table lists the remaining error [um]. Each block is for one cause: left as it is, compensated, or repaired. "
       "All other causes are compensated as far as the unit can. If left and compensated are equal in every row, the "
-      "unit does not compensate the cause, or these readings do not contain it. The 95 % bound is in brackets. The "
+      "unit does not compensate the cause, or these readings do not contain it. In brackets: upper 95 % bound (equal "
+      "to the value if every parameter is fixed). The "
       "rows \"readings\" ({}) also contain the "
       "residual of the model, with the noise; volume and circle contain only the causes of the model. Volume: {} "
       "positions, each in both approaches, with errors relative to the reference position: a constant offset shows "

@@ -159,10 +159,10 @@ Result<MeasurementSet> read_assignments(std::string_view text, const std::string
     }
   }
   set.notes.push_back(
-      "FWD is read as forward and BWD as reverse. Some instruments use FWD for the reverse approach. With a "
-      "lost motion and a motor encoder, the mean B (forward minus reverse) is negative. If it is positive, exchange "
-      "the "
-      "names FWD and BWD in the file and import it again");
+      "FWD is read as forward and BWD as reverse. Some instruments use FWD for the reverse approach. With lost "
+      "motion and a motor encoder, `B mean` of `ecs laser stats` (forward minus reverse) is negative. If it is "
+      "positive, "
+      "exchange the names FWD and BWD in the file and import it again");
   number_rows(set);
   return set;
 }

@@ -497,7 +497,7 @@ void take_chain(Observations& data, const MeasurementSet& set, const std::option
   data.ball_machine = std::make_shared<const params::Machine>(*machine);
   data.notes.emplace_back(
       "of the errors of X, Y and Z only scale and squareness can be tried (effect linear_axes): uncompensated "
-      "straightness appears as waves of the rotary axes. Measure it before you compensate such a wave");
+      "straightness appears as waves of the rotary axes");
   std::map<std::pair<Vector3, Vector3>, kinematics::MachinePose> poses;  // by angles and tool offset
   std::vector<Vector3> point_mm;
   for (std::size_t k = 0; k < data.size(); ++k) {

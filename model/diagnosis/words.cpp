@@ -612,8 +612,9 @@ std::string reason_for(const Candidate& candidate, const Diagnosis& diagnosis, c
       text += fmt::format("; the period of {:.5g} {} is {}", one.value, data.position_unit(), pitch);
   if (candidate.in_answer()) text += short_range_text(candidate.effect, data);
   if (candidate.in_answer() && std::ranges::any_of(candidate.parameters, &ParameterEstimate::undetermined))
-    text += fmt::format(". An error of this shape is {}, but these data do not determine how large it is",
-                        name_of(candidate.standing));
+    text += fmt::format(
+        ". An error of this shape is {}, but not how large it is: other effects of the model can take over part of it",
+        name_of(candidate.standing));
   return text + fmt::format(". How to recognise it: {}.", candidate.effect.definition().tells_apart);
 }
 

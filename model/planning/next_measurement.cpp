@@ -372,8 +372,8 @@ Result<void> ask_group_by(NextMeasurement& next, const Setting& in, OpenGroup gr
   if (const double minutes = minutes_to_settle(group.rivals); minutes > 0.0)
     for (MeasurementProposal& one : next.proposals)
       one.sentence += fmt::format(
-          " Keep the temperatures constant for {:.0f} min before this run: the causes differ in "
-          "the delay with which they follow them.",
+          " Before this run, leave the machine in one state for {:.0f} min, so that its temperatures are steady. The "
+          "delay behind the sensors then no longer matters, and the causes predict different readings.",
           minutes);
   if (next.proposals.empty())
     next.notes.push_back(why_not(group, separations, options));
@@ -589,7 +589,10 @@ void take_line_over_travel(NextMeasurement& next, const Setting& in) {
 }
 
 /// The step after a proof: compensate and confirm, or why the unit cannot.
-std::string step_after_proof(const EffectInstance& effect, const params::Machine& machine) {
+std::string step_after_proof(const EffectInstance& effect, const params::Machine& machine, bool of_ball) {
+  if (is_carried(effect, machine) && of_ball && effect.rotary && effect.traits().periodic)
+    return " Before you compensate it, measure the straightness of X, Y and Z: if it is not compensated, it looks like "
+           "such a wave. Then add the wave to the model, compensate, and repeat this measurement.";
   if (is_carried(effect, machine))
     return " Add it to the model, compensate, and repeat the same measurement to confirm it.";
   if (is_rotary_error(effect) && machine.rotary_configuration.empty())
@@ -637,7 +640,7 @@ NextMeasurement planned_next(const Model& model, const Observations& data, Diagn
     bool is_said = diagnosis.headline.find(diagnosis.reservation) != std::string::npos;
     for (Candidate& candidate : diagnosis.candidates) {
       if (!candidate.in_answer()) continue;
-      candidate.next_measurement = *settled + step_after_proof(candidate.effect, data.machine) +
+      candidate.next_measurement = *settled + step_after_proof(candidate.effect, data.machine, is_of_ball(data)) +
                                    (is_said || diagnosis.reservation.empty() ? "" : " " + diagnosis.reservation);
       is_said = true;
       if (next.notes.empty()) next.notes.push_back(candidate.next_measurement);

@@ -238,6 +238,13 @@ Cell residual_cell(const ExportReport& report) {
         paragraph(fmt::format("note: over {} the remaining error is larger with this export than without "
                               "compensation: the exported tables correct errors that partly cancelled others.",
                               fmt::join(worse, " and ")));
+  std::vector<std::string> left;
+  for (const controllers::LeftBehind& one : report.made.not_carried) left.push_back(one.what);
+  if (!left.empty() && std::ranges::any_of(report.residuals, [](const controllers::ResidualRow& row) {
+        return row.control.largest_um[kAxes] > row.unit.largest_um[kAxes] + kWorse_um;
+      }))
+    cell.text += paragraph(fmt::format("More remains with this export than with the ECS unit, because it lacks {}.",
+                                       fmt::join(left, ", ")));
   if (report.work.errors_from == "the map")
     cell.text += paragraph(
         "From the map itself: errors that are not in the map are taken as zero, and poor repeatability is not "

@@ -28,7 +28,7 @@ struct InvestigateRequest : commissioning::WorkshopChoice {
              "from it"},
             {"--workshop", &R::socket,
              "path where a running `ecs-emulator serve` listens, as in /tmp/shop: its emulated workshop makes the "
-             "measurements, and its unit is the link"},
+             "measurements, and its emulated unit is used in place of --link"},
             {"--watch", &R::folder,
              "folder in which a person places the readings; accepted files are listed in its ledger.json"},
             {"--minutes", &R::minutes, "time available for the runs, including set-up and waiting [min]",

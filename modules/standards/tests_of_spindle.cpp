@@ -86,8 +86,8 @@ std::string noise_words(const laser::SpindleMotion& motion, std::size_t turns) {
   const bool beyond = motion.synchronous > kBeyondNoise * motion.if_noise.synchronous;
   return fmt::format(
       "    Compared with random noise of the same rms as the asynchronous motion ({1:.3f} {0}), over {2} turns:\n"
-      "    asynchronous  {3:.3f} {0} from noise, {4:.3f} {0} measured. The measured value {5}\n"
-      "    synchronous   {6:.3f} {0} from noise, {7:.3f} {0} measured. The measured value {8}\n",
+      "    asynchronous  such noise would give {3:.3f} {0}; measured {4:.3f} {0}. The measured value {5}\n"
+      "    synchronous   such noise would give {6:.3f} {0}; measured {7:.3f} {0}. The measured value {8}\n",
       unit, motion.asynchronous_rms, turns, by_noise, motion.asynchronous,
       std::abs(excess) <= kLikeNoise * by_noise ? "cannot be distinguished from noise"
       : excess < 0.0 ? "is smaller, so part of the motion is not random. The usual cause repeats only after several "

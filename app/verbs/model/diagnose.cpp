@@ -36,7 +36,7 @@ struct DiagnoseRequest {
         &R::common,
         {"--blanks", &R::blanks,
          "largest number of simulated noise-only data sets with which each finding is compared; fewer are made if "
-         "these readings are clearly noise",
+         "the measured readings clearly show only noise",
          Range{50, 20'000}},
         {"--plain", &R::plain, "use ordinary least squares: no reading is treated as an outlier"},
         {"--plot", &R::plot, "plot of measured and modelled values and of the residual, as .svg or .png", Is::output}};

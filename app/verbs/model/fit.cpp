@@ -341,7 +341,8 @@ Result<model::Fit> fit_of(const ModelWork& work, bool refit) {
       fitted += (fitted.empty() ? "" : ", ") + to_text(effect.effect);
   }
   if (!fitted.empty())
-    fit->notes.push_back(fmt::format("fitted to these data, because the model has no values for: {}", fitted));
+    fit->notes.push_back(
+        fmt::format("the model has no values for these effects, so they were fitted to these data: {}", fitted));
   return fit;
 }
 

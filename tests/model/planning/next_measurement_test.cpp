@@ -387,3 +387,36 @@ TEST_CASE("formulas with a free period are weighed at the period that was found"
   CHECK(next.proposals.empty());
   CHECK(contains(only(next.notes), "contribute equally"));
 }
+
+TEST_CASE(
+    "which sensor a drift follows late: no idle change of feed is proposed, but how long to keep temperatures "
+    "constant") {
+  auto set = session(
+      {.runs = 4}, [](const Reading& r) { return 1.5 * (degC(r, "t_spindle_degC") - 20.0); },
+      [](Reading& r) {
+        r.feed_mm_min = 2000.0;
+        r.sensors_degC["t_spindle_degC"] = 20.0 - 4.0 * std::expm1(-*r.time_s / 1200.0);
+        r.sensors_degC["t_air_degC"] = 20.0 - 2.0 * std::expm1(-*r.time_s / 300.0);
+      });
+  const Observations data = observations_of(set, straight(), mill());
+  Diagnosis found;
+  found.verdict = Verdict::missing_effect;
+  for (const auto& [sensor, lag_s] : {std::pair{"t_spindle_degC", 0.0}, std::pair{"t_air_degC", 800.0}}) {
+    Candidate candidate;
+    candidate.effect = effect(thermal_drift, Axis::X, Sense::EX);
+    candidate.effect.sensor = sensor;
+    if (lag_s > 0.0) candidate.effect.fitted = {{"lag_s", lag_s}};
+    candidate.named = found.candidates.empty();
+    found.candidates.push_back(candidate);
+  }
+  found.candidates[0].standing = Standing::proved;
+  found.candidates[0].rivals = {found.candidates[1].effect};
+  found.candidates[0].indistinguishable_from = {to_text(found.candidates[1].effect)};
+  const NextMeasurement next = next_measurement(straight(), data, found);
+  REQUIRE_FALSE(next.proposals.empty());
+  for (const MeasurementProposal& one : next.proposals) {
+    CHECK_FALSE(contains(one.condition, "feed"));
+    CHECK_FALSE(one.short_overrun);
+    CHECK(contains(one.sentence, "Keep the temperatures constant for 40 min before this run"));
+  }
+}
