@@ -186,7 +186,7 @@ std::string summary(const Diagnosis& d) {
                                  rms_text(d, in_each_unit(d.rms_um, d.rms_by_unit, d.noise.unit),
                                           in_each_unit(d.kept_rms_um, d.kept_by_unit, d.noise.unit)));
   if (d.verdict != Verdict::adequate && d.rms_after_um < d.rms_um)
-    text += fmt::format(". With {} it is {}{}, and the noise of one reading is {}. ",
+    text += fmt::format(". With {} it is {}{}, and the noise of one reading is then {}. ",
                         d.add ? "the proved or likely effects" : "the named effects",
                         rms_text(d, in_each_unit(d.rms_after_um, d.rms_after_by_unit, d.noise.unit),
                                  in_each_unit(d.kept_rms_after_um, d.kept_after_by_unit, d.noise.unit)),
@@ -432,7 +432,7 @@ Cell where_cell(const Diagnosis& d) {
                                             "each explains alone)\n"};
   for (const model::Dependence& one : d.where)
     where.add(record_cell(
-        "  {variable} {strength:>8}  probability of such a share in noise alone: {p_value}\n",
+        "  {variable} {strength:>8}  probability that noise alone varies with it as much: {p_value}\n",
         "variable"_is(one.variable, padded(one.variable, 26)), "strength"_is(one.strength, percent(one.strength)),
         "p_value"_is(one.p_value, one.p_value <= kLeastProbability ? "< 1e-300" : fmt::format("{:.1g}", one.p_value)),
         "at"_is(numbers_json(one.at)), "mean_um"_is(numbers_json(one.mean_um)),

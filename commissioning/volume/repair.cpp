@@ -405,7 +405,6 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
   };
   for (const model::Fit& possible : refits(work.model, work.data, fit, kRefits, kRefitSeed)) ECS_DO(draw(possible));
   answer.places = volume.places.empty() ? 0 : volume.places.size() / 2 - 1;
-  bool unseen = false;
   for (std::size_t i = 0; i < draws.size(); ++i) {
     CauseCost cost;
     cost.effect = fit.effects[i].effect;
@@ -419,7 +418,6 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
                : cost.remedy == Remedy::nothing && is_carried(cost.effect, *work.machine)
                    ? "could be compensated by " + how_compensated(cost.effect, *work.machine)
                    : how_compensated(cost.effect, *work.machine);
-    unseen = unseen || !cost.effect.definition().needs.empty();
     answer.causes.push_back(std::move(cost));
   }
   std::stable_sort(answer.causes.begin(), answer.causes.end(),
@@ -439,10 +437,6 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
           name_with_alternatives(cost.effect), cost.remedy == Remedy::repair ? "repair" : "compensation"));
   }
   note_doubts(answer, steps);
-  if (unseen)
-    answer.notes.emplace_back(
-        "volume and circle are computed without load, at a slow feed and constant temperature: effects of feed, load, "
-        "time or temperature appear only in the rows \"readings\"");
   return answer;
 }
 
@@ -462,6 +456,10 @@ Cell repair_cell(const RepairAnswer& answer) {
     head +=
         " \"Put the measurement right\" is for an error of the measurement, not of the machine. It has no rows for the "
         "volume, and \"repaired\" means without this error.";
+  if (std::ranges::any_of(answer.causes, [](const CauseCost& cost) { return !cost.effect.definition().needs.empty(); }))
+    head +=
+        " Volume and circle are computed without load, at a slow feed and constant temperature: effects of feed, load, "
+        "time or temperature appear only in the readings.";
   if (has_circle)
     head += fmt::format(" Circle: in {} around the middle of the travels, diameter {:.0f} mm.", answer.plane,
                         answer.diameter_mm);

@@ -46,7 +46,7 @@ const std::vector<RequestOption> kMeasureOptions = with_settings(
         {"--to", number, "last target [mm]"},
         {"--step", number, "step between targets [mm]"},
         {"--targets", numbers, "target positions, separated by commas [mm]"},
-        {"--moved", flag, "displace the targets from equal steps, as ISO 230-2 requires"},
+        {"--moved", flag, "space the targets unequally, as ISO 230-2 requires"},
         {"--runs", integer, "number of runs"},
         {"--unidirectional", flag, "measure in one direction only"},
         {"--parked", coordinates, "positions of the other axes, as in y=-700,z=0"},
@@ -351,7 +351,7 @@ struct PlanRequest {
                       Words{"before", "after"}, Need::required),
             {"-o,--output", &R::folder, "folder for the files", Need::required},
             {"--force", &R::force, "overwrite existing files"},
-            of_choice("--moved", &C::moved, "displace the targets from equal steps, as ISO 230-2 requires"),
+            of_choice("--moved", &C::moved, "space the targets unequally, as ISO 230-2 requires"),
             of_choice("--date", &C::date, "date in the metadata"),
             of_choice("--engineer", &C::engineer, "engineer in the metadata")};
   }

@@ -372,8 +372,10 @@ Result<void> ask_group_by(NextMeasurement& next, const Setting& in, OpenGroup gr
   if (const double minutes = minutes_to_settle(group.rivals); minutes > 0.0)
     for (MeasurementProposal& one : next.proposals)
       one.sentence += fmt::format(
-          " Before this run, leave the machine in one state for {:.0f} min, so that its temperatures are steady. The "
-          "delay behind the sensors then no longer matters, and the causes predict different readings.",
+          " Before this run, keep the machine in one state for {:.0f} min, for example at rest or with the spindle at "
+          "one "
+          "speed. Then it does not matter how late each cause follows its sensor, and the causes predict different "
+          "readings.",
           minutes);
   if (next.proposals.empty())
     next.notes.push_back(why_not(group, separations, options));

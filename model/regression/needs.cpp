@@ -33,6 +33,16 @@ bool has_air(const Observations& data) {
   return data.sensors_degC.contains("t_air_degC") && !data.pressure_hPa.empty() && !data.humidity_pct.empty();
 }
 
+/// "the columns pressure_hPa and humidity_pct"
+std::string air_lacking(const Observations& data) {
+  std::vector<std::string_view> names;
+  if (!data.sensors_degC.contains("t_air_degC")) names.emplace_back("t_air_degC");
+  if (data.pressure_hPa.empty()) names.emplace_back("pressure_hPa");
+  if (data.humidity_pct.empty()) names.emplace_back("humidity_pct");
+  if (names.size() == 3) return "the columns t_air_degC, pressure_hPa and humidity_pct";
+  return fmt::format("the {} {}", names.size() == 1 ? "column" : "columns", fmt::join(names, " and "));
+}
+
 using Data = const Observations&;
 using Effect = const EffectInstance&;
 
@@ -212,7 +222,7 @@ std::vector<std::string> untried_effects(const Observations& all) {
                                               definition.has_need(Need::material_temperature)
                                         : definition.has_need(facts.need);
     };
-    note(data, facts.what, concerned, notes);
+    note(data, facts.need == Need::air ? air_lacking(data) : std::string(facts.what), concerned, notes);
   }
   if (data.time_s.empty() && data.size() > 0)
     notes.emplace_back(

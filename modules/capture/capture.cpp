@@ -500,8 +500,8 @@ cli::Fields<CaptureChoice> CaptureChoice::fields() {
        "or "
        "each (every value that arrives)"},
       {"--gauge", &A::gauge, "read from an indicator gauge: DEVICE.toml[@SERIAL]"},
-      {"--readings", &A::readings, "file or named pipe with the readings in order: each trigger takes the next line"},
-      {"--follow", &A::follow, "file or named pipe that a display keeps writing: each trigger takes the last line"},
+      {"--readings", &A::readings, "file with the readings in order: each trigger takes the next line"},
+      {"--follow", &A::follow, "file to which a display keeps writing: each trigger takes the last line"},
       {"--display", &A::display, "read from a shell command that prints the displayed value"},
       {"--shows", &A::shows, "quantity shown: the error, or the position of the axis [mm]",
        cli::Words{"error", "position"}},

@@ -155,7 +155,7 @@ cli::Fields<CaptureTargets> CaptureTargets::fields() {
           {"--to", &A::to_mm, "last target [mm]"},
           {"--step", &A::step_mm, "step between targets [mm]"},
           {"--moved", &A::moved,
-           "displace the targets from equal steps, as ISO 230-2 requires, so that no period is hidden by the step"},
+           "space the targets unequally, as ISO 230-2 requires, so that no periodic error is hidden by equal steps"},
           {"--runs", &A::runs, "number of passes forward and back; 0: as in --plan, or 3 (ISO 230-2 requires 5)",
            cli::Range{0, kMostRuns}},
           {"--one-way", &A::one_way, "record no readings on the way back"},

@@ -227,8 +227,11 @@ Cell residual_cell(const ExportReport& report) {
       fmt::format("{:<10} {:<6}  {:>16}  {:>16}  {:>16}\n", "", "along", "not compensated", "with ECS unit",
                   "with this export"));
   Cell cell = record_cell(
-      "remaining error, predicted from {from}: largest / rms, um\n{rows}both approaches; errors are counted from "
-      "the reference position of the axes, as after setting a work offset there\n",
+      "remaining error, predicted from {from}: largest / rms, um\n{rows}both approaches; on a line, the other axes are "
+      "where "
+      "the map was measured; errors are counted from\nthe reference position of the axes, as after setting a work "
+      "offset "
+      "there\n",
       "from"_is(report.work.errors_from), "rows"_is(rows));
   std::vector<std::string> worse;
   for (const controllers::ResidualRow& row : report.residuals)

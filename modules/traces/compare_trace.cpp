@@ -240,12 +240,11 @@ Cell drive_diagnosis_cell(const DriveDiagnosis& d, const model::DriveTrace& trac
                                       d.candidates.empty() ? "the constants as given" : "the corrected constants",
                                       names(d.silent)))),
       "notes"_is(d.notes, d.notes.empty() ? "" : "\n" + notes_text(d.notes)));
-  return {
-      object_of(fields),
-      paragraph(laid_out("step of {distance_mm} mm at {feed_mm_min} mm/min, {observations} samples, noise {noise_V} "
-                         "V, the move starts at {move_starts_s} s",
-                         fields)) +
-          laid_out("\n{shapes}\n{verdict}{candidates}{says_nothing_about}{notes}", fields)};
+  return {object_of(fields), paragraph(laid_out("step of {distance_mm} mm at {feed_mm_min} mm/min, {observations} "
+                                                "samples of the D/A voltage, noise {noise_V} "
+                                                "V, the move starts at {move_starts_s} s",
+                                                fields)) +
+                                 laid_out("\n{shapes}\n{verdict}{candidates}{says_nothing_about}{notes}", fields)};
 }
 
 PlotFigure trace_figure(const model::DriveTrace& trace, const DriveDiagnosis& diagnosis) {

@@ -417,6 +417,6 @@ TEST_CASE(
   for (const MeasurementProposal& one : next.proposals) {
     CHECK_FALSE(contains(one.condition, "feed"));
     CHECK_FALSE(one.short_overrun);
-    CHECK(contains(one.sentence, "leave the machine in one state for 40 min"));
+    CHECK(contains(one.sentence, "keep the machine in one state for 40 min"));
   }
 }
