@@ -154,8 +154,9 @@ Cell comparison_cell(const Comparison& c, std::size_t readings) {
   const std::string few = readings < kFewForNoise && !c.noise.from_repeats
                               ? fmt::format(", uncertain with only {} readings", readings)
                               : std::string();
-  const std::string drift =
-      runs_differ(c.lack_of_fit, c.outliers.empty() ? c.rms_um : 0.0, c.noise.noise_um) ? " (drift included)" : "";
+  const std::string drift = runs_differ(c.lack_of_fit, c.outliers.empty() ? c.rms_um : 0.0, c.noise.noise_um)
+                                ? " (slow changes removed)"
+                                : "";
   const std::string summary = paragraph(fmt::format(
       "{} readings: rms {}, peak {}; noise of one reading with this model: {}; lack-of-fit test of the model: {}",
       readings, in_each_unit(c.rms_um, c.rms_by_unit, c.noise.unit),

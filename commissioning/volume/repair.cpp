@@ -423,9 +423,10 @@ Result<RepairAnswer> repair_answer(const ModelWork& work, const std::string& mod
   std::stable_sort(answer.causes.begin(), answer.causes.end(),
                    [](const CauseCost& a, const CauseCost& b) { return largest_cost_um(a) > largest_cost_um(b); });
   if (!fit.undetermined.empty())
-    answer.notes.push_back(fmt::format(
-        "{}. These predictions may therefore be far off. First make the measurement that `ecs model next` proposes",
-        fmt::join(fit.undetermined, "; ")));
+    answer.notes.push_back(
+        fmt::format("{}. Predictions for these causes may therefore be far off. First make the measurement that `ecs "
+                    "model next` proposes",
+                    fmt::join(fit.undetermined, "; ")));
   for (const CauseCost& cost : answer.causes) {
     if (cost.remedy == Remedy::compensate && !measurement_alternatives(cost.effect).empty())
       answer.notes.push_back(
