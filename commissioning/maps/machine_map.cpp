@@ -123,8 +123,8 @@ Result<ExportWork> export_work(MessageSink& messages, const ExportArguments& arg
       unknown.emplace_back(1, letter_of(axis));
   if (!unknown.empty())
     work.notes.push_back(fmt::format(
-        "the travel of {} is unknown, because the map has no table along {}: the error in the volume is not "
-        "predicted. State the travels with --machine",
+        "the travel of {} is unknown, because the map has no table along {}: errors are predicted only where "
+        "the map was measured. State the travels with --machine",
         fmt::join(unknown, " and "), unknown.size() == 1 ? "it" : "them"));
   if (auto left = laser::squareness_left_behind(work.source.map.header, work.source.parameters))
     work.notes.push_back(std::move(*left));

@@ -304,9 +304,12 @@ TermTable whole_terms(const UnitParameters& parameters) {
   return terms ? terms_in_scope(*terms, *chain, Scope::volumetric, {}) : TermTable{};
 }
 
+/// Of an axis without a travel: where it was parked for the first line that has one.
 double travel_at(const ExportSource& source, Axis axis, double part) {
-  const auto& travel = source.travel_mm[index_of(axis)];
-  return travel ? std::lerp((*travel)[0], (*travel)[1], part) : 0.0;
+  if (const auto& travel = source.travel_mm[index_of(axis)]) return std::lerp((*travel)[0], (*travel)[1], part);
+  for (std::size_t line = 0; line < kAxes; ++line)
+    if (source.travel_mm[line]) return source.parameters.measurement_lines_mm[line][index_of(axis)];
+  return 0.0;
 }
 
 PerAxis<Approach> all_by(Approach approach) { return {approach, approach, approach}; }
@@ -404,8 +407,6 @@ Result<std::vector<ResidualRow>> residuals(const ExportSource& source, const Con
   for (const Axis axis : kAllAxes)
     if (source.travel_mm[index_of(axis)])
       ECS_DO(add(fmt::format("line of {}", letter_of(axis)), line_places(source, axis)));
-  for (const Axis axis : kAllAxes)
-    if (has_axis(source, axis) && !source.travel_mm[index_of(axis)]) return rows;  // the volume is not known
   ECS_DO(add("volume", volume_places(source)));
   const auto take_largest = [](ResidualSize& of, const ResidualSize& line) {
     for (std::size_t d = 0; d < of.largest_um.size(); ++d)
