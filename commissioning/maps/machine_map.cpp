@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "base/cli/action.hpp"
 #include "commissioning/models/work.hpp"
@@ -117,15 +116,6 @@ Result<ExportWork> export_work(MessageSink& messages, const ExportArguments& arg
       return tl::unexpected(*why);
   work.source.map = std::move(found.map);
   work.source.travel_mm = travels_for(work.source.map, with.parameters, machine);
-  std::vector<std::string> unknown;
-  for (const Axis axis : kAllAxes)
-    if (with.parameters.axis_present[index_of(axis)] && !work.source.travel_mm[index_of(axis)])
-      unknown.emplace_back(1, letter_of(axis));
-  if (!unknown.empty())
-    work.notes.push_back(fmt::format(
-        "the travel of {} is unknown, because the map has no table along {}: errors are predicted only where "
-        "the map was measured. State the travels with --machine",
-        fmt::join(unknown, " and "), unknown.size() == 1 ? "it" : "them"));
   if (auto left = laser::squareness_left_behind(work.source.map.header, work.source.parameters))
     work.notes.push_back(std::move(*left));
   for (const std::string& input : {arguments.map, arguments.machine, arguments.model})
@@ -136,7 +126,7 @@ Result<ExportWork> export_work(MessageSink& messages, const ExportArguments& arg
 std::vector<std::string> left_to_machine(const laser::MapHeader& header) {
   std::vector<std::string> notes;
   if (!header.thermal.empty())
-    notes.push_back(fmt::format("{} {} of the map {} not exported: the tables of a control have no place for them",
+    notes.push_back(fmt::format("{} {} of the map {} not exported: the tables of a control have no place for such rows",
                                 header.thermal.size(), header.thermal.size() == 1 ? "thermal row" : "thermal rows",
                                 header.thermal.size() == 1 ? "is" : "are"));
   if (!header.rotary.empty())

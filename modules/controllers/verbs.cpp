@@ -129,6 +129,15 @@ Result<ExportWork> read_export_work(VerbContext& context, const ExportArguments&
                    "machine file states");
   ECS_TRY(found, found_map(context, arguments.map, arguments.unit));
   ECS_TRY(work, export_work(context.console, arguments, std::move(found)));
+  std::vector<std::string> unknown;
+  for (const Axis axis : kAllAxes)
+    if (controllers::has_axis(work.source, axis) && !work.source.travel_mm[index_of(axis)])
+      unknown.emplace_back(1, letter_of(axis));
+  if (!unknown.empty())
+    work.notes.push_back(
+        fmt::format("the travel of {} is unknown, because the map has no table along {}: errors are predicted only "
+                    "where the map was measured. State the travels with --machine",
+                    fmt::join(unknown, " and "), unknown.size() == 1 ? "it" : "them"));
   for (std::string& note : left_to_machine(work.source.map.header)) work.notes.push_back(std::move(note));
   return work;
 }

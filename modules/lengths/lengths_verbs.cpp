@@ -342,7 +342,7 @@ Cell curve_cell(const model::IdentifiedCurve& curve) {
   const auto number = [&](double value) {
     return number_cell(curve.determined ? std::optional(value) : std::nullopt, 2);
   };
-  return record_cell("  {component:<4} {description:<38} {unit:<4} {largest:>8} {reversal:>10} {U_largest:>10}\n",
+  return record_cell("  {component:<4} {description:<38} {unit:<4} {largest:>8} {reversal:>9} {U_largest:>9}\n",
                      "component"_is(name_of(curve.component)), "description"_is(laser::description_of(curve.component)),
                      "unit"_is(unit), "determined"_is(curve.determined),
                      "largest"_is(number(greatest_in(curve.forward, curve.reverse))), "reversal"_is([&] {
@@ -359,7 +359,7 @@ Cell square_cell(const model::IdentifiedSquareness& square) {
   const auto number = [&](double value) {
     return number_cell(square.determined ? std::optional(value) : std::nullopt, 2);
   };
-  return record_cell("  {component:<4} {description:<38} {unit:<4} {um_per_m:>8} {none:>10} {U:>10}\n",
+  return record_cell("  {component:<4} {description:<38} {unit:<4} {um_per_m:>8} {none:>9} {U:>9}\n",
                      "component"_is(name_of(square.component)),
                      "description"_is(laser::description_of(square.component)), "unit"_is("um/m"),
                      "determined"_is(square.determined), "um_per_m"_is(number(square.um_per_m)), "none"_shown(""),
@@ -458,14 +458,12 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
   return record_cell(
       "{file}: {readings} {of_kind}{known_values}. {unknowns} unknowns, {degrees_of_freedom} degrees of "
       "freedom\n{components}{squareness}{without_effect}{not_determined}"
-      "  standard deviation of a single reading {residual_um} um{repeated}\n  its contributions (added as squares): "
-      "the "
-      "instrument {white_um} um; the scatter of each axis at each stop {stop_um} um and {stop_um_per_m} um per metre "
-      "of lever; the "
-      "scatter of each axis from pass to pass (one run in one direction) {pass_um} um and {pass_um_per_m} um per metre "
-      "of lever\n  expanded "
-      "uncertainty of the error vector of the map: U = {volume_U_um} um (k = 2), root mean square over the volume. "
-      "`ecs volume` states the remaining error after compensation\n{set_ups}{outliers}{notes}{map}{params_out}",
+      "  standard deviation of a single reading {residual_um} um{repeated}\n"
+      "  its contributions (added as squares): the instrument {white_um} um; the scatter of each axis at each stop "
+      "{stop_um} um and {stop_um_per_m} um per metre of lever; the scatter of each axis from pass to pass (one run in "
+      "one direction) {pass_um} um and {pass_um_per_m} um per metre of lever\n"
+      "  expanded uncertainty of the error vector of the map: U = {volume_U_um} um (k = 2), root mean square over the "
+      "volume. `ecs volume` states the remaining error after compensation\n{set_ups}{outliers}{notes}{map}{params_out}",
       "file"_is(work.test.source), "machine"_is(work.machine_name), "readings"_is(found.readings),
       "of_kind"_shown(model::has_points(work.test) ? "deviations" : "lengths"), "unknowns"_is(found.unknowns),
       "known_values"_is(found.known_values, known_text(work)), "degrees_of_freedom"_is(found.degrees_of_freedom),
@@ -474,7 +472,7 @@ Cell lengths_cell(const LengthsWork& work, const std::string& map, const std::st
           list_cell(acting, curve_cell,
                     fmt::format("  Largest: largest absolute error along the travel. Reversal: largest absolute\n"
                                 "  difference of forward and reverse. U: largest expanded uncertainty\n  {:<4} {:<38} "
-                                "{:<4} {:>8} {:>10} {:>10}\n",
+                                "{:<4} {:>8} {:>9} {:>9}\n",
                                 "", "component", "unit", "largest", "reversal", "U (95 %)"))),
       "squareness"_is(list_cell(found.squareness, square_cell)),
       "without_effect"_is(Json(without_effect(found)), idle_text(without_effect(found))),

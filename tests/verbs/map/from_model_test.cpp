@@ -68,7 +68,7 @@ TEST_CASE("the answer states the temperatures at which the effects that a map le
   const auto built = ran({"map", "build", "--from-model", model_file, "--machine", machine_file, "--json"});
   CHECK(built.code == 0);
   check_holds(built.out, {"the map holds at t_spindle_degC = 25.13 degC and t_material_degC = 20 degC",
-                          "thermal_drift:X:EX (growth 1.22 um/degC)", "thermal_scale:X:EX (expansion 4.13 um/m/degC)"});
+                          "thermal_drift:X:EX (shift 1.22 um/degC)", "thermal_scale:X:EX (expansion 4.13 um/m/degC)"});
 }
 
 }  // namespace
