@@ -389,10 +389,10 @@ TEST_CASE("formulas with a free period are weighed at the period that was found"
 }
 
 TEST_CASE(
-    "which sensor a drift follows late: no idle change of feed is proposed, but how long to keep temperatures "
-    "constant") {
+    "which sensor a drift follows late: no idle change of feed is proposed, and the wait for steady temperatures "
+    "stated") {
   auto set = session(
-      {.runs = 4}, [](const Reading& r) { return 1.5 * (degC(r, "t_spindle_degC") - 20.0); },
+      {.runs = 4}, [](const Reading& r) { return 1.5 * (r.sensors_degC.at("t_spindle_degC") - 20.0); },
       [](Reading& r) {
         r.feed_mm_min = 2000.0;
         r.sensors_degC["t_spindle_degC"] = 20.0 - 4.0 * std::expm1(-*r.time_s / 1200.0);
