@@ -447,9 +447,8 @@ Cell repair_cell(const RepairAnswer& answer) {
       "The table lists the remaining error [um]. Each block is for one cause: left as it is, compensated, or repaired. "
       "All other causes are compensated as far as the unit can. If left and compensated are equal in every row, the "
       "unit does not compensate the cause, or these readings do not contain it. In brackets: upper 95 % bound (equal "
-      "to the value if every parameter is fixed). The "
-      "rows \"readings\" ({}) also contain the "
-      "residual of the model, with the noise; volume and circle contain only the causes of the model. Volume: {} "
+      "to the value if every parameter is fixed). The rows \"readings\" ({}) also contain the residual of the model, "
+      "with the noise; volume and circle contain only the causes of the model. Volume: {} "
       "positions, each in both approaches, with errors relative to the reference position: a constant offset shows "
       "only in the readings.",
       answer.readings, answer.places);

@@ -373,9 +373,8 @@ Result<void> ask_group_by(NextMeasurement& next, const Setting& in, OpenGroup gr
     for (MeasurementProposal& one : next.proposals)
       one.sentence += fmt::format(
           " Before this run, keep the machine in one state for {:.0f} min, for example at rest or with the spindle at "
-          "one "
-          "speed. Then every delay between sensor and error has died out, and the possible causes predict different "
-          "readings.",
+          "one speed. Then every delay between sensor and error has died out, and the possible causes predict "
+          "different readings.",
           minutes);
   if (next.proposals.empty())
     next.notes.push_back(why_not(group, separations, options));
@@ -594,8 +593,7 @@ void take_line_over_travel(NextMeasurement& next, const Setting& in) {
 std::string step_after_proof(const EffectInstance& effect, const params::Machine& machine, bool of_ball) {
   if (is_carried(effect, machine) && of_ball && effect.rotary && effect.traits().periodic)
     return " Before you compensate the wave, measure the straightness of X, Y and Z: an uncompensated straightness "
-           "error "
-           "looks like such a wave. Then add the wave to the model, compensate, and repeat this measurement.";
+           "error looks like such a wave. Then add the wave to the model, compensate, and repeat this measurement.";
   if (is_carried(effect, machine))
     return " Add it to the model, compensate, and repeat the same measurement to confirm it.";
   if (is_rotary_error(effect) && machine.rotary_configuration.empty())

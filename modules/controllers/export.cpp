@@ -228,10 +228,9 @@ Cell residual_cell(const ExportReport& report) {
                   "with this export"));
   Cell cell = record_cell(
       "remaining error, predicted from {from}: largest / rms, um\n{rows}both approaches; on a line, the other axes are "
-      "where "
-      "the map was measured; errors are counted from\nthe reference position of the axes, as after setting a work "
-      "offset "
-      "there\n",
+      "where the map was measured; errors are counted from\nthe reference position of the axes, as after setting a "
+      "work "
+      "offset there\n",
       "from"_is(report.work.errors_from), "rows"_is(rows));
   std::vector<std::string> worse;
   for (const controllers::ResidualRow& row : report.residuals)
