@@ -288,7 +288,8 @@ class Setup:
         low, high = at.min(), at.max()
         return 2 * (at - low) / (high - low) - 1 if high > low else 0 * at
 
-    def targets(self, axis):
+    def targets(self, axis, sense=None):
+        """At which an axis was read; in Kinds of one sense."""
         return np.unique(self.at[self.axis == axis, axis])
 
     def smooth(self, t, on, count):
@@ -397,7 +398,7 @@ class Setup:
     def grid(self, t):
         """Values of the nonlinear parameter inside its limits, to start a search with; [0] for effects without one."""
         if t.id in ("cyclic", "step"):
-            targets = self.targets(t.axis)
+            targets = self.targets(t.axis, t.sense if t.id == "step" else None)
             if len(targets) < 6 or t.id == "step":
                 return list((targets[2:-3] + targets[3:-2]) / 2) if len(targets) > 5 else []
             span = targets[-1] - targets[0]
@@ -599,6 +600,9 @@ class Kinds(Setup):
 
     def runs_of(self, line, runs):
         return self.runs[line]
+
+    def targets(self, axis, sense=None):
+        return np.unique(self.at[(self.axis == axis) & ((self.sense == sense) | (sense is None)), axis])
 
 
 class Days(Setup):

@@ -86,8 +86,15 @@ struct BesideNoise {
   Choice best;          ///< of the choices
   double chance = 1.0;  ///< that any effect explains as much of noise alone; 1 where it plainly does
 };
-[[nodiscard]] BesideNoise beside_noise_of_any_size(const Search& search, const Space& space, Replicates& replicates,
-                                                   const std::vector<Choice>& choices, double freedom,
+/// Readings that have one noise, of unknown size.
+struct OfOneNoise {
+  Eigen::VectorXf counts;  ///< 1 for each of them, else 0
+  double squares = 0.0;    ///< that are left of them, in units of the noise assumed
+  double freedom = 0.0;
+};
+/// @param choices  that act on these readings
+[[nodiscard]] BesideNoise beside_noise_of_any_size(const Search& search, const OfOneNoise& readings,
+                                                   Replicates& replicates, const std::vector<Choice>& choices,
                                                    const DiagnoseOptions& options);
 
 }  // namespace ecs::model

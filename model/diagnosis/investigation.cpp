@@ -123,29 +123,63 @@ void blame_step(Found& found) {
   found.run_note.clear();
 }
 
+/// Each of the groups whose noise neighbours show beside repeats of others; all readings where nothing else is known.
+std::vector<OfOneNoise> readings_of_one_noise(const Found& found) {
+  const Space& space = found.solution.space;
+  const auto rows = static_cast<Index>(found.left_out.size());
+  const auto of = [&](const auto& is_one) {
+    OfOneNoise readings{Eigen::VectorXf::Zero(rows)};
+    for (Index k = 0; k < rows; ++k) {
+      const auto row = static_cast<std::size_t>(k);
+      if (found.left_out[row] || !is_one(row)) continue;
+      readings.counts(k) = 1.0F;
+      readings.squares += space.y(k) * space.y(k);
+      readings.freedom += 1.0 - space.q.row(k).squaredNorm();
+    }
+    return readings;
+  };
+  std::vector<OfOneNoise> list;
+  if (found.noise.pure.dof < kManyDegrees || !found.noise.pure.from_repeats)
+    return {of([](std::size_t) { return true; })};
+  for (const NoiseGroup& group : found.noise.groups)
+    if (group.of_neighbours)
+      list.push_back(of([&](std::size_t k) { return std::ranges::binary_search(group.rows, k); }));
+  return list;
+}
+
 /// An effect may hide in the noise that was estimated from it, from neighbours or from repeats between which it
 /// changed: where its share cannot be noise of any size, the noise is its residual. Of few readings a likely effect
 /// suffices for that, and is no more than likely beside that noise. @return the noise has been replaced
 bool took_noise_beside_best(const Base& base, const Search& search, const Whitener& whitener, Replicates& replicates,
                             const DiagnoseOptions& options, Found& found) {
   const Space& space = found.solution.space;
-  const double freedom = freedom_beside(space, found.left_out);
   const bool known_little = found.noise.pure.dof < kManyDegrees;
-  if (freedom <= kFewestToName) return false;  // an effect takes one degree at least
-  if (!known_little && (found.noise.pure.all_from_repeats() || space.chi2() > kMostSquareOfAll * freedom)) return false;
-  const std::vector<Choice> choices = search.expand(space, kRefinedBesideNoise);
-  if (choices.empty()) return false;
-  const BesideNoise beside = beside_noise_of_any_size(search, space, replicates, choices, freedom, options);
-  if (known_little) found.chance_of_closest = beside.chance;
-  const bool names = known_little && search.beats_free_values(space, beside.best);
-  const bool proves = beside.chance <= options.false_naming_limit;
-  if (!proves && !(names && freedom < kManyDegrees && beside.chance <= kLikelyChance)) return false;
-  found.proves_nothing = found.proves_nothing || !proves;
-  if (names) found.stands_out = beside.best;
-  std::vector<Choice> chosen = found.solution.chosen;
-  chosen.push_back(beside.best);
-  const Solution with = search.solution(chosen, found.solution.own);
-  return noise_changed(search.data(), base, joined(base, search, with), whitener, false, found.noise, found.left_out);
+  std::optional<std::vector<Choice>> all;
+  for (const OfOneNoise& readings : readings_of_one_noise(found)) {
+    if (readings.freedom <= kFewestToName) continue;  // an effect takes one degree at least
+    if (!known_little && readings.squares > kMostSquareOfAll * readings.freedom) continue;
+    if (!all) all = search.expand(space, kRefinedBesideNoise);
+    std::vector<Choice> choices = *all;
+    std::erase_if(choices, [&](const Choice& one) {
+      return std::ranges::any_of(search.families()[one.family].acting.readings, [&](std::size_t k) {
+        return !found.left_out[k] && readings.counts(static_cast<Index>(k)) == 0.0F;
+      });
+    });
+    if (choices.empty()) continue;
+    const BesideNoise beside = beside_noise_of_any_size(search, readings, replicates, choices, options);
+    if (known_little) found.chance_of_closest = beside.chance;
+    const bool names = known_little && search.beats_free_values(space, beside.best);
+    const bool proves = beside.chance <= options.false_naming_limit;
+    if (!proves && !(names && readings.freedom < kManyDegrees && beside.chance <= kLikelyChance)) continue;
+    found.proves_nothing = found.proves_nothing || !proves;
+    if (names) found.stands_out = beside.best;
+    std::vector<Choice> chosen = found.solution.chosen;
+    chosen.push_back(beside.best);
+    const Solution with = search.solution(chosen, found.solution.own);
+    if (noise_changed(search.data(), base, joined(base, search, with), whitener, false, found.noise, found.left_out))
+      return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -168,7 +202,10 @@ Result<Base> base_of(const Model& model, const Regressors& regressors, bool plai
     const Slot& slot = assembly.slots[s];
     if (!slot.at_limit.empty()) base.at_limit.push_back(slot.effect);
     const bool is_sought = slot.is_sought(regressors.motions());
-    if (is_sought) base.own.push_back(s);
+    if (is_sought) {
+      base.own.push_back(s);
+      base.own_values.push_back(slot.nonlinear.front());
+    }
     MatrixXd& columns = is_sought ? base.own_columns : base.columns;
     columns = beside(std::move(columns), slot.columns);
     for (std::size_t j = 0; j < slot.nonlinear.size(); ++j) {  // a small error of a fitted value is absorbed too
@@ -227,7 +264,10 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
                const std::vector<EffectInstance>& candidates, const DiagnoseOptions& options) {
   const Observations& data = regressors.data();
   std::vector<EffectInstance> own;
-  for (const std::size_t i : base.own) own.push_back(model.effects[i]);
+  for (std::size_t i = 0; i < base.own.size(); ++i) {
+    EffectInstance& effect = own.emplace_back(model.effects[base.own[i]]);
+    effect.fitted[std::string(effect.definition().searched_parameter())] = base.own_values[i];
+  }
   const std::vector<EffectInstance> others_than_own =
       others_than(base.at_limit, candidates_beside(model, own, candidates));
   Found found;

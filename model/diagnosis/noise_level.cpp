@@ -98,16 +98,16 @@ void find_level(const Search& search, const Structure& structure, Replicates& re
   found.entry_score = kRefinement + std::max(kLeastEntry, score_at(found.replicate_scores, options.false_naming_limit));
 }
 
-BesideNoise beside_noise_of_any_size(const Search& search, const Space& space, Replicates& replicates,
-                                     const std::vector<Choice>& choices, double freedom,
-                                     const DiagnoseOptions& options) {
-  const auto here = [&](const Choice& one) { return ratio_of(one, space.chi2(), freedom); };
+BesideNoise beside_noise_of_any_size(const Search& search, const OfOneNoise& readings, Replicates& replicates,
+                                     const std::vector<Choice>& choices, const DiagnoseOptions& options) {
+  const auto here = [&](const Choice& one) { return ratio_of(one, readings.squares, readings.freedom); };
   BesideNoise beside{*std::ranges::max_element(choices, {}, here)};
   std::vector<double> of_noise;
   const auto look_at = [&](std::size_t count) {
     replicates.draw_up_to(count);
     const auto more = static_cast<Index>(replicates.size() - of_noise.size());
-    const std::vector<double> ratios = best_ratios(search, replicates.all().rightCols(more), freedom);
+    const MatrixXf noise = readings.counts.asDiagonal() * replicates.all().rightCols(more);
+    const std::vector<double> ratios = best_ratios(search, noise, readings.freedom);
     of_noise.insert(of_noise.end(), ratios.begin(), ratios.end());
   };
   look_at(std::min(kFirstReplicates, options.noise_replicates));

@@ -31,9 +31,8 @@ constexpr double kSameCondition = 1e-3;
 /// Both approaches are used where at least one place in three, and ten of them, has both: a choice; fewer pairs give a
 /// worse estimate than all deviations do.
 constexpr std::size_t kPlacesAPair = 3, kFewestPairs = 10;
-/// Mean squares that differ by half are no difference of runs; beyond, two standard deviations of the ratio of two mean
-/// squares of n, 2/√n each.
-constexpr double kRatioOfRuns = 1.5, kTwoSigmaOfRatio = 4.0;
+/// Mean squares that differ by half are no difference of runs.
+constexpr double kRatioOfRuns = 1.5;
 /// Repeats that judge the noise: eight deviations know it to a quarter (1/√(2·8)), and they must be half of the
 /// readings.
 constexpr std::size_t kFewestDeviations = 8;
@@ -60,8 +59,8 @@ constexpr double kLeastInformation = 0.05;
 /// at most three times what neighbours scatter (docs/statistics.md, "Noise"); variance of a second difference of
 /// independent readings: 1 + 4 + 1.
 constexpr double kTurbulence_s = 60.0, kMostOfScatter = 3.0, kSquaresOfSecond = 6.0;
-/// Level at which the least of three estimates counts: two tests at it keep the choice below the usual 0.05 by far, for
-/// few readings scatter less by chance.
+/// Level at which the least of three estimates counts, and a difference of runs: two tests at it keep the choice below
+/// the usual 0.05 by far, for few readings scatter less by chance.
 constexpr double kRareByChance = 0.01;
 
 double rounded(double value, double step) { return std::isnan(value) ? -kBeyondAll : std::round(value / step) * step; }
@@ -97,6 +96,7 @@ std::vector<double> deviations_from_repeats(const Repeats& repeats, const Eigen:
 /// rows of the forward passes; and half the sum. Empty where too few places have both.
 struct Halves {
   std::vector<double> difference, sum;
+  double freedom = 0.0;  ///< of either: what the runs of a place have in common was taken off
 };
 Halves halves_of(const Observations& data, const std::vector<double>& deviation) {
   using Key = std::tuple<Channel, Axis, int, std::array<double, kAxes>>;
@@ -116,24 +116,28 @@ Halves halves_of(const Observations& data, const std::vector<double>& deviation)
   Halves halves;
   if (complete * kPlacesAPair < usable || complete < kFewestPairs) return halves;
   halves.difference.assign(data.size(), kNotMeasured);
+  std::set<std::tuple<Channel, Axis, std::array<double, kAxes>>> of_all_runs;
   for (const auto& each : places) {
     const auto [forward, reverse] = each.second;
     if (forward == kNone || reverse == kNone) continue;
+    of_all_runs.emplace(std::get<0>(each.first), std::get<1>(each.first), std::get<3>(each.first));
     halves.difference[forward] = (deviation[forward] - deviation[reverse]) / std::numbers::sqrt2;
     halves.sum.push_back((deviation[forward] + deviation[reverse]) / std::numbers::sqrt2);
   }
+  halves.freedom = static_cast<double>(halves.sum.size()) - static_cast<double>(of_all_runs.size());
   return halves;
 }
 
-/// True where runs differ in a way that both approaches share, far beyond what noise does.
+/// True where runs differ in a way that both approaches share, beyond what noise does (F test: what outliers are left
+/// out of it take from the freedom is little).
 bool runs_differ(const Halves& halves) {
   std::vector<double> d, s;
   for (const double v : halves.difference)
     if (!std::isnan(v)) d.push_back(v * v);
   for (const double v : halves.sum) s.push_back(v * v);
-  const double far =
-      kRatioOfRuns + kTwoSigmaOfRatio / std::sqrt(static_cast<double>(std::max<std::size_t>(halves.sum.size(), 1)));
-  return robust_mean_square(s) > far * robust_mean_square(d);
+  const double ratio = robust_mean_square(s) / std::max(robust_mean_square(d), kFloor_um * kFloor_um);
+  return halves.freedom >= 1.0 && ratio > kRatioOfRuns &&
+         ln_f_tail(ratio, halves.freedom, halves.freedom) < std::log(kRareByChance);
 }
 
 /// Enough of them to judge the noise by. @param of_poses  neighbours of a pose say nothing of it: any repeats are
@@ -157,12 +161,14 @@ std::vector<bool> in_kinds_not_repeated(const Observations& data, const std::vec
 }
 
 /// Where the runs of a group differ as no noise does, only what the approaches of a run do not share is kept.
-void without_strange_runs(const Observations& data, const NoiseGroup& group, std::vector<double>& deviation) {
+/// @return degrees of freedom that are lost by it
+double without_strange_runs(const Observations& data, const NoiseGroup& group, std::vector<double>& deviation) {
   std::vector<double> own(data.size(), kNotMeasured);
   for (const std::size_t k : group.rows) own[k] = deviation[k];
   const Halves halves = halves_of(data, own);
-  if (halves.sum.empty() || !runs_differ(halves)) return;
+  if (halves.sum.empty() || !runs_differ(halves)) return 0.0;
   for (const std::size_t k : group.rows) deviation[k] = halves.difference[k];
+  return halves.freedom;
 }
 
 /// Readings and columns that have nothing to do with the others: a column acts on readings of one sense, as a rule.
@@ -533,8 +539,11 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
   };
   if (from_places) {
     const std::vector<bool> not_repeated = in_kinds_not_repeated(data, deviation, of_poses);
-    for (const NoiseGroup& group : noise.groups) without_strange_runs(data, group, deviation);
+    double lost = 0.0;
+    for (const NoiseGroup& group : noise.groups) lost += without_strange_runs(data, group, deviation);
     noise.pure.in_part = std::ranges::find(not_repeated, true) != not_repeated.end();
+    for (NoiseGroup& group : noise.groups)
+      group.of_neighbours = std::ranges::all_of(group.rows, [&](std::size_t k) { return not_repeated[k]; });
     if (noise.pure.in_part) {
       std::vector<bool> others = left_out;
       for (std::size_t k = 0; k < data.size(); ++k) others[k] = left_out[k] || !not_repeated[k];
@@ -545,7 +554,7 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
     std::set<std::size_t> nodes;
     for (std::size_t k = 0; k < data.size(); ++k)
       if (!left_out[k]) nodes.insert(repeats.node_of[k]);
-    noise.pure.dof = std::max(size - static_cast<double>(nodes.size()), 1.0);
+    noise.pure.dof = std::max(size - static_cast<double>(nodes.size()) - lost, 1.0);
   }
   if (!noise.pure.from_repeats) {
     if (from_places && !noise.pure.in_part) noise.pure.differ_in = varied_conditions(data);

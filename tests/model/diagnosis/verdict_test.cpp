@@ -262,6 +262,20 @@ TEST_CASE("a free wave takes much of the noise of few readings: noise alone rare
   CHECK(told <= 5);
 }
 
+TEST_CASE("a free wave of the pitch at targets near its multiples, hardly told from a constant, is no second wave") {
+  Model model = straight();
+  model.effects.push_back(effect(effects::cyclic, Axis::X, Sense::EX));
+  const auto wave = [](const Reading& r) {
+    const double turns = 2.0 * std::numbers::pi * p(r) / 10.0;
+    return -9.7 * std::sin(turns) - 5.1 * std::cos(turns) - 5.4 * std::cos(2.0 * turns);
+  };
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const Diagnosis found = diagnosed(model, measured({.step_mm = 10.0, .targets = 28, .runs = 5}, 0.24, wave, seed));
+    CAPTURE(found.headline);
+    CHECK(count_named(found) == 0);
+  }
+}
+
 TEST_CASE(
     "readings at targets that are their own means show how well a position repeats, and nothing about its error") {
   Model model;

@@ -88,6 +88,19 @@ TEST_CASE("repeats have as many degrees of freedom as there are readings less pl
   CHECK(noise_in(m).pure.dof == Approx(246.0 - 82.0));
 }
 
+TEST_CASE("two runs of seven targets seldom look as if the runs differed, and then half of the repeats are left") {
+  constexpr int kSets = 300;
+  int differ = 0, too_small = 0;
+  for (unsigned seed = 1; seed <= kSets; ++seed) {
+    const NoiseModel noise =
+        noise_in(readings_of(measured({.step_mm = 125.0, .targets = 7, .runs = 2}, kWhite_um, nothing, seed)));
+    differ += noise.pure.dof == Approx(7.0) ? 1 : 0;
+    too_small += noise.pure.noise_um < 0.5 * kWhite_um ? 1 : 0;
+  }
+  CHECK(differ <= 12);    // one in a hundred by the F test; twice as many, for outliers count less
+  CHECK(too_small <= 6);  // χ² of 14 below 3.5: 0.2 %, and those whose runs differ
+}
+
 TEST_CASE("without repeats the noise is what smooth columns leave, and says so") {
   const NoiseModel noise = noise_in(readings_of(measured(
       {.step_mm = 5.0, .targets = 200, .runs = 1, .both_ways = false}, kWhite_um, [](const Reading&) { return 7.0; })));
