@@ -196,6 +196,7 @@ void Search::build_families(const std::vector<EffectInstance>& candidates, bool 
       family.shortest_seen = 2.0 * mean_step(regressors_.motions(), family);
       const auto [first, last] = acting_range(regressors_.motions(), family.acting, *effect.axis);
       family.travel = last - first;
+      if (!of_model) family.absorbed = kAbsorbedPeriod;  // the wave of a model is there, however it is seen
     }
     family.ln_readings = std::log(std::max(8.0, static_cast<double>(family.acting.readings.size())));
     if (effect.is_user())
@@ -409,13 +410,6 @@ Solution Search::alone_with(bool far) const {
   std::vector<Choice> own;
   for (std::size_t f = candidates_; f < families_.size(); ++f) own.push_back(best_own(solution({}, own).space, f, far));
   Solution best = own.size() > 1 ? refined({}, own, far) : solution({}, own);
-  for (Choice& term : own) {  // a wave that its targets hardly tell from a constant is not sought where it is
-    const Family& family = families_[term.family];
-    const auto fitted = family.effect.fitted.find(std::string(family.effect.definition().searched_parameter()));
-    if (fitted != family.effect.fitted.end() && (far || !family.far || fitted->second >= *family.far))
-      term.nonlinear = fitted->second;
-  }
-  if (Solution fitted = solution({}, own); fitted.space.chi2() < best.space.chi2()) best = std::move(fitted);
   best.chi2_before = best.space.chi2();
   return best;
 }
