@@ -212,8 +212,8 @@ void hold_against_single_targets(const Observations& data, const Search& search,
     }
     if (!open && found.objection.empty())
       found.objection = fmt::format(
-          "errors of single targets, without any order, explain as much as {}: measure at targets between the present "
-          "ones",
+          "errors of single targets, without any order, are more probable than {}: measure at targets between the "
+          "present ones",
           fmt::join(names, " and "));
   }
 }

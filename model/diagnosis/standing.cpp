@@ -512,7 +512,7 @@ Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise)
   if (ranked.alias == Alias::wander && is_like_wander(ranked.effect))
     return {"a zero that wanders without any law explains the same nearly as well", again};
   if (ranked.alias == Alias::single_targets)
-    return {"errors of single targets without any order explain it nearly as well",
+    return {"errors of single targets without any order explain it about as well",
             "Measure the same lines again on targets between the present ones"};
   if (ranked.alias == Alias::drift_in_runs)
     return {"a zero that drifts alike in every run explains it equally well",
