@@ -155,7 +155,9 @@ bool took_noise_beside_best(const Base& base, const Search& search, const Whiten
   const Space& space = found.solution.space;
   const bool known_little = found.noise.pure.dof < kManyDegrees;
   std::optional<std::vector<Choice>> all;
-  for (const OfOneNoise& readings : readings_of_one_noise(found)) {
+  const std::vector<OfOneNoise> each = readings_of_one_noise(found);
+  const double limit = options.false_naming_limit / static_cast<double>(std::max<std::size_t>(each.size(), 1));
+  for (const OfOneNoise& readings : each) {
     if (readings.freedom <= kFewestToName) continue;  // an effect takes one degree at least
     if (!known_little && readings.squares > kMostSquareOfAll * readings.freedom) continue;
     if (!all) all = search.expand(space, kRefinedBesideNoise);
@@ -169,7 +171,7 @@ bool took_noise_beside_best(const Base& base, const Search& search, const Whiten
     const BesideNoise beside = beside_noise_of_any_size(search, readings, replicates, choices, options);
     if (known_little) found.chance_of_closest = beside.chance;
     const bool names = known_little && search.beats_free_values(space, beside.best);
-    const bool proves = beside.chance <= options.false_naming_limit;
+    const bool proves = beside.chance <= limit;
     if (!proves && !(names && readings.freedom < kManyDegrees && beside.chance <= kLikelyChance)) continue;
     found.proves_nothing = found.proves_nothing || !proves;
     if (names) found.stands_out = beside.best;

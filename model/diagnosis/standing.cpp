@@ -409,6 +409,13 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
         in_digits(rms_um), in.found.noise.pure.unit, in_digits(rms_um / in.found.noise.pure.noise_um, 2));
   std::optional<Choice> closest = in.found.stands_out;
   if (!closest && !in.found.closest.empty()) closest = in.found.closest.front();
+  const bool is_contradicted = in.found.stands_out && !in.found.groups.empty() &&
+                               in.found.groups.front().e_value.value_or(kSpeaksFor) < kSpeaksFor;
+  if (is_contradicted && in.found.chance_of_closest.value_or(1.0) <= kLikelyChance)
+    return fmt::format(
+        "{} would explain the residual, and noise alone looks like it in only {:.1g} % of cases, but held-out readings "
+        "do not confirm it: measure the same lines again",
+        place_text(in.found.families[closest->family].effect), kPercent * *in.found.chance_of_closest);
   if (closest && in.found.chance_of_closest.value_or(1.0) < kRareOfNoise)
     return fmt::format(
         "these readings do not determine the noise well enough: {} would explain the residual, but noise alone looks "
@@ -512,7 +519,7 @@ Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise)
   if (ranked.alias == Alias::wander && is_like_wander(ranked.effect))
     return {"a zero that wanders without any law explains the same nearly as well", again};
   if (ranked.alias == Alias::single_targets)
-    return {"errors of single targets without any order explain it about as well",
+    return {"errors of single targets without any order cannot be excluded",
             "Measure the same lines again on targets between the present ones"};
   if (ranked.alias == Alias::drift_in_runs)
     return {"a zero that drifts alike in every run explains it equally well",

@@ -31,8 +31,9 @@ constexpr double kSameCondition = 1e-3;
 /// Both approaches are used where at least one place in three, and ten of them, has both: a choice; fewer pairs give a
 /// worse estimate than all deviations do.
 constexpr std::size_t kPlacesAPair = 3, kFewestPairs = 10;
-/// Mean squares that differ by half are no difference of runs.
-constexpr double kRatioOfRuns = 1.5;
+/// Mean squares that differ by half are no difference of runs, nor by two standard deviations of the ratio of two mean
+/// squares of n, 2/√n each: turbulence at the end of a pass both approaches share.
+constexpr double kRatioOfRuns = 1.5, kTwoSigmaOfRatio = 4.0;
 /// Repeats that judge the noise: eight deviations know it to a quarter (1/√(2·8)), and they must be half of the
 /// readings.
 constexpr std::size_t kFewestDeviations = 8;
@@ -136,7 +137,7 @@ bool runs_differ(const Halves& halves) {
     if (!std::isnan(v)) d.push_back(v * v);
   for (const double v : halves.sum) s.push_back(v * v);
   const double ratio = robust_mean_square(s) / std::max(robust_mean_square(d), kFloor_um * kFloor_um);
-  return halves.freedom >= 1.0 && ratio > kRatioOfRuns &&
+  return halves.freedom >= 1.0 && ratio > kRatioOfRuns + kTwoSigmaOfRatio / std::sqrt(static_cast<double>(s.size())) &&
          ln_f_tail(ratio, halves.freedom, halves.freedom) < std::log(kRareByChance);
 }
 
@@ -162,13 +163,22 @@ std::vector<bool> in_kinds_not_repeated(const Observations& data, const std::vec
 
 /// Where the runs of a group differ as no noise does, only what the approaches of a run do not share is kept.
 /// @return degrees of freedom that are lost by it
-double without_strange_runs(const Observations& data, const NoiseGroup& group, std::vector<double>& deviation) {
+double without_strange_runs(const Observations& data, const NoiseGroup& group, const Repeats& repeats,
+                            std::vector<double>& deviation) {
   std::vector<double> own(data.size(), kNotMeasured);
   for (const std::size_t k : group.rows) own[k] = deviation[k];
   const Halves halves = halves_of(data, own);
   if (halves.sum.empty() || !runs_differ(halves)) return 0.0;
-  for (const std::size_t k : group.rows) deviation[k] = halves.difference[k];
-  return halves.freedom;
+  std::set<std::size_t> nodes;
+  double readings = 0.0;
+  for (const std::size_t k : group.rows) {
+    if (!std::isnan(own[k])) {
+      nodes.insert(repeats.node_of[k]);
+      readings += 1.0;
+    }
+    deviation[k] = halves.difference[k];
+  }
+  return readings - static_cast<double>(nodes.size()) - halves.freedom;
 }
 
 /// Readings and columns that have nothing to do with the others: a column acts on readings of one sense, as a rule.
@@ -537,10 +547,10 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
     return deviations_from_smooth(data, residual, absorbed.cols() > 0 ? beside(smooth(), absorbed) : smooth(), out,
                                   noise);
   };
+  double lost = 0.0;  // degrees of freedom of deviations that are not used
   if (from_places) {
     const std::vector<bool> not_repeated = in_kinds_not_repeated(data, deviation, of_poses);
-    double lost = 0.0;
-    for (const NoiseGroup& group : noise.groups) lost += without_strange_runs(data, group, deviation);
+    for (const NoiseGroup& group : noise.groups) lost += without_strange_runs(data, group, repeats, deviation);
     noise.pure.in_part = std::ranges::find(not_repeated, true) != not_repeated.end();
     for (NoiseGroup& group : noise.groups)
       group.of_neighbours = std::ranges::all_of(group.rows, [&](std::size_t k) { return not_repeated[k]; });
@@ -565,7 +575,7 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
   }
 
   noise.shapes =
-      likely_shapes(data, noise.groups, deviation, std::clamp(noise.pure.dof / size, kLeastInformation, 1.0));
+      likely_shapes(data, noise.groups, deviation, std::clamp((noise.pure.dof + lost) / size, kLeastInformation, 1.0));
   const NoiseShape& best = *std::ranges::max_element(
       noise.shapes, [](const NoiseShape& x, const NoiseShape& y) { return x.weight < y.weight; });
   std::vector<double> sigmas(data.size());

@@ -46,7 +46,7 @@ struct NoiseGroup {
   double white = 1.0;             ///< standard deviation, um
   double correlated = 0.0;        ///< standard deviation, um
   double time = 0.0;              ///< correlation time: s, or readings where there is no time
-  bool of_neighbours = false;     ///< the readings of other groups were repeated, its own were not
+  bool of_neighbours = false;     ///< readings of other kinds were repeated, those of its kind were not
   [[nodiscard]] double sigma() const;
 };
 

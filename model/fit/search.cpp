@@ -196,7 +196,6 @@ void Search::build_families(const std::vector<EffectInstance>& candidates, bool 
       family.shortest_seen = 2.0 * mean_step(regressors_.motions(), family);
       const auto [first, last] = acting_range(regressors_.motions(), family.acting, *effect.axis);
       family.travel = last - first;
-      if (!of_model) family.absorbed = kAbsorbedPeriod;  // the wave of a model is there, however it is seen
     }
     family.ln_readings = std::log(std::max(8.0, static_cast<double>(family.acting.readings.size())));
     if (effect.is_user())

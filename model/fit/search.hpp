@@ -52,7 +52,6 @@ struct Family {
   double fact_cost = 0.0;             ///< price of choosing among the facts
   double shape_cost = 0.0;            ///< price of choosing which of its sizes are used
   double ln_readings = 0.0;           ///< price of one free coefficient
-  double absorbed = 0.0;              ///< a column of which less than this share of its square is left has no gain
   std::optional<double> far{};        ///< values below are far from likely
   double shortest_seen = 0.0;         ///< periods below are seen only as something slower, two targets a turn
   double travel = 0.0;                ///< of a periodic effect, from the first to the last position

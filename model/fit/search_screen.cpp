@@ -108,7 +108,7 @@ Gain best_gain(const Family& family, const std::vector<std::vector<Index>>& vari
   const EffectTraits& traits = family.effect.traits();
   if (variants.empty()) return {};
   if (traits.is_curve) return best_curve(variants, gram, z, original, absorbed, price);
-  absorbed = std::max(absorbed, family.absorbed);
+  if (traits.periodic) absorbed = std::max(absorbed, kAbsorbedPeriod);
   Gain best;
   double best_score = -kBeyondAll;
   for (std::size_t v = 0; v < variants.size(); ++v) {
@@ -381,7 +381,7 @@ void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, dou
     for (const auto& variant : variants) allowed[variant.size()] = true;
     variants = {variants.back()};
   }
-  const double absorbed = std::max(kAbsorbedScreening, family.absorbed);
+  const double absorbed = family.effect.traits().periodic ? kAbsorbedPeriod : kAbsorbedScreening;
   for (const std::vector<Index>& variant : variants) {
     const auto k = static_cast<Index>(variant.size());
     if (variant.back() >= item.count) continue;

@@ -262,21 +262,6 @@ TEST_CASE("a free wave takes much of the noise of few readings: noise alone rare
   CHECK(told <= 5);
 }
 
-TEST_CASE("a free wave of the pitch at targets near its multiples, hardly told from a constant, is no second wave") {
-  Model model = straight();
-  model.effects.push_back(effect(effects::cyclic, Axis::X, Sense::EX));
-  const auto wave = [](const Reading& r) {
-    const double turns = 2.0 * std::numbers::pi * p(r) / 10.0;
-    return -9.7 * std::sin(turns) - 5.1 * std::cos(turns) - 5.4 * std::cos(2.0 * turns);
-  };
-  for (unsigned seed = 1; seed <= 6; ++seed) {
-    const Diagnosis found =
-        diagnosed(model, measured({.from_mm = 3.0, .step_mm = 10.0, .targets = 28, .runs = 5}, 0.24, wave, seed));
-    CAPTURE(found.headline);
-    CHECK(count_named(found) == 0);
-  }
-}
-
 TEST_CASE("a wave in a line that was read once is found beside positions that were repeated, as it is alone") {
   const auto wave = [](const Reading& r) {
     return d(r) > 0.0 ? 5.8 * std::sin(2.0 * std::numbers::pi * p(r) / 770.0 + 0.3) : 0.0;
