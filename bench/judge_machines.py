@@ -565,7 +565,7 @@ class Volume(Setup):
             motions.share[on] = toward[motions.sense[on]]
         return motions
 
-    def targets(self, axis):
+    def targets(self, axis, sense=None):
         return np.unique(self.at[(self.axis == axis) & ~self.on_path, axis])
 
     def place_columns(self):
