@@ -88,6 +88,8 @@ struct UnarmedCase : StateFolder {
   UnarmedCase() {
     ::unsetenv("ECS_ARM_CODE");
     unit = std::make_shared<UnitConnection>("rtu:" + emulator.pty + ":115200");
+    for (int k = 0; k < 3000 && !unit->newest(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    REQUIRE(unit->newest());  // it answers: what is refused after this is not for want of a line
   }
   UnarmedCase(const UnarmedCase&) = delete;
   UnarmedCase& operator=(const UnarmedCase&) = delete;
