@@ -271,10 +271,15 @@ class Setup:
             self.true_pitch = float(r.choice(shown))
             self.axes[axis].pitches["screw"] = float(rounded(self.true_pitch * (1 + r.signed(0.01, 0.02)), 0.001))
 
-    def period(self, r, axis):
+    def positions(self, axis, sense):
+        """That show a wave along an axis; in Kinds those of its sense."""
+        return self.at[:, axis]
+
+    def period(self, r, axis, sense):
         """Of a wave to hide: a little longer than the grid's shortest."""
-        span = max(1e-3, np.ptp(self.at[:, axis]) / 1000)
-        step = 1000 * span / (len(np.unique(self.at[:, axis])) - 1)
+        positions = self.positions(axis, sense)
+        span = max(1e-3, np.ptp(positions) / 1000)
+        step = 1000 * span / (len(np.unique(positions)) - 1)
         drawn = r.log(min(300 * span, (1.1 if self.moved else 2.2) * step), 350 * span)
         drawn = self.axes[axis].pitches.get("screw", drawn) if r.chance(0.6) else drawn
         return self.true_pitch or drawn
@@ -326,11 +331,12 @@ class Setup:
 
     def waves(self, axis, v):
         """Sine and cosine of one and two periods; those of a whole grid are kept."""
-        if len(v) > 20 and axis in self.kept:
-            return self.kept[axis]
+        key = axis, v.tobytes()
+        if key in self.kept:
+            return self.kept[key]
         found = [wave(k * TURN * 1000 * self.m[axis] / v) for k in (1, 2) for wave in (np.sin, np.cos)]
         if len(v) > 20:
-            self.kept[axis] = found
+            self.kept[key] = found
         return found
 
     def parts(self, t, v):
@@ -398,7 +404,7 @@ class Setup:
     def grid(self, t):
         """Values of the nonlinear parameter inside its limits, to start a search with; [0] for effects without one."""
         if t.id in ("cyclic", "step"):
-            targets = self.targets(t.axis, t.sense if t.id == "step" else None)
+            targets = self.targets(t.axis, t.sense)
             if len(targets) < 6 or t.id == "step":
                 return list((targets[2:-3] + targets[3:-2]) / 2) if len(targets) > 5 else []
             span = targets[-1] - targets[0]
@@ -502,7 +508,7 @@ class Turn(Setup):
         targets = self.targets(self.axis[0])
         return max(1, int(share * (len(targets) - 1) / (1 if self.moved else 2) * 360 / np.ptp(targets)))
 
-    def period(self, r, axis):
+    def period(self, r, axis, sense):
         return 360.0 / round(r.log(1.0, self.most(0.9)))
 
     def grid(self, t):
@@ -603,6 +609,9 @@ class Kinds(Setup):
 
     def targets(self, axis, sense=None):
         return np.unique(self.at[(self.axis == axis) & ((self.sense == sense) | (sense is None)), axis])
+
+    def positions(self, axis, sense):
+        return self.targets(axis, sense)
 
 
 class Days(Setup):

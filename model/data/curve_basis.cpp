@@ -7,8 +7,11 @@
 namespace ecs::model {
 namespace {
 
-/// Share of the positions that smooth functions may take.
+/// Share of the positions that smooth functions may take beyond the degrees of freedom that every curve has.
 constexpr double kMostOfPositions = 0.6;
+
+/// Degrees of freedom of a curve beside mean and slope (docs/physics.md).
+constexpr double kFreedomOfCurve = 10.0;
 
 /// Positions closer than this share of the travel are one target.
 constexpr double kSameTarget = 1e-3;
@@ -33,7 +36,7 @@ std::vector<double> second_derivatives(const std::vector<double>& at, const std:
 std::size_t most_functions(double positions, bool apart) {
   if (positions < 3.0) return 0;
   if (positions <= static_cast<double>(kFreeTargets) || apart) return static_cast<std::size_t>(positions) - 2;
-  return static_cast<std::size_t>(std::min(positions - 3.0, kMostOfPositions * positions));
+  return static_cast<std::size_t>(std::min(positions - 3.0, std::max(kFreedomOfCurve, kMostOfPositions * positions)));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <tuple>
 
 #include "core/terms.hpp"
@@ -209,18 +210,46 @@ constexpr double kShortestTimes = 50.0, kTrialsOfTime = 4.0;
 /// Intervals of the readings in the shortest time constant: the first readings then show 39 and 63 % of the course.
 constexpr double kIntervalsOfCourse = 2.0;
 constexpr std::size_t kTimes = 10;
+constexpr int kFewestRunsOfSession = 2;
 /// Assumed for planning: a third of the time, no less than this [s]; well inside what a plan can show.
 constexpr double kTimesAssumed = 3.0, kLeastTime_s = 1.0;
 /// Temperatures that change less do not show a lag beside the noise of sensors, some 0.02 degC.
 constexpr double kLeastChange_degC = 0.2;
 
-/// Greatest time constant that readings show. Without a sensor that is the longest stretch in which the effect was read
-/// without a pause: whatever changes in a pause or before the first reading would pass for a longer one.
+/// For each reading, when the time began in which the machine was measured without a pause, whatever was read: a pause
+/// is longer than all that was read before it, at least two runs (of fewer, runs with pauses between all of them are
+/// one measurement). In canonical order time goes back with a new clock.
+Column begin_without_pause_s(const Observations& data) {
+  Column begin_of_s(data.size(), kNotMeasured);
+  double begin_s = 0.0, end_s = 0.0;
+  std::optional<std::tuple<Axis, Sense, int>> before;
+  int runs = 0;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const double now_s = data.time_s[k];
+    if (std::isnan(now_s)) continue;
+    const std::tuple run{data.axis[k], data.sense[k], data.run[k]};
+    const bool is_new_run = run != before;
+    const bool is_after_pause = is_new_run && runs >= kFewestRunsOfSession && now_s - end_s > end_s - begin_s;
+    if (!before || now_s < end_s || is_after_pause) {
+      begin_s = now_s;
+      runs = 0;
+    }
+    runs += is_new_run || runs == 0 ? 1 : 0;
+    end_s = now_s;
+    before = run;
+    begin_of_s[k] = begin_s;
+  }
+  return begin_of_s;
+}
+
+/// Greatest time constant that readings show. Without a sensor that is the longest stretch in which the machine was
+/// measured without a pause until the effect was read last: what changes in a pause would pass for a longer one.
 double longest_shown_s(const Observations& data, const EffectInstance& effect, const Acting& acting) {
   if (effect.traits().has_lag) return extent_of(data.time_s, acting).second;
   const auto set_up = data.extras.find("set_up");
   std::map<std::tuple<Axis, std::ptrdiff_t, double>, std::pair<double, double>> stretches;
   double longest_s = 0.0;
+  const Column begin_of_s = begin_without_pause_s(data);
   for (const std::size_t k : acting.rows) {
     if (std::isnan(data.time_s[k])) continue;
     const auto starts = data.sessions.find({data.axis[k], data.sense[k]});
@@ -230,8 +259,8 @@ double longest_shown_s(const Observations& data, const EffectInstance& effect, c
             : std::ranges::count_if(starts->second, [&](int start) { return start <= data.run[k]; });
     const double number = set_up == data.extras.end() || std::isnan(set_up->second[k]) ? 1.0 : set_up->second[k];
     auto& [begin_s, end_s] =
-        stretches.try_emplace({data.axis[k], session, number}, data.time_s[k], data.time_s[k]).first->second;
-    begin_s = std::min(begin_s, data.time_s[k]);
+        stretches.try_emplace({data.axis[k], session, number}, begin_of_s[k], data.time_s[k]).first->second;
+    begin_s = std::min(begin_s, begin_of_s[k]);
     end_s = std::max(end_s, data.time_s[k]);
     longest_s = std::max(longest_s, end_s - begin_s);
   }
