@@ -19,7 +19,6 @@ EffectDefinition air_refraction() {
       .carrier = Carrier::set_up,
       .how = "an error of the measurement: correct the readings for air",
       .separated_by = separations::kOtherPressure,
-      .turns_into = {{Limit::tied_to_runs, "offset"}},
       .traits = {.of_condition = true, .of_measurement = true},
       .needs = {Need::air},
       .preference = 90,

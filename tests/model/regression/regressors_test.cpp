@@ -147,7 +147,7 @@ TEST_CASE("levers tell an angular error apart only where a target sees it throug
   };
   CHECK(functions_of(true) == 2 + 11);  // mean, slope and free at each of thirteen targets
   set.readings.erase(set.readings.begin(), set.readings.begin() + 13);
-  CHECK(functions_of(false) == 2 + 7);  // as smooth as three fifths of the targets allow
+  CHECK(functions_of(false) == 2 + 10);  // as many degrees of freedom as every curve has
   set.readings.erase(set.readings.begin());
   CHECK(functions_of(false) == 2 + 10);  // on twelve or fewer free at each
 }
