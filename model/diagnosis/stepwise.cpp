@@ -527,7 +527,7 @@ Solution with_zeros_of_lines(const Search& search, Solution best) {
     return std::ranges::count_if(of, [&](const Choice& one) { return is_zero(one.family); });
   };
   const auto others = [&](const std::vector<Choice>& of) { return static_cast<std::ptrdiff_t>(of.size()) - count(of); };
-  if (count(chosen) < 2 || others(chosen) >= others(best.chosen)) return best;
+  if (count(chosen) < 2 || others(best.chosen) - others(chosen) < count(chosen)) return best;  // each is one cause
   Solution zeros = search.refined(chosen, best.own);
   return parameters(chosen) <= parameters(best.chosen) || zeros.score() > best.score() ? zeros : best;
 }
