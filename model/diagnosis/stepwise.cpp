@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "model/diagnosis/investigation.hpp"
 #include "model/diagnosis/waves.hpp"
@@ -527,7 +528,12 @@ Solution with_zeros_of_lines(const Search& search, Solution best) {
     return std::ranges::count_if(of, [&](const Choice& one) { return is_zero(one.family); });
   };
   const auto others = [&](const std::vector<Choice>& of) { return static_cast<std::ptrdiff_t>(of.size()) - count(of); };
-  if (count(chosen) < 2 || others(best.chosen) - others(chosen) < count(chosen)) return best;  // each is one cause
+  std::set<int> lines;
+  for (const Choice& one : chosen)
+    if (is_zero(one.family)) lines.insert(search.families()[one.family].effect.line);
+  const std::ptrdiff_t replaced = others(best.chosen) - others(chosen);
+  // zero and slope of a single line are two causes where an angle is one
+  if (count(chosen) < 2 || replaced < (lines.size() > 1 ? 1 : count(chosen))) return best;
   Solution zeros = search.refined(chosen, best.own);
   return parameters(chosen) <= parameters(best.chosen) || zeros.score() > best.score() ? zeros : best;
 }
@@ -695,8 +701,7 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
                         ln_odds(rival, search.families()) > ln_odds(group.member, search.families()) + kSame;
       const bool same_evidence =
           rival.parameters < group.member.parameters && rival.score() >= group.member.score() - kEven;
-      const bool likelier = rival.parameters == group.member.parameters &&
-                            ln_odds(rival, search.families()) > ln_odds(group.member, search.families()) + kSame;
+      const bool likelier = rival.parameters == group.member.parameters && rival.score() > group.member.score() + kSame;
       if (likelier) {
         std::swap(rival, group.member);
         continue;
