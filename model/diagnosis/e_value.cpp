@@ -16,6 +16,7 @@
 #include "model/data/curve_basis.hpp"
 #include "model/diagnosis/structure.hpp"
 #include "model/effects/definition.hpp"
+#include "model/effects/quantities.hpp"
 #include "model/fit/held_out.hpp"
 #include "model/fit/search.hpp"
 #include "model/fit/statistics.hpp"
@@ -239,6 +240,22 @@ std::optional<double> weighed_in_part(const Evidence& all, const MatrixXd& colum
   return e_value_of({regressors, noise, left_out}, part_columns, part_target, effect, null);
 }
 
+/// Whether half of the targets can show as many functions of a curve as all of them do, beside its mean and slope. Of
+/// few targets they often cannot: the curve that is fitted to them is another one, and says nothing of this one.
+bool half_of_targets_shows(const Evidence& on, const MatrixXd& columns, const VectorXd& target,
+                           const EffectInstance& effect) {
+  const EffectTraits& traits = effect.traits();
+  if (!traits.is_curve || !effect.axis) return true;
+  const std::size_t targets =
+      acting_positions(on.regressors.motions(), on.regressors.acting(effect), *effect.axis).size();
+  if (targets > kFreeTargets) return true;
+  const Whitener whitener(on.regressors.data(), on.noise, on.left_out);
+  const Search search(on.regressors, whitener, columns, target, {effect});
+  const std::vector<Choice> best = search.expand(search.base(), 1);
+  const std::size_t mean_and_slope = 2U - (traits.keeps_mean ? 1U : 0U) - (traits.keeps_slope ? 1U : 0U);
+  return best.empty() || 2 * (best.front().columns.size() + mean_and_slope) <= targets;
+}
+
 }  // namespace
 
 std::optional<double> e_value_of(const Evidence& on, const MatrixXd& columns, const VectorXd& target,
@@ -263,7 +280,9 @@ std::optional<double> e_value_of(const Evidence& on, const MatrixXd& columns, co
     }
   }
   std::vector<double> ln;
-  for (const Half& half : {by_run(data), by_target(data)}) {
+  std::vector<Half> halves{by_run(data)};
+  if (half_of_targets_shows(on, columns, target, effect)) halves.push_back(by_target(data));
+  for (const Half& half : halves) {
     Half other = half;
     other.flip();
     for (const Half& judged : {half, other})

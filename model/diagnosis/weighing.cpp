@@ -132,28 +132,15 @@ void drop_lags_not_shown(const Regressors& regressors, const Base& base, const S
   }
 }
 
-/// Whether half of the targets can show so many functions of a curve beside its mean and slope. Of few targets they
-/// often cannot: the curve that is fitted to them is another one, and that it predicts nothing says nothing of this
-/// one.
-bool half_shows(const Regressors& regressors, const EffectInstance& effect, const Choice& choice) {
-  if (!effect.traits().is_curve || !effect.axis) return true;
-  const std::size_t targets = acting_positions(regressors.motions(), regressors.acting(effect), *effect.axis).size();
-  return targets > kFreeTargets || 2 * (choice.columns.size() + 2) <= targets;
-}
-
 }  // namespace
 
 void weigh(const Regressors& regressors, const Base& base, const Search& search, StepwiseOptions stepwise,
            Found& found) {
   const auto e_value_of_group = [&](std::size_t i, NullHypothesis null) {
-    const Choice& member = found.groups[i].member;
-    const EffectInstance& effect = found.families[member.family].effect;
     const LinearProblem without =
         joined(base, search, search.solution(others(found.solution.chosen, i), found.solution.own));
-    std::optional<double> e_value =
-        e_value_of({regressors, found.noise, found.left_out}, without.columns, without.target, effect, null);
-    if (e_value && *e_value < kSpeaksAgainst && !half_shows(regressors, effect, member)) e_value.reset();
-    return e_value;
+    return e_value_of({regressors, found.noise, found.left_out}, without.columns, without.target,
+                      found.families[found.groups[i].member.family].effect, null);
   };
   for (;;) {
     drop_lags_not_shown(regressors, base, search, found);

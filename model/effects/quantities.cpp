@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <tuple>
 
 #include "core/terms.hpp"
@@ -210,35 +209,37 @@ constexpr double kShortestTimes = 50.0, kTrialsOfTime = 4.0;
 /// Intervals of the readings in the shortest time constant: the first readings then show 39 and 63 % of the course.
 constexpr double kIntervalsOfCourse = 2.0;
 constexpr std::size_t kTimes = 10;
-constexpr int kFewestRunsOfSession = 2;
 /// Assumed for planning: a third of the time, no less than this [s]; well inside what a plan can show.
 constexpr double kTimesAssumed = 3.0, kLeastTime_s = 1.0;
 /// Temperatures that change less do not show a lag beside the noise of sensors, some 0.02 degC.
 constexpr double kLeastChange_degC = 0.2;
 
 /// For each reading, when the time began in which the machine was measured without a pause, whatever was read: a pause
-/// is longer than all that was read before it, at least two runs (of fewer, runs with pauses between all of them are
-/// one measurement). In canonical order time goes back with a new clock.
+/// is between runs, and longer than all runs took together. In canonical order time goes back with a new clock.
 Column begin_without_pause_s(const Observations& data) {
-  Column begin_of_s(data.size(), kNotMeasured);
-  double begin_s = 0.0, end_s = 0.0;
-  std::optional<std::tuple<Axis, Sense, int>> before;
-  int runs = 0;
+  struct Run {
+    std::tuple<Axis, Sense, int> number;
+    double begin_s = 0.0, end_s = 0.0;
+  };
+  std::vector<Run> runs;
+  std::vector<std::size_t> run_of(data.size());
   for (std::size_t k = 0; k < data.size(); ++k) {
     const double now_s = data.time_s[k];
-    if (std::isnan(now_s)) continue;
-    const std::tuple run{data.axis[k], data.sense[k], data.run[k]};
-    const bool is_new_run = run != before;
-    const bool is_after_pause = is_new_run && runs >= kFewestRunsOfSession && now_s - end_s > end_s - begin_s;
-    if (!before || now_s < end_s || is_after_pause) {
-      begin_s = now_s;
-      runs = 0;
-    }
-    runs += is_new_run || runs == 0 ? 1 : 0;
-    end_s = now_s;
-    before = run;
-    begin_of_s[k] = begin_s;
+    const std::tuple number{data.axis[k], data.sense[k], data.run[k]};
+    if (!std::isnan(now_s) && (runs.empty() || runs.back().number != number || now_s < runs.back().end_s))
+      runs.push_back({number, now_s, now_s});
+    if (!std::isnan(now_s)) runs.back().end_s = now_s;
+    run_of[k] = runs.size();
   }
+  double all_s = 0.0;
+  for (const Run& run : runs) all_s += run.end_s - run.begin_s;
+  for (std::size_t i = 1; i < runs.size(); ++i) {
+    const double between_s = runs[i].begin_s - runs[i - 1].end_s;
+    if (between_s >= 0.0 && between_s <= all_s) runs[i].begin_s = runs[i - 1].begin_s;
+  }
+  Column begin_of_s(data.size(), kNotMeasured);
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (run_of[k] > 0) begin_of_s[k] = runs[run_of[k] - 1].begin_s;
   return begin_of_s;
 }
 

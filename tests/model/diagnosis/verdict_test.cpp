@@ -190,6 +190,49 @@ TEST_CASE("a curve of seven targets measured twice is likely, though no half of 
   }
 }
 
+TEST_CASE("a curve of nine targets that no half of them shows is likely, or errors of single targets are the reason") {
+  const Plan few{.step_mm = 60.0, .targets = 9, .runs = 2, .both_ways = false};
+  const auto bends = [](const Reading& r) {
+    constexpr double um[] = {7.3, -7.6, 0.7, 0.6, -4.6, -2.6, 9.5, -0.4, -3.0};
+    return um[std::lround(p(r) / 60.0)];
+  };
+  Model level;
+  level.effects = {effect(effects::offset, Axis::X, Sense::EX)};
+  for (const unsigned seed : {1U, 2U, 3U, 4U, 5U}) {
+    const Diagnosis found = diagnosed(level, measured(few, 0.5, bends, seed));
+    CHECK_MESSAGE((found.verdict == Verdict::likely_effect || contains(found.headline, "errors of single targets")),
+                  found.headline);
+  }
+}
+
+TEST_CASE("a free curve of the model follows a smooth error of nine degrees at thirteen targets") {
+  const auto bends = [](const Reading& r) {
+    double sum = 0.0;
+    for (std::size_t order = 1; order <= 8; ++order) sum += 1.5 * smooth_shape(order, p(r) / 960.0);
+    return sum;
+  };
+  Model bent = straight();
+  bent.effects.push_back(effect(effects::progressive, Axis::X, Sense::EX));
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    const Diagnosis found = diagnosed(bent, measured({.step_mm = 80.0, .targets = 13, .runs = 5}, 0.2, bends, seed));
+    CHECK_MESSAGE(found.verdict == Verdict::adequate, found.headline);
+  }
+}
+
+TEST_CASE("a machine that warms up since the first line explains the drift of a line that was read last") {
+  const auto warming = [](const Reading& r) {
+    return r.sense == Sense::EY ? 300.0 * -std::expm1(-*r.time_s / 2500.0) : 0.0;
+  };
+  Model model{.effects = {effect(effects::offset, Axis::X, Sense::EX), effect(effects::offset, Axis::X, Sense::EY),
+                          effect(effects::warm_up, Axis::X, Sense::EY)}};
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    auto set = measured({.runs = 8}, kNoise_um, warming, seed);
+    measure(set, {.sense = Sense::EY, .targets = 21, .runs = 1}, 0.1, warming, seed + 10);
+    const Diagnosis found = diagnosed(model, set);
+    CHECK_MESSAGE(found.verdict == Verdict::adequate, found.headline);
+  }
+}
+
 TEST_CASE("an angle that acts through one lever is one cause, and a note says that a slope and a curve look the same") {
   Plan off_the_line;
   off_the_line.parked_mm = {0.0, -300.0, -500.0};
