@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "base/moved_targets.hpp"
 #include "model/diagnosis/investigation.hpp"
 #include "model/diagnosis/waves.hpp"
 #include "model/effects/definition.hpp"
@@ -106,6 +107,38 @@ bool follow_one_reversal(const EffectInstance& one, const EffectInstance& other)
          follows_reversal(other.definition());
 }
 
+/// The same effect with these of its columns only. @param space  what is left beside the other effects
+Choice with_columns(const Search& search, const Space& space, Choice whole, const std::vector<Index>& columns) {
+  const Family& family = search.families()[whole.family];
+  whole.cost -= family.ln_readings * static_cast<double>(whole.columns.size() - columns.size());
+  whole.parameters -= whole.columns.size() - columns.size();
+  whole.columns = columns;
+  Space with = space;
+  absorb(with, search.white_columns_of(whole));
+  whole.gain = space.chi2() - with.chi2();
+  return whole;
+}
+
+/// Whether even targets show the most of a wave as fewer than two turns over the travel: that is a bow, and any bow of
+/// these targets is such a wave of a pitch that is hardly changed (docs/physics.md, 5).
+/// @param space  what is left beside the other effects
+bool is_seen_as_bow(const Search& search, const Space& space, const Choice& choice) {
+  constexpr double kFewestTurns = 2.0, kMost = 0.5;
+  const Family& family = search.families()[choice.family];
+  if (!family.effect.traits().periodic || family.effect.rotary || choice.nonlinear >= 2.0 * family.shortest_seen)
+    return false;
+  const auto step_mm = even_step_mm(acting_positions(search.motions(), family.acting, *family.effect.axis));
+  if (!step_mm) return false;
+  const auto is_slow = [&](double harmonic) {
+    const double turns = harmonic * *step_mm / choice.nonlinear;
+    return turns > kMost && std::abs(turns - std::round(turns)) * family.travel / *step_mm < kFewestTurns;
+  };
+  if (is_slow(1.0)) return true;
+  const std::vector<Index> fundamental{0, 1};
+  return choice.columns.size() > fundamental.size() && is_slow(2.0) &&
+         with_columns(search, space, choice, fundamental).gain < kMost * choice.gain;
+}
+
 /// Whether effects may be missing together: one cause occurs once in one place; three free shapes that bend alike
 /// explain anything (what the directions share and what they do not are apart), and so do four drifts of the same
 /// sense, or as many parameters as readings; a size outside its physical range is another cause.
@@ -139,8 +172,10 @@ bool plausible(const Search& search, const std::vector<Choice>& chosen) {
     const auto targets = one.axis ? static_cast<double>(search.targets(*one.axis)) : 0.0;
     if (shapes > 1 && static_cast<double>(functions) > kFreeFunctions + kFunctionsATarget * targets) return false;
   }
-  for (std::size_t i = 0; i < chosen.size(); ++i)
-    if (!search.beats_free_values(search.solution(without_member(chosen, i)).space, chosen[i])) return false;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const Space space = search.solution(without_member(chosen, i)).space;
+    if (!search.beats_free_values(space, chosen[i]) || is_seen_as_bow(search, space, chosen[i])) return false;
+  }
   return search.in_ranges(chosen);
 }
 
@@ -383,18 +418,6 @@ Solution parted(const Search& search, Solution best, const StepwiseOptions& opti
     }
   }
   return best;
-}
-
-/// The same effect with these of its columns only. @param space  what is left beside the other effects
-Choice with_columns(const Search& search, const Space& space, Choice whole, const std::vector<Index>& columns) {
-  const Family& family = search.families()[whole.family];
-  whole.cost -= family.ln_readings * static_cast<double>(whole.columns.size() - columns.size());
-  whole.parameters -= whole.columns.size() - columns.size();
-  whole.columns = columns;
-  Space with = space;
-  absorb(with, search.white_columns_of(whole));
-  whole.gain = space.chi2() - with.chi2();
-  return whole;
 }
 
 /// A wave whose second harmonic was found beside fewer effects may be that harmonic alone: by the information
@@ -701,7 +724,9 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
                         ln_odds(rival, search.families()) > ln_odds(group.member, search.families()) + kSame;
       const bool same_evidence =
           rival.parameters < group.member.parameters && rival.score() >= group.member.score() - kEven;
-      const bool likelier = rival.parameters == group.member.parameters && rival.score() > group.member.score() + kSame;
+      const bool likelier = rival.parameters == group.member.parameters &&
+                            rival.score() > group.member.score() + kSame &&
+                            ln_odds(rival, search.families()) > ln_odds(group.member, search.families()) + kSame;
       if (likelier) {
         std::swap(rival, group.member);
         continue;

@@ -428,3 +428,22 @@ TEST_CASE("at even targets, written to a tenth of a millimetre, a worn zone is n
     }
   }
 }
+
+TEST_CASE(
+    "at even targets on whole pitches a bow and a lost motion are these, not the harmonic of a wave of the pitch") {
+  const auto truth = [](const Reading& r) {
+    const double m = p(r) / 1000.0;
+    return 20.0 * m * m - 8.0 * m * m * m + 2.0 * d(r) * std::sin(6.0 * m);
+  };
+  for (const unsigned seed : {1U, 2U}) {
+    auto set = measured({.sense = Sense::EY, .targets = 21}, kNoise_um, nothing, seed);
+    for (Reading& r : set.readings) {
+      r.position_mm[0] = 25.0 * std::round(r.position_mm[0] / 25.0);
+      r.error += truth(r);
+    }
+    const Diagnosis found = diagnosed(straight(Axis::X, Sense::EY), set);
+    CHECK_MESSAGE(found.verdict == Verdict::missing_effect, found.headline);
+    for (const Candidate& one : found.candidates)
+      CHECK_FALSE_MESSAGE((one.in_answer() && one.effect.traits().periodic), found.headline);
+  }
+}
