@@ -1,6 +1,7 @@
 // Verdicts on noise, on structure that nothing explains, and on models with free parameters.
 #include <numbers>
 
+#include "model/data/curve_basis.hpp"
 #include "tests/model/support/measured_lines.hpp"
 #include "tests/support/test.hpp"
 
