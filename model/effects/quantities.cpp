@@ -215,7 +215,8 @@ constexpr double kTimesAssumed = 3.0, kLeastTime_s = 1.0;
 constexpr double kLeastChange_degC = 0.2;
 
 /// For each reading, when the time began in which the machine was measured without a pause, whatever was read: a pause
-/// is between runs, and longer than all runs took together. In canonical order time goes back with a new clock.
+/// is between runs, and longer than all runs took together, or a session of the line begins after it. In canonical
+/// order time goes back with a new clock.
 Column begin_without_pause_s(const Observations& data) {
   struct Run {
     std::tuple<Axis, Sense, int> number;
@@ -234,8 +235,12 @@ Column begin_without_pause_s(const Observations& data) {
   double all_s = 0.0;
   for (const Run& run : runs) all_s += run.end_s - run.begin_s;
   for (std::size_t i = 1; i < runs.size(); ++i) {
+    const auto [axis, sense, run] = runs[i].number;
+    const auto starts = data.sessions.find({axis, sense});
+    const bool begins_session =
+        starts != data.sessions.end() && std::ranges::find(starts->second, run) != starts->second.end();
     const double between_s = runs[i].begin_s - runs[i - 1].end_s;
-    if (between_s >= 0.0 && between_s <= all_s) runs[i].begin_s = runs[i - 1].begin_s;
+    if (!begins_session && between_s >= 0.0 && between_s <= all_s) runs[i].begin_s = runs[i - 1].begin_s;
   }
   Column begin_of_s(data.size(), kNotMeasured);
   for (std::size_t k = 0; k < data.size(); ++k)
