@@ -712,7 +712,7 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
       else if (other.score() >= entry_score && group.weaker.size() < kMostWeaker)
         group.weaker.push_back(other);
     }
-    // the more probable one; of equals the one with fewer parameters, then the first in the library, but the zero of a
+    // of equals the one with fewer parameters, then of equally likely ones the first in the library, but the zero of a
     // session where it is more probable; a rotation that stands for slopes of both senses stays, and so does its rest
     for (Choice& rival : group.rivals) {
       const bool is_part = std::ranges::any_of(rest.chosen, [&](const Choice& other) {
@@ -724,13 +724,6 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
                         ln_odds(rival, search.families()) > ln_odds(group.member, search.families()) + kSame;
       const bool same_evidence =
           rival.parameters < group.member.parameters && rival.score() >= group.member.score() - kEven;
-      const bool likelier = rival.parameters == group.member.parameters &&
-                            rival.score() > group.member.score() + kSame &&
-                            ln_odds(rival, search.families()) > ln_odds(group.member, search.families()) + kSame;
-      if (likelier) {
-        std::swap(rival, group.member);
-        continue;
-      }
       if (!zero && std::abs(rival.gain - group.member.gain) > kSame && !same_evidence) continue;
       const bool simpler = rival.parameters < group.member.parameters ||
                            (rival.parameters == group.member.parameters && rival.family < group.member.family &&
