@@ -123,7 +123,7 @@ Choice with_columns(const Search& search, const Space& space, Choice whole, cons
 /// these targets is such a wave of a pitch that is hardly changed (docs/physics.md, 5).
 /// @param space  what is left beside the other effects
 bool is_seen_as_bow(const Search& search, const Space& space, const Choice& choice) {
-  constexpr double kFewestTurns = 2.0, kMost = 0.5;
+  constexpr double kFewestTurns = 2.0, kShownTurns = 0.5, kMostOfGain = 0.5;
   const Family& family = search.families()[choice.family];
   if (!family.effect.traits().periodic || family.effect.rotary || choice.nonlinear >= 2.0 * family.shortest_seen)
     return false;
@@ -131,12 +131,12 @@ bool is_seen_as_bow(const Search& search, const Space& space, const Choice& choi
   if (!step_mm) return false;
   const auto is_slow = [&](double harmonic) {
     const double turns = harmonic * *step_mm / choice.nonlinear;
-    return turns > kMost && std::abs(turns - std::round(turns)) * family.travel / *step_mm < kFewestTurns;
+    return turns > kShownTurns && std::abs(turns - std::round(turns)) * family.travel / *step_mm < kFewestTurns;
   };
   if (is_slow(1.0)) return true;
   const std::vector<Index> fundamental{0, 1};
   return choice.columns.size() > fundamental.size() && is_slow(2.0) &&
-         with_columns(search, space, choice, fundamental).gain < kMost * choice.gain;
+         with_columns(search, space, choice, fundamental).gain < kMostOfGain * choice.gain;
 }
 
 /// Whether effects may be missing together: one cause occurs once in one place; three free shapes that bend alike
