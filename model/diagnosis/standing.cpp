@@ -468,11 +468,14 @@ bool deny_errors_of_points(const ReportInput& in, std::vector<Standing>& standin
   return !denied.empty();
 }
 
-/// Whether effects that leave nothing act on this line by the same factor more than on the others, as an angular error
-/// does by the ratio of their distances from the axis. With another ratio, the factor of the readings would be chance.
-bool causes_factor(const ReportInput& in, const ScaledLine& line) {
+/// Whether effects that leave nothing explain the factor between this line and the others: the others differ too, by
+/// more than noise, or an effect acts on this line by that factor more than on the others, as an angular error does by
+/// the ratio of their distances from the axis. With another ratio, the factor of the readings would be chance.
+bool explain_factor(const ReportInput& in, const ScaledLine& line) {
   constexpr double kSameFactor = 0.05;
   const Observations& data = in.regressors.data();
+  if (line.others > 1 && line.others_differ_um > kAsTheOthers * in.found.noise.sigma_by_row(data.size())[line.first])
+    return true;
   for (const Group& group : in.found.groups) {
     const Choice& choice = group.member;
     const Eigen::MatrixXd columns = columns_on(in.regressors, in.found.families[choice.family].effect, choice).of;
@@ -543,7 +546,7 @@ Result<Answer> answer_of(const ReportInput& in) {
   Answer answer{verdict_of(in, standings, noise), {}, "", ""};
   if (answer.verdict != Verdict::adequate)
     if (const auto scaled = scaled_line(in.regressors.data());
-        scaled && !(answer.verdict == Verdict::missing_effect && causes_factor(in, *scaled))) {
+        scaled && !(noise && found_any(standings) && explain_factor(in, *scaled))) {
       answer.other_unit = words_for(*scaled, in.regressors.data());
       answer.verdict = Verdict::unexplained_structure;
       std::ranges::fill(standings, Standing::possible);

@@ -279,6 +279,8 @@ class Search {
 inline constexpr double kAbsorbed = 1e-8;
 /// The same in the single precision of the screening (2⁻²⁴ = 6e-8 for one product, summed over the readings).
 inline constexpr double kAbsorbedScreening = 1e-5;
+/// The same for the functions of a curve, each taken off all later ones: their errors multiply.
+inline constexpr double kAbsorbedCurveScreening = 1e-3;
 
 /// The same for periods: a wave that the targets see as (nearly) what is absorbed already has any amplitude.
 /// A choice: a fiftieth of the square makes amplitudes sevenfold uncertain.

@@ -30,6 +30,10 @@ using Eigen::VectorXd;
 /// Functions of a curve beyond its leading ones, at least: fewer are a line and a bow, which have effects of their own.
 constexpr std::size_t kFewestCurveFunctions = 4;
 
+double absorbed_in_screening(const Family& family) {
+  return family.effect.traits().is_curve ? kAbsorbedCurveScreening : kAbsorbedScreening;
+}
+
 /// Sets of at most this many columns are worked on without an allocation: a wave with its harmonic has four.
 constexpr int kFewColumns = 6;
 
@@ -200,8 +204,8 @@ std::vector<Choice> Search::scores_of(std::size_t f, const View& seen, std::size
     }
     Gain gain;
     if (!family.effect.traits().fixed_size)
-      gain = best_gain(family, bank.variants, gram, z.segment(item.start, item.count), original, kAbsorbedScreening,
-                       item.price);
+      gain = best_gain(family, bank.variants, gram, z.segment(item.start, item.count), original,
+                       absorbed_in_screening(family), item.price);
     else if (gram(0, 0) > kAbsorbedScreening * original(0))
       gain = {2.0 * z(item.start) - gram(0, 0), item.price.of(0), 0, 0};
     if (gain.gain > 0.0) list.push_back({gain, i});
@@ -381,7 +385,7 @@ void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, dou
     for (const auto& variant : variants) allowed[variant.size()] = true;
     variants = {variants.back()};
   }
-  const double absorbed = family.effect.traits().periodic ? kAbsorbedPeriod : kAbsorbedScreening;
+  const double absorbed = family.effect.traits().periodic ? kAbsorbedPeriod : absorbed_in_screening(family);
   for (const std::vector<Index>& variant : variants) {
     const auto k = static_cast<Index>(variant.size());
     if (variant.back() >= item.count) continue;

@@ -168,7 +168,8 @@ bool needs_line(const EffectInstance& effect) {
 bool seen_by_line(const Observations& all, const EffectInstance& effect, bool few_lengths) {
   if (!needs_line(effect) && !(few_lengths && effect.traits().shape_of_position)) return true;
   for (std::size_t k = 0; k < all.size(); ++k)
-    if (!all.on_path(k) && all.sense[k] == effect.sense && all.axis[k] == effect.axis && all.approach[k] != 0)
+    if (!all.on_path(k) && (!effect.sense || all.sense[k] == effect.sense) && all.axis[k] == effect.axis &&
+        all.approach[k] != 0)
       return true;
   return false;
 }
