@@ -208,6 +208,8 @@ class Search {
   [[nodiscard]] Eigen::MatrixXd white_of(std::size_t family, const Eigen::MatrixXd& shapes) const;
   /// Sums of values of motions over the nodes of a family.
   [[nodiscard]] Eigen::MatrixXd gathered(std::size_t family, const Eigen::MatrixXd& rows) const;
+  /// As kAbsorbed; the products of a curve's functions that depend on more than the place are in double precision.
+  [[nodiscard]] double absorbed_in_screening(std::size_t family) const;
   [[nodiscard]] bool has_places(std::size_t family) const {
     return !banks_[family].shapes->place_mm.empty() && banks_[banks_[family].like].weight.size() > 0;
   }
@@ -279,8 +281,6 @@ class Search {
 inline constexpr double kAbsorbed = 1e-8;
 /// The same in the single precision of the screening (2⁻²⁴ = 6e-8 for one product, summed over the readings).
 inline constexpr double kAbsorbedScreening = 1e-5;
-/// The same for the functions of a curve, each taken off all later ones: their errors multiply.
-inline constexpr double kAbsorbedCurveScreening = 1e-3;
 
 /// The same for periods: a wave that the targets see as (nearly) what is absorbed already has any amplitude.
 /// A choice: a fiftieth of the square makes amplitudes sevenfold uncertain.

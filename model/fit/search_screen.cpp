@@ -30,10 +30,6 @@ using Eigen::VectorXd;
 /// Functions of a curve beyond its leading ones, at least: fewer are a line and a bow, which have effects of their own.
 constexpr std::size_t kFewestCurveFunctions = 4;
 
-double absorbed_in_screening(const Family& family) {
-  return family.effect.traits().is_curve ? kAbsorbedCurveScreening : kAbsorbedScreening;
-}
-
 /// Sets of at most this many columns are worked on without an allocation: a wave with its harmonic has four.
 constexpr int kFewColumns = 6;
 
@@ -46,13 +42,20 @@ struct Step {
   bool adds = false;     ///< anything is left of this column
 };
 
+/// Least square that is left of a column for it to count. Whatever is taken off it has errors of its own, which grow
+/// from column to column where they nearly depend on one another, as high polynomials at even targets do (Runge 1901).
+/// @param error  of this column, in units of the precision
+double least_square(double absorbed, double original, double error) {
+  return std::max(absorbed * original, std::min(absorbed, kAbsorbedScreening) * error * error);
+}
+
 /// Cholesky column by column in this order, from products; columns that add nothing gain nothing.
 template <int kMost, class Each>
 void for_each_step(const Ref<const MatrixXd>& gram, const Ref<const VectorXd>& z, const std::vector<Index>& order,
                    const Ref<const VectorXd>& original, double absorbed, Each each) {
   const auto k = static_cast<Index>(order.size());
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost> l(k, k);
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1> u(k);
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1> u(k), error(k);
   l.setZero();
   u.setZero();
   Step step;
@@ -60,14 +63,16 @@ void for_each_step(const Ref<const MatrixXd>& gram, const Ref<const VectorXd>& z
     const Index column = order[static_cast<std::size_t>(i)];
     step.square = gram(column, column);
     step.right = z(column);
+    error(i) = std::sqrt(std::max(original(column), 0.0));
     for (Index j = 0; j < i; ++j) {
       double v = gram(column, order[static_cast<std::size_t>(j)]);
       for (Index m = 0; m < j; ++m) v -= l(i, m) * l(j, m);
       l(i, j) = l(j, j) > 0.0 ? v / l(j, j) : 0.0;
       step.square -= l(i, j) * l(i, j);
       step.right -= l(i, j) * u(j);
+      if (l(j, j) > 0.0) error(i) += std::abs(l(i, j)) / l(j, j) * error(j);
     }
-    step.adds = step.square > absorbed * original(column) && step.square > 0.0;
+    step.adds = step.square > least_square(absorbed, original(column), error(i)) && step.square > 0.0;
     if (step.adds) {
       l(i, i) = std::sqrt(step.square);
       u(i) = step.right / l(i, i);
@@ -205,7 +210,7 @@ std::vector<Choice> Search::scores_of(std::size_t f, const View& seen, std::size
     Gain gain;
     if (!family.effect.traits().fixed_size)
       gain = best_gain(family, bank.variants, gram, z.segment(item.start, item.count), original,
-                       absorbed_in_screening(family), item.price);
+                       absorbed_in_screening(f), item.price);
     else if (gram(0, 0) > kAbsorbedScreening * original(0))
       gain = {2.0 * z(item.start) - gram(0, 0), item.price.of(0), 0, 0};
     if (gain.gain > 0.0) list.push_back({gain, i});
@@ -365,6 +370,10 @@ std::vector<std::pair<Choice, Choice>> Search::pairs_of(const Space& space, std:
   return pairs;
 }
 
+double Search::absorbed_in_screening(std::size_t f) const {
+  return families_[f].effect.traits().is_curve && !has_places(f) ? kAbsorbed : kAbsorbedScreening;
+}
+
 void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, double dearer,
                       std::vector<double>& top) const {
   const Family& family = families_[item.family];
@@ -385,7 +394,7 @@ void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, dou
     for (const auto& variant : variants) allowed[variant.size()] = true;
     variants = {variants.back()};
   }
-  const double absorbed = family.effect.traits().periodic ? kAbsorbedPeriod : absorbed_in_screening(family);
+  const double absorbed = family.effect.traits().periodic ? kAbsorbedPeriod : absorbed_in_screening(item.family);
   for (const std::vector<Index>& variant : variants) {
     const auto k = static_cast<Index>(variant.size());
     if (variant.back() >= item.count) continue;
@@ -396,15 +405,18 @@ void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, dou
         g(i, j) = gram(variant[static_cast<std::size_t>(i)], variant[static_cast<std::size_t>(j)]);
     }
     Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(z.cols());
+    VectorXd error(k);
+    for (Index i = 0; i < k; ++i) error(i) = std::sqrt(std::max(original(variant[static_cast<std::size_t>(i)]), 0.0));
     std::size_t free = 0;
     for (Index i = 0; i < k; ++i) {  // Gram-Schmidt on the products
       const double square = g(i, i);
-      if (square > absorbed * original(variant[static_cast<std::size_t>(i)]) && square > 0.0) {
+      if (square > least_square(absorbed, original(variant[static_cast<std::size_t>(i)]), error(i)) && square > 0.0) {
         ++free;
         sum += right.row(i).cwiseAbs2() / square;
         for (Index j = i + 1; j < k; ++j) {
           const double share = g(j, i) / square;
           right.row(j) -= share * right.row(i);
+          error(j) += std::abs(share) * error(i);
           for (Index m = j; m < k; ++m) g(m, j) -= share * g(m, i);
         }
       }
