@@ -621,9 +621,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
   const bool structure = diagnosis.verdict == Verdict::unexplained_structure ||
                          diagnosis.verdict == Verdict::partly_explained ||
                          (diagnosis.verdict == Verdict::likely_effect && !noise_left(in.found, in.options));
-  const bool tells_why =
-      structure && !diagnosis.different_run &&
-      (!in.found.solution.chosen.empty() || in.found.noisy || in.found.odd_pass || in.found.wanders || in.found.wave);
+  const bool tells_why = structure && !diagnosis.different_run &&
+                         (!in.found.solution.chosen.empty() || in.found.noisy || in.found.odd_pass ||
+                          in.found.wanders || in.found.wave || !in.found.objection.empty());
   const bool why_in_headline = tells_why && diagnosis.verdict == Verdict::unexplained_structure &&
                                !in.found.objection.empty() &&
                                std::ranges::none_of(diagnosis.candidates, &Candidate::in_answer);

@@ -322,6 +322,9 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       found.after = found.before;
       found.structure_p_after = chance_beside(alone, found.before);
       found.closest = search.expand(alone, kClosest);
+      const auto period_s = period_in_time_s(data, whitener, alone, 0.0);
+      if (period_s && !known_little && is_mostly_wave_in_time(data, *period_s, base.residual, found.left_out))
+        found.objection = objection_by_wave_in_time(*period_s);
     } else {
       const auto judge_all = [&] {
         judge(regressors, base, search, whitener, noise_freedom, found);
@@ -362,6 +365,7 @@ double Found::false_naming(double score) const {
 
 bool noise_left(const Found& found, const DiagnoseOptions& options) {
   if (found.noisy || found.odd_pass || found.step || found.wanders || found.wave) return false;
+  if (found.solution.chosen.empty() && !found.objection.empty()) return false;  // a wave in time
   if (found.cross_validated_share < kLeastCrossValidated) return false;
   return !leaves_structure(found, options);
 }

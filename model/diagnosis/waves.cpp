@@ -433,10 +433,21 @@ double interval_in_passes_s(const Observations& data) {
   return intervals_s.empty() ? 0.0 : upper_median(std::move(intervals_s));
 }
 
+/// Sine and cosine; 0 where the time is not known.
+Eigen::MatrixXd wave_in_time(const Observations& data, double period_s) {
+  Eigen::MatrixXd wave = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(data.size()), 2);
+  for (std::size_t k = 0; k < data.time_s.size(); ++k) {
+    if (std::isnan(data.time_s[k])) continue;
+    const double angle = 2.0 * std::numbers::pi * data.time_s[k] / period_s;
+    wave.row(static_cast<Eigen::Index>(k)) << std::sin(angle), std::cos(angle);
+  }
+  return wave;
+}
+
 }  // namespace
 
-std::string objection_by_wave_in_time(const Observations& data, const Whitener& whitener, const Space& alone,
-                                      double score) {
+std::optional<double> period_in_time_s(const Observations& data, const Whitener& whitener, const Space& alone,
+                                       double score) {
   constexpr double kTurbulence_s = 60.0;  // what is faster is noise
   constexpr double kFarMore = 100.0;
   double session_s = 0.0, readings = 0.0;
@@ -448,17 +459,11 @@ std::string objection_by_wave_in_time(const Observations& data, const Whitener& 
   // If clocks restart, the runs have times in common. A wave that no single pass resolves is not reported.
   const double shortest_s = std::max(kTurbulence_s, 2.0 * interval_in_passes_s(data));
   const double highest = std::min(readings / kTargetsATurn, session_s / shortest_s);
-  if (highest < kFewestTurnsOfWave) return "";
+  if (highest < kFewestTurnsOfWave) return std::nullopt;
   double most = 0.0, period_s = 0.0;
-  Eigen::MatrixXd wave = Eigen::MatrixXd::Zero(alone.y.size(), 2);
   for (int step = 0; kFewestTurnsOfWave + step / kStepsATurn <= highest; ++step) {
     const double period = session_s / (kFewestTurnsOfWave + step / kStepsATurn);
-    for (std::size_t k = 0; k < data.size(); ++k) {
-      if (std::isnan(data.time_s[k])) continue;
-      const double angle = 2.0 * std::numbers::pi * data.time_s[k] / period;
-      wave.row(static_cast<Eigen::Index>(k)) << std::sin(angle), std::cos(angle);
-    }
-    const Eigen::MatrixXd beyond = without(alone.q, whitener(wave));
+    const Eigen::MatrixXd beyond = without(alone.q, whitener(wave_in_time(data, period)));
     const Eigen::VectorXd products = beyond.transpose() * alone.y;
     const double gain = (products.transpose() * solved_symmetric(beyond.transpose() * beyond, products)).value();
     if (gain <= most) continue;
@@ -466,11 +471,26 @@ std::string objection_by_wave_in_time(const Observations& data, const Whitener& 
     period_s = period;
   }
   const double price = 2.0 * std::log(readings) + 2.0 * std::log(std::max(1.0, highest - kFewestTurnsOfWave));
-  if (most - price < score + 2.0 * std::log(kFarMore)) return "";
+  return most - price < score + 2.0 * std::log(kFarMore) ? std::nullopt : std::optional(period_s);
+}
+
+std::string objection_by_wave_in_time(double period_s) {
   return fmt::format(
       "a wave in time with a period of {:.2g} min explains the readings better than all effects together. Look for a "
       "cause outside the machine with this period (cooling, air conditioning)",
       period_s / 60.0);
+}
+
+bool is_mostly_wave_in_time(const Observations& data, double period_s, Eigen::VectorXd residual,
+                            const std::vector<bool>& left_out) {
+  constexpr double kMost = 0.5;
+  Eigen::MatrixXd columns = beside(Eigen::MatrixXd::Ones(residual.size(), 1), wave_in_time(data, period_s));
+  for (std::size_t k = 0; k < left_out.size(); ++k) {
+    if (!left_out[k]) continue;
+    columns.row(static_cast<Eigen::Index>(k)).setZero();
+    residual(static_cast<Eigen::Index>(k)) = 0.0;
+  }
+  return least_squares(columns, residual).squares_left < kMost * residual.squaredNorm();
 }
 
 }  // namespace ecs::model

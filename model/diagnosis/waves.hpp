@@ -110,10 +110,16 @@ struct FreeWave {
 [[nodiscard]] std::optional<FreeWave> free_wave(const Observations& data, const Eigen::VectorXd& residual,
                                                 const std::vector<bool>& left_out);
 
-/// Why a wave in time of more than a minute is likelier than all effects found together, by a hundredfold, as the end
-/// of a sentence; else "".
+/// Period of a wave in time of more than a minute that is likelier than all effects found together, by a hundredfold
+/// [s].
 /// @param alone  with the model absorbed and nothing found  @param score  of the effects together beyond it
-[[nodiscard]] std::string objection_by_wave_in_time(const Observations& data, const Whitener& whitener,
-                                                    const Space& alone, double score);
+[[nodiscard]] std::optional<double> period_in_time_s(const Observations& data, const Whitener& whitener,
+                                                     const Space& alone, double score);
+/// Why no effect is a cause then, as the end of a sentence.
+[[nodiscard]] std::string objection_by_wave_in_time(double period_s);
+/// Whether such a wave explains more than half of the mean square of what the model leaves: turbulence has no period.
+/// @param residual  um or um/m  @param left_out  outliers, not counted
+[[nodiscard]] bool is_mostly_wave_in_time(const Observations& data, double period_s, Eigen::VectorXd residual,
+                                          const std::vector<bool>& left_out);
 
 }  // namespace ecs::model

@@ -467,9 +467,10 @@ void judge(const Regressors& regressors, const Base& base, const Search& search,
   };
   if (!found.bad_run && !found.objection.empty()) deny_waves_and_jumps([](std::size_t) { return true; });
   if (found.objection.empty()) {
-    found.objection = objection_by_wave_in_time(data, whitener, search.alone().space, found.solution.score());
-    if (!found.objection.empty())
+    if (const auto period_s = period_in_time_s(data, whitener, search.alone().space, found.solution.score())) {
+      found.objection = objection_by_wave_in_time(*period_s);
       for (Group& group : found.groups) group.denied = true;
+    }
   }
   for (std::size_t i = 0; i < chosen.size() && found.objection.empty(); ++i) {
     found.objection = objection_to_smoothness(regressors, whitener, found.solution.space,

@@ -62,7 +62,8 @@ struct SaidOfBest {
   SaidOfBest(const char* candidate, const Truth& truth, unsigned seed) {
     const Searching of(measured({}, kSigma_um, truth, seed), kSigma_um, candidates_named({candidate}));
     const Solution solution = of.search.refined({of.search.expand(of.search.base()).at(0)});
-    in_time = objection_by_wave_in_time(of.data, of.whitener, of.search.base(), solution.score());
+    const auto period_s = period_in_time_s(of.data, of.whitener, of.search.base(), solution.score());
+    if (period_s) in_time = objection_by_wave_in_time(*period_s);
     smooth = objection_to_smoothness(of.regressors, of.whitener, solution.space, of.search.families()[0],
                                      solution.chosen.front(), 160.0);
   }
@@ -266,7 +267,7 @@ TEST_CASE("runs whose clocks restart show no wave in time that none of them reso
     r.error = 2.0 * std::sin(2.0 * std::numbers::pi * *r.time_s / 100.0);
   }
   const Searching of(set, kSigma_um, {});
-  CHECK(objection_by_wave_in_time(of.data, of.whitener, of.search.base(), 0.0).empty());
+  CHECK_FALSE(period_in_time_s(of.data, of.whitener, of.search.base(), 0.0));
 }
 
 TEST_CASE("no wave in time is likelier than an effect that is there") {
