@@ -440,3 +440,18 @@ TEST_CASE("an angle alone that acts twice as much on the farther line is named")
   CHECK(count_named(found) == 1);
   CHECK(stands_for(found.candidates.front(), "angular:X:EBX"));
 }
+
+TEST_CASE("an angle is named on lines of which one is twice as far as the median of the others, which differ too") {
+  std::mt19937_64 random(4);
+  NormalDraws noise(0.0, kNoise_um);
+  laser::MeasurementSet set = measured({.targets = 17, .runs = 6}, kNoise_um, nothing, 4);
+  for (Reading& r : set.readings) {
+    r.position_mm[2] = r.run > 4 ? 400.0 : r.run > 2 ? 300.0 : 100.0;
+    r.error = 0.02 * r.position_mm[2] * std::sin(p(r) / 170.0) + noise(random);
+  }
+  REQUIRE(must(scaled_line(observations_of(set, straight(), mill()))).factor == 2.0);
+  const Diagnosis found = diagnosed(straight(), set);
+  CAPTURE(found.headline);
+  CHECK(found.verdict == Verdict::missing_effect);
+  CHECK(stands_for(found.candidates.front(), "angular:X:EBX"));
+}

@@ -190,3 +190,14 @@ TEST_CASE("readings of diagonals alone let no line be planned, and it says so") 
   CHECK(next.proposals.empty());
   CHECK(contains(only(next.notes), "measure a line along each axis"));
 }
+
+TEST_CASE("an angle that lines show is a candidate beside a single diagonal too") {
+  laser::MeasurementSet lines;
+  for (const double z : {0.0, 300.0}) measure(lines, {.parked_mm = {0.0, 0.0, z}}, 0.3, nothing);
+  laser::MeasurementSet set = made_diagonals([](const PathPlace&) { return Vector3{}; }, 0.3);
+  set.readings.resize(66);  // of three runs both ways
+  set.readings.insert(set.readings.end(), lines.readings.begin(), lines.readings.end());
+  const auto candidates = candidate_instances(observations_of(set, Model{}, mill()));
+  CHECK(std::ranges::find(candidates, "angular:X:EBX", [](const auto& one) { return to_text(one); }) !=
+        candidates.end());
+}

@@ -404,3 +404,11 @@ TEST_CASE("outliers neither make a free wave nor hide one") {
   }
   CHECK(must(free_wave(of.data, residual, left_out)).period == Approx(62.5).epsilon(0.03));
 }
+
+TEST_CASE("a wave in time that is most of the residual is no noise, although repeats show it as turbulence") {
+  const Diagnosis found = diagnosed(straight(), measured({.runs = 5}, 0.6, [](const Reading& r) {
+                                      return 2.9 * std::sin(2.0 * std::numbers::pi * *r.time_s / 370.0);
+                                    }));
+  CHECK(found.verdict == Verdict::unexplained_structure);
+  CHECK(contains(found.headline, "a wave in time with a period of 6"));
+}

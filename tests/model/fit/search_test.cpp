@@ -115,6 +115,24 @@ TEST_CASE("the score of noise on one effect is the square of one normal deviate 
   CHECK(mean == Approx(1.0 - std::log(246.0)).epsilon(0.03));  // the mean of χ² of one degree is 1
 }
 
+TEST_CASE("noise gains no more by an angle of which a function with many others makes up the zero of the line") {
+  // the lever is the position itself: an angle proportional to its inverse is a constant error
+  params::Machine machine = mill();
+  machine.configuration = "XYZT";
+  const auto set =
+      measured({.axis = Axis::Y, .sense = Sense::EX, .from_mm = 90.0, .step_mm = 8.5, .targets = 24, .runs = 4},
+               kSigma_um, nothing);
+  const Observations data = observations_of(set, Model{}, machine);
+  const Regressors regressors(data);
+  const Whitener whitener(data, plain_noise(data, kSigma_um), std::vector<bool>(data.size(), false));
+  const MatrixXd zero = MatrixXd::Ones(192, 1);
+  const Search search(regressors, whitener, zero, Eigen::VectorXd::Zero(192), candidates_named({"angular:Y:ECY"}));
+  REQUIRE(search.candidates() == 1);
+  MatrixXd replicates = ecs::test::normal_matrix(192, 200, 5);
+  replicates -= search.base().q * (search.base().q.transpose() * replicates);
+  for (const double score : search.best_scores(replicates.cast<float>())) CHECK(score < 20.0);
+}
+
 TEST_CASE("periods are tried at the pitch of the screw, its parts and its multiples") {
   const Searching of(measured_line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}));
   const std::vector<double>& facts = only(of.search.families()).facts;
