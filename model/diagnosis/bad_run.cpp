@@ -353,15 +353,15 @@ GroupBesideOthers beside_others(const Places<Place>& places, int group) {
 
 struct ScaledGroup {
   int group = 0;
-  double factor = 1.0, others_differ = 0.0;
+  double factor = 1.0, left = 0.0;
 };
 /// The group, if any, that repeats the others as well as these each other once it is divided by a factor between units
 /// or by -1, and that lies at least twice as far from them if only its zero may change.
 template <class Place>
 std::optional<ScaledGroup> scaled_group(const Places<Place>& places, const std::set<int>& groups) {
-  /// A zero alone explains less where it leaves this much more; and the others must show an error larger than what is
-  /// left by this, or a run divided by 1000 is as good as 0.
-  constexpr double kBetterThanZero = 2.0, kShown = 3.0;
+  /// As the others among themselves, with room for chance; a zero alone explains less where it leaves this much more;
+  /// and the others must show an error larger than what is left by this, or a run divided by 1000 is as good as 0.
+  constexpr double kAsTheOthers = 1.6, kBetterThanZero = 2.0, kShown = 3.0;
   std::optional<ScaledGroup> best;
   double least = 1.0 / kBetterThanZero;
   for (const int group : groups) {
@@ -374,13 +374,13 @@ std::optional<ScaledGroup> scaled_group(const Places<Place>& places, const std::
       return of;
     };
     const double of_zero = spread(deviations(1.0, upper_median(deviations(1.0, 0.0))));
-    const double among_others = spread(beside.among_others);
-    const double usual = std::min(std::max(kAsTheOthers * among_others, kLeastDivisor), spread(beside.others) / kShown);
+    const double usual =
+        std::min(std::max(kAsTheOthers * spread(beside.among_others), kLeastDivisor), spread(beside.others) / kShown);
     const auto consider = [&](double factor) {
       const double left = spread(deviations(factor, 0.0));
       if (left > usual || left >= least * of_zero) return;
       least = left / of_zero;
-      best = {group, factor, among_others};
+      best = {group, factor, left * std::abs(factor)};
     };
     consider(-1.0);
     for (const double factor : kUnitFactors) consider(factor);
@@ -432,12 +432,16 @@ std::optional<ScaledLine> scaled_line(const Observations& data) {
   }
   const auto scaled = scaled_group(places, groups);
   if (!scaled) return std::nullopt;
-  ScaledLine found{static_cast<std::size_t>(scaled->group), 0, scaled->factor, scaled->others_differ};
+  ScaledLine found{static_cast<std::size_t>(scaled->group), 0, scaled->factor, scaled->left};
   for (const auto& [line, first] : first_of)
     if (first != found.first && data.channel(first) == data.channel(found.first) &&
         data.axis[first] == data.axis[found.first])
       ++found.others;
   return found;
+}
+
+bool is_on(const Observations& data, const ScaledLine& line, std::size_t k) {
+  return line_of(data, k) == line_of(data, line.first);
 }
 
 std::vector<std::pair<std::size_t, std::size_t>> same_targets(const Observations& data, const ScaledLine& line) {

@@ -80,20 +80,18 @@ struct ScaledRun {
 /// "The readings of run 3 are 0.001 times those of the other runs, as in mm instead of um"
 [[nodiscard]] std::string words_for(const ScaledRun& run, std::string_view unit);
 
-/// Readings agree as others do among themselves, or as noise does, up to this many times their scatter: room for
-/// chance.
-inline constexpr double kAsTheOthers = 1.6;
-
 /// A line in another unit than the others of its quantity along its axis, or with the wrong sign.
 struct ScaledLine {
-  std::size_t first = 0;          ///< row of its first reading
-  std::size_t others = 1;         ///< lines that it is compared with; with one, either may be the wrong one
-  double factor = 1.0;            ///< its readings are this multiple of the others: -1 or of kUnitFactors
-  double others_differ_um = 0.0;  ///< scatter of the others at the same targets about their medians, um or um/m
+  std::size_t first = 0;   ///< row of its first reading
+  std::size_t others = 1;  ///< lines that it is compared with; with one, either may be the wrong one
+  double factor = 1.0;     ///< its readings are this multiple of the others: -1 or of kUnitFactors
+  double left_um = 0.0;    ///< scatter of its readings about this multiple of the others, um or um/m
 };
 /// The same as scaled_run of a line among those that share its targets. Such a line looks like an angular error that
 /// acts through the distance between the lines. Nothing for rotary axes and paths.
 [[nodiscard]] std::optional<ScaledLine> scaled_line(const Observations& data);
+/// Whether a reading belongs to it.
+[[nodiscard]] bool is_on(const Observations& data, const ScaledLine& line, std::size_t k);
 /// Pairs of rows at the same target and approach: one of this line, one of another.
 [[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> same_targets(const Observations& data,
                                                                             const ScaledLine& line);

@@ -600,8 +600,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.where = dependences(data, before, noise, in.found.beyond_position);
   const bool of_run = in.found.bad_run || in.found.odd_pass || in.found.noisy || in.found.step;
   const std::optional<ScaledRun> scaled =
-      of_run || !in.found.run_note.empty() || verdict == Verdict::unexplained_structure ? scaled_run(data)
-                                                                                        : std::nullopt;
+      of_run || !in.found.run_note.empty() || (verdict == Verdict::unexplained_structure && !is_wave_in_time(in.found))
+          ? scaled_run(data)
+          : std::nullopt;
   if (of_run || scaled) put_run_first(diagnosis.where, data, in.found, scaled, in.base.residual, kTellingChance);
   if (motions) put_motions_first(diagnosis.where, *motions);
   diagnosis.different_run = different_run(in.found, scaled, diagnosis, data, in.base.residual);

@@ -322,8 +322,8 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       found.after = found.before;
       found.structure_p_after = chance_beside(alone, found.before);
       found.closest = search.expand(alone, kClosest);
-      const auto period_s = period_in_time_s(data, whitener, alone, 0.0);
-      if (period_s && !known_little && is_mostly_wave_in_time(data, *period_s, base.residual, found.left_out))
+      const auto period_s = known_little ? std::nullopt : period_in_time_s(data, whitener, alone, 0.0);
+      if (period_s && is_mostly_wave_in_time(data, *period_s, base.residual, found.left_out))
         found.objection = objection_by_wave_in_time(*period_s);
     } else {
       const auto judge_all = [&] {
@@ -363,9 +363,11 @@ double Found::false_naming(double score) const {
   return stands_out ? chance_of_closest.value_or(1.0) : tail_probability(replicate_scores, score);
 }
 
+bool is_wave_in_time(const Found& found) { return found.solution.chosen.empty() && !found.objection.empty(); }
+
 bool noise_left(const Found& found, const DiagnoseOptions& options) {
   if (found.noisy || found.odd_pass || found.step || found.wanders || found.wave) return false;
-  if (found.solution.chosen.empty() && !found.objection.empty()) return false;  // a wave in time
+  if (is_wave_in_time(found)) return false;
   if (found.cross_validated_share < kLeastCrossValidated) return false;
   return !leaves_structure(found, options);
 }

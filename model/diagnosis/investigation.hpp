@@ -115,6 +115,9 @@ inline constexpr int kMostRounds = 2;
 [[nodiscard]] Found searched(const Model& model, const Regressors& regressors, const Base& base,
                              const std::vector<EffectInstance>& candidates, const DiagnoseOptions& options);
 
+/// Whether nothing is found but a wave in time; the objection says so.
+[[nodiscard]] bool is_wave_in_time(const Found& found);
+
 /// Whether the effects found leave nothing but noise.
 [[nodiscard]] bool noise_left(const Found& found, const DiagnoseOptions& options);
 /// Whether what they leave depends on a variable beyond chance.

@@ -468,25 +468,38 @@ bool deny_errors_of_points(const ReportInput& in, std::vector<Standing>& standin
   return !denied.empty();
 }
 
-/// Whether effects that leave nothing explain the factor between this line and the others: the others differ too, by
-/// more than noise, or an effect acts on this line by that factor more than on the others, as an angular error does by
-/// the ratio of their distances from the axis. With another ratio, the factor of the readings would be chance.
-bool explain_factor(const ReportInput& in, const ScaledLine& line) {
-  constexpr double kSameFactor = 0.05;
+/// Whether the effects of the answer explain the factor between this line and the others: fitted to the others alone,
+/// they predict it as well as that multiple of the others does, or to within noise; or one of them acts on this line by
+/// that factor more than on the others, as an angular error does by the ratio of their distances from the axis. With
+/// another ratio, the factor of the readings would be chance.
+bool explain_factor(const ReportInput& in, const std::vector<Standing>& standings, const ScaledLine& line) {
+  constexpr double kSameFactor = 0.05, kWithinNoise = 1.6;
   const Observations& data = in.regressors.data();
-  if (line.others > 1 && line.others_differ_um > kAsTheOthers * in.found.noise.sigma_by_row(data.size())[line.first])
-    return true;
-  for (const Group& group : in.found.groups) {
-    const Choice& choice = group.member;
-    const Eigen::MatrixXd columns = columns_on(in.regressors, in.found.families[choice.family].effect, choice).of;
+  LinearProblem all = in.problem;
+  for (std::size_t g = 0; g < standings.size(); ++g) {
+    if (standings[g] == Standing::possible) continue;
+    const Choice& choice = in.found.groups[g].member;
+    const Columns of = columns_on(in.regressors, in.found.families[choice.family].effect, choice);
+    all = joined_with(all, of);
     double products = 0.0, squares = 0.0;
     for (const auto& [a, b] : same_targets(data, line)) {
-      products += columns.row(static_cast<Eigen::Index>(a)).dot(columns.row(static_cast<Eigen::Index>(b)));
-      squares += columns.row(static_cast<Eigen::Index>(b)).squaredNorm();
+      products += of.of.row(static_cast<Eigen::Index>(a)).dot(of.of.row(static_cast<Eigen::Index>(b)));
+      squares += of.of.row(static_cast<Eigen::Index>(b)).squaredNorm();
     }
     if (squares > 0.0 && std::abs(products / squares / line.factor - 1.0) < kSameFactor) return true;
   }
-  return false;
+  std::vector<bool> without = in.base.core.left_out;
+  double count = 0.0, squares = 0.0;
+  for (std::size_t k = 0; k < data.size(); ++k) without[k] = without[k] || is_on(data, line, k);
+  const Whitener others(data, in.base.core.noise, without);
+  const Eigen::VectorXd left = residual_of(all, others);
+  const std::vector<double> sigma = in.found.noise.sigma_by_row(data.size());
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (!is_on(data, line, k) || in.base.core.left_out[k]) continue;
+    count += 1.0;
+    squares += left(static_cast<Eigen::Index>(k)) * left(static_cast<Eigen::Index>(k));
+  }
+  return squares <= count * std::pow(std::max(line.left_um, kWithinNoise * sigma[line.first]), 2);
 }
 
 }  // namespace
@@ -546,7 +559,8 @@ Result<Answer> answer_of(const ReportInput& in) {
   Answer answer{verdict_of(in, standings, noise), {}, "", ""};
   if (answer.verdict != Verdict::adequate)
     if (const auto scaled = scaled_line(in.regressors.data());
-        scaled && !(noise && found_any(standings) && explain_factor(in, *scaled))) {
+        scaled && !(noise && found_any(standings) && in.found.objection.empty() && !in.found.bad_run &&
+                    explain_factor(in, standings, *scaled))) {
       answer.other_unit = words_for(*scaled, in.regressors.data());
       answer.verdict = Verdict::unexplained_structure;
       std::ranges::fill(standings, Standing::possible);

@@ -9,11 +9,13 @@
 #include <map>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "base/linear/decompositions.hpp"
 #include "base/moved_targets.hpp"
+#include "model/diagnosis/investigation.hpp"
 #include "model/diagnosis/structure.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
@@ -481,16 +483,26 @@ std::string objection_by_wave_in_time(double period_s) {
       period_s / 60.0);
 }
 
-bool is_mostly_wave_in_time(const Observations& data, double period_s, Eigen::VectorXd residual,
+bool is_mostly_wave_in_time(const Observations& data, double period_s, const Eigen::VectorXd& residual,
                             const std::vector<bool>& left_out) {
   constexpr double kMost = 0.5;
-  Eigen::MatrixXd columns = beside(Eigen::MatrixXd::Ones(residual.size(), 1), wave_in_time(data, period_s));
-  for (std::size_t k = 0; k < left_out.size(); ++k) {
-    if (!left_out[k]) continue;
-    columns.row(static_cast<Eigen::Index>(k)).setZero();
-    residual(static_cast<Eigen::Index>(k)) = 0.0;
-  }
-  return least_squares(columns, residual).squares_left < kMost * residual.squaredNorm();
+  std::map<Channel, std::vector<std::size_t>> channels;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!left_out[k]) channels[data.channel(k)].push_back(k);
+  const Eigen::MatrixXd wave = wave_in_time(data, period_s);
+  return std::ranges::any_of(channels, [&](const auto& channel) {
+    const std::vector<std::size_t>& rows = channel.second;
+    if (static_cast<double>(rows.size()) < kManyDegrees) return false;
+    const auto n = static_cast<Eigen::Index>(rows.size());
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Ones(n, 3);
+    Eigen::VectorXd values(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto row = static_cast<Eigen::Index>(rows[static_cast<std::size_t>(i)]);
+      columns.row(i).tail(2) = wave.row(row);
+      values(i) = residual(row);
+    }
+    return least_squares(columns, values).squares_left < kMost * values.squaredNorm();
+  });
 }
 
 }  // namespace ecs::model

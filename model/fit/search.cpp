@@ -251,7 +251,7 @@ Choice Search::choice_at(const Space& space, std::size_t f, double nonlinear) co
   } else {
     const auto& variants = banks_[f].variants;
     choice = choice_of(best_gain(family, variants, left.transpose() * left, left.transpose() * space.y, of.squares,
-                                 kAbsorbed, price_of(family, nonlinear)),
+                                 kExact, price_of(family, nonlinear)),
                        variants);
   }
   return completed(choice, f, nonlinear);

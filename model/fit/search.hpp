@@ -88,6 +88,14 @@ struct Solution {
 /// Thrown by a Search whose flag is set; diagnose() turns it into a problem.
 struct SearchStopped {};
 
+/// From which square on what is left of a column counts.
+struct Precision {
+  double absorbed = 0.0;  ///< share of the column's own square
+  /// Share of the square of its error in units of rounding. What is taken off a column has errors of its own, which
+  /// grow from one to the next where they nearly depend on one another, as the functions of a curve may.
+  double grown = 0.0;
+};
+
 class Search {
  public:
   static constexpr auto kAllPeaks = static_cast<std::size_t>(-1);
@@ -208,8 +216,7 @@ class Search {
   [[nodiscard]] Eigen::MatrixXd white_of(std::size_t family, const Eigen::MatrixXd& shapes) const;
   /// Sums of values of motions over the nodes of a family.
   [[nodiscard]] Eigen::MatrixXd gathered(std::size_t family, const Eigen::MatrixXd& rows) const;
-  /// As kAbsorbed; the products of a curve's functions that depend on more than the place are in double precision.
-  [[nodiscard]] double absorbed_in_screening(std::size_t family) const;
+  [[nodiscard]] Precision precision_of_screening(std::size_t family) const;
   [[nodiscard]] bool has_places(std::size_t family) const {
     return !banks_[family].shapes->place_mm.empty() && banks_[banks_[family].like].weight.size() > 0;
   }
@@ -281,6 +288,10 @@ class Search {
 inline constexpr double kAbsorbed = 1e-8;
 /// The same in the single precision of the screening (2⁻²⁴ = 6e-8 for one product, summed over the readings).
 inline constexpr double kAbsorbedScreening = 1e-5;
+/// Products in double precision; those of the screening, and those that it multiplies with readings in single
+/// precision.
+inline constexpr Precision kExact{kAbsorbed, 1e-15}, kScreening{kAbsorbedScreening, kAbsorbedScreening},
+    kScreeningOfDouble{kAbsorbedScreening, 1e-8};
 
 /// The same for periods: a wave that the targets see as (nearly) what is absorbed already has any amplitude.
 /// A choice: a fiftieth of the square makes amplitudes sevenfold uncertain.
@@ -302,7 +313,7 @@ struct Gain {
 /// @param original  squares of the columns before anything was absorbed
 [[nodiscard]] Gain best_gain(const Family& family, const std::vector<std::vector<Eigen::Index>>& variants,
                              const Eigen::Ref<const Eigen::MatrixXd>& gram, const Eigen::Ref<const Eigen::VectorXd>& z,
-                             const Eigen::Ref<const Eigen::VectorXd>& original, double absorbed, Price price);
+                             const Eigen::Ref<const Eigen::VectorXd>& original, Precision precision, Price price);
 
 /// The same as a choice, its family and nonlinear parameter still to be set.
 [[nodiscard]] Choice choice_of(const Gain& gain, const std::vector<std::vector<Eigen::Index>>& variants);

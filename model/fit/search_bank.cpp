@@ -273,7 +273,7 @@ Choice Search::choice_in(const View& view, std::size_t f, double nonlinear) cons
   const VectorXd original = gram.diagonal();
   const MatrixXd absorbed = view.q.transpose() * columns;
   gram.noalias() -= absorbed.transpose() * absorbed;
-  const Gain best = best_gain(family, bank.variants, gram, columns.transpose() * view.y, original, kAbsorbed,
+  const Gain best = best_gain(family, bank.variants, gram, columns.transpose() * view.y, original, kExact,
                               price_of(family, nonlinear));
   return completed(choice_of(best, bank.variants), f, nonlinear);
 }

@@ -42,17 +42,15 @@ struct Step {
   bool adds = false;     ///< anything is left of this column
 };
 
-/// Least square that is left of a column for it to count. Whatever is taken off it has errors of its own, which grow
-/// from column to column where they nearly depend on one another, as high polynomials at even targets do (Runge 1901).
-/// @param error  of this column, in units of the precision
-double least_square(double absorbed, double original, double error) {
-  return std::max(absorbed * original, std::min(absorbed, kAbsorbedScreening) * error * error);
+/// @param error  of the column, in units of rounding
+double least_square(Precision precision, double original, double error) {
+  return std::max(precision.absorbed * original, precision.grown * error * error);
 }
 
 /// Cholesky column by column in this order, from products; columns that add nothing gain nothing.
 template <int kMost, class Each>
 void for_each_step(const Ref<const MatrixXd>& gram, const Ref<const VectorXd>& z, const std::vector<Index>& order,
-                   const Ref<const VectorXd>& original, double absorbed, Each each) {
+                   const Ref<const VectorXd>& original, Precision precision, Each each) {
   const auto k = static_cast<Index>(order.size());
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost> l(k, k);
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1> u(k), error(k);
@@ -72,7 +70,7 @@ void for_each_step(const Ref<const MatrixXd>& gram, const Ref<const VectorXd>& z
       step.right -= l(i, j) * u(j);
       if (l(j, j) > 0.0) error(i) += std::abs(l(i, j)) / l(j, j) * error(j);
     }
-    step.adds = step.square > least_square(absorbed, original(column), error(i)) && step.square > 0.0;
+    step.adds = step.square > least_square(precision, original(column), error(i)) && step.square > 0.0;
     if (step.adds) {
       l(i, i) = std::sqrt(step.square);
       u(i) = step.right / l(i, i);
@@ -93,7 +91,7 @@ double gain_inside(const ValueRange& range, const Step& only) {
 
 /// Curves: all leading sets from one pass. @pre every variant is the beginning of the last
 Gain best_curve(const std::vector<std::vector<Index>>& variants, const Ref<const MatrixXd>& gram,
-                const Ref<const VectorXd>& z, const Ref<const VectorXd>& original, double absorbed, Price price) {
+                const Ref<const VectorXd>& z, const Ref<const VectorXd>& original, Precision precision, Price price) {
   Gain best;
   double best_score = -kBeyondAll;
   std::size_t next = 0;
@@ -106,18 +104,18 @@ Gain best_curve(const std::vector<std::vector<Index>>& variants, const Ref<const
     }
     ++next;
   };
-  for_each_step<Eigen::Dynamic>(gram, z, variants.back(), original, absorbed, each);
+  for_each_step<Eigen::Dynamic>(gram, z, variants.back(), original, precision, each);
   return best;
 }
 
 }  // namespace
 
 Gain best_gain(const Family& family, const std::vector<std::vector<Index>>& variants, const Ref<const MatrixXd>& gram,
-               const Ref<const VectorXd>& z, const Ref<const VectorXd>& original, double absorbed, Price price) {
+               const Ref<const VectorXd>& z, const Ref<const VectorXd>& original, Precision precision, Price price) {
   const EffectTraits& traits = family.effect.traits();
   if (variants.empty()) return {};
-  if (traits.is_curve) return best_curve(variants, gram, z, original, absorbed, price);
-  if (traits.periodic) absorbed = std::max(absorbed, kAbsorbedPeriod);
+  if (traits.is_curve) return best_curve(variants, gram, z, original, precision, price);
+  if (traits.periodic) precision.absorbed = std::max(precision.absorbed, kAbsorbedPeriod);
   Gain best;
   double best_score = -kBeyondAll;
   for (std::size_t v = 0; v < variants.size(); ++v) {
@@ -126,9 +124,9 @@ Gain best_gain(const Family& family, const std::vector<std::vector<Index>>& vari
     Step last;
     const auto each = [&](Index, const Step& step) { last = step; };
     if (variant.size() <= kFewColumns)
-      for_each_step<kFewColumns>(gram, z, variant, original, absorbed, each);
+      for_each_step<kFewColumns>(gram, z, variant, original, precision, each);
     else
-      for_each_step<Eigen::Dynamic>(gram, z, variant, original, absorbed, each);
+      for_each_step<Eigen::Dynamic>(gram, z, variant, original, precision, each);
     if (last.free == 0) continue;
     const double gain = variant.size() == 1 && family.range ? gain_inside(*family.range, last) : last.gain;
     if (gain < 0.0) continue;
@@ -210,7 +208,7 @@ std::vector<Choice> Search::scores_of(std::size_t f, const View& seen, std::size
     Gain gain;
     if (!family.effect.traits().fixed_size)
       gain = best_gain(family, bank.variants, gram, z.segment(item.start, item.count), original,
-                       absorbed_in_screening(f), item.price);
+                       precision_of_screening(f), item.price);
     else if (gram(0, 0) > kAbsorbedScreening * original(0))
       gain = {2.0 * z(item.start) - gram(0, 0), item.price.of(0), 0, 0};
     if (gain.gain > 0.0) list.push_back({gain, i});
@@ -370,8 +368,8 @@ std::vector<std::pair<Choice, Choice>> Search::pairs_of(const Space& space, std:
   return pairs;
 }
 
-double Search::absorbed_in_screening(std::size_t f) const {
-  return families_[f].effect.traits().is_curve && !has_places(f) ? kAbsorbed : kAbsorbedScreening;
+Precision Search::precision_of_screening(std::size_t f) const {
+  return has_places(f) ? kScreening : kScreeningOfDouble;
 }
 
 void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, double dearer,
@@ -394,7 +392,8 @@ void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, dou
     for (const auto& variant : variants) allowed[variant.size()] = true;
     variants = {variants.back()};
   }
-  const double absorbed = family.effect.traits().periodic ? kAbsorbedPeriod : absorbed_in_screening(item.family);
+  Precision precision = precision_of_screening(item.family);
+  if (family.effect.traits().periodic) precision.absorbed = kAbsorbedPeriod;
   for (const std::vector<Index>& variant : variants) {
     const auto k = static_cast<Index>(variant.size());
     if (variant.back() >= item.count) continue;
@@ -410,7 +409,7 @@ void Search::raise_by(const Item& item, const Eigen::Ref<const MatrixXf>& z, dou
     std::size_t free = 0;
     for (Index i = 0; i < k; ++i) {  // Gram-Schmidt on the products
       const double square = g(i, i);
-      if (square > least_square(absorbed, original(variant[static_cast<std::size_t>(i)]), error(i)) && square > 0.0) {
+      if (square > least_square(precision, original(variant[static_cast<std::size_t>(i)]), error(i)) && square > 0.0) {
         ++free;
         sum += right.row(i).cwiseAbs2() / square;
         for (Index j = i + 1; j < k; ++j) {

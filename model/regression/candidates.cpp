@@ -166,10 +166,11 @@ bool needs_line(const EffectInstance& effect) {
          (traits.is_smooth && !traits.is_curve && !traits.of_condition);
 }
 bool seen_by_line(const Observations& all, const EffectInstance& effect, bool few_lengths) {
+  constexpr double kShortestLever_m = 1e-6;
   if (!needs_line(effect) && !(few_lengths && effect.traits().shape_of_position)) return true;
   for (std::size_t k = 0; k < all.size(); ++k)
-    if (!all.on_path(k) && (!effect.sense || all.sense[k] == effect.sense) && all.axis[k] == effect.axis &&
-        all.approach[k] != 0)
+    if (!all.on_path(k) && all.axis[k] == effect.axis && all.approach[k] != 0 &&
+        (effect.code ? std::abs(lever_m(all, k, *effect.code)) > kShortestLever_m : all.sense[k] == effect.sense))
       return true;
   return false;
 }

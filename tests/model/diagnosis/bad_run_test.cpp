@@ -455,3 +455,24 @@ TEST_CASE("an angle is named on lines of which one is twice as far as the median
   CHECK(found.verdict == Verdict::missing_effect);
   CHECK(stands_for(found.candidates.front(), "angular:X:EBX"));
 }
+
+TEST_CASE("a third line in another unit or with the wrong sign is reported although an angle could explain it") {
+  for (const double factor : {10.0, -1.0})
+    for (const unsigned seed : {1U, 2U, 3U}) {
+      std::mt19937_64 random(seed);
+      NormalDraws noise(0.0, kNoise_um);
+      laser::MeasurementSet set = measured({.targets = 17, .runs = 6}, kNoise_um, nothing, seed);
+      for (Reading& r : set.readings) {
+        r.position_mm[1] = r.run > 4 ? 300.0 : 0.0;
+        r.position_mm[2] = r.run == 3 || r.run == 4 ? 300.0 : 0.0;
+        r.error = 3.0 * std::sin(p(r) / 170.0) + 0.0036 * r.position_mm[2] * p(r) / 300.0 + noise(random);
+        if (r.run > 4) r.error *= factor;
+      }
+      Model model = straight();
+      model.effects.push_back(effect(progressive, Axis::X, Sense::EX));
+      const Diagnosis found = diagnosed(model, set);
+      CAPTURE(found.headline);
+      CHECK(found.headline.starts_with("The line of EX along X at Y 300, Z 0 "));
+      CHECK(std::ranges::none_of(found.candidates, &Candidate::in_answer));
+    }
+}

@@ -406,9 +406,14 @@ TEST_CASE("outliers neither make a free wave nor hide one") {
 }
 
 TEST_CASE("a wave in time that is most of the residual is no noise, although repeats show it as turbulence") {
-  const Diagnosis found = diagnosed(straight(), measured({.runs = 5}, 0.6, [](const Reading& r) {
-                                      return 2.9 * std::sin(2.0 * std::numbers::pi * *r.time_s / 370.0);
-                                    }));
-  CHECK(found.verdict == Verdict::unexplained_structure);
-  CHECK(contains(found.headline, "a wave in time with a period of 6"));
+  for (unsigned seed = 1; seed <= 6; ++seed) {  // by chance a run is twice another one in some of them
+    const Diagnosis found = diagnosed(
+        straight(),
+        measured(
+            {.targets = 17, .runs = 5}, 0.6,
+            [](const Reading& r) { return 2.9 * std::sin(2.0 * std::numbers::pi * *r.time_s / 370.0); }, seed));
+    CAPTURE(found.headline);
+    CHECK(found.verdict == Verdict::unexplained_structure);
+    CHECK(contains(found.headline, "a wave in time with a period of 6"));
+  }
 }
