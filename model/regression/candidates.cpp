@@ -272,7 +272,7 @@ std::vector<EffectInstance> usual_of_ball(const Observations& data) {
     if (one.definition().place == Place::artefact && one.traits().is_usual) take(one);
     if (one.definition().place == Place::location) locations.push_back(one);
   }
-  std::ranges::stable_partition(locations, [](const auto& one) { return !is_zero_of_axis(one); });
+  std::stable_partition(locations.begin(), locations.end(), [](const auto& one) { return !is_zero_of_axis(one); });
   std::vector<EffectInstance> rivals;
   for (const EffectInstance& one : locations)
     own_share(known, column_of(one)) > kLeastOwnShare ? take(one) : rivals.push_back(one);
@@ -354,11 +354,11 @@ std::vector<EffectInstance> candidate_instances(const Observations& all) {
     std::erase_if(out, [&](const EffectInstance& one) { return !seen_by_line(all, one, few); });
     const auto reverses = [](const EffectInstance& one) { return one.traits().of_approach; };
     const auto leans = [](const EffectInstance& one) { return one.definition().place == Place::squareness; };
-    std::ranges::stable_partition(out, reverses);
-    std::ranges::stable_partition(out, leans);
+    std::stable_partition(out.begin(), out.end(), reverses);
+    std::stable_partition(out.begin(), out.end(), leans);
   }
   // of effects that do the same the first is named: those of the machine before the set-up
-  std::ranges::stable_partition(out, [](const EffectInstance& one) {
+  std::stable_partition(out.begin(), out.end(), [](const EffectInstance& one) {
     const Place place = one.definition().place;
     return place != Place::set_up && (place != Place::artefact || !one.traits().of_measurement);
   });
