@@ -117,8 +117,8 @@ struct FreeWave {
                                                      const Space& alone, double score);
 /// Why no effect is a cause then, as the end of a sentence.
 [[nodiscard]] std::string objection_by_wave_in_time(double period_s);
-/// Whether such a wave explains more than half of the mean square of what the model leaves of a channel with many
-/// readings: turbulence has no period. @param residual  um or um/m  @param left_out  outliers, not counted
+/// Whether such a wave explains more than half of the mean square of the residual in a channel of at least 30 readings:
+/// turbulence has no period. @param residual  of the model, um or um/m  @param left_out  outliers, not counted
 [[nodiscard]] bool is_mostly_wave_in_time(const Observations& data, double period_s, const Eigen::VectorXd& residual,
                                           const std::vector<bool>& left_out);
 

@@ -288,8 +288,8 @@ class Search {
 inline constexpr double kAbsorbed = 1e-8;
 /// The same in the single precision of the screening (2⁻²⁴ = 6e-8 for one product, summed over the readings).
 inline constexpr double kAbsorbedScreening = 1e-5;
-/// Products in double precision; those of the screening, and those that it multiplies with readings in single
-/// precision.
+/// For products of columns in double precision; in single precision, as of the places in the screening; in double
+/// precision but multiplied with readings in single precision.
 inline constexpr Precision kExact{kAbsorbed, 1e-15}, kScreening{kAbsorbedScreening, kAbsorbedScreening},
     kScreeningOfDouble{kAbsorbedScreening, 1e-8};
 
