@@ -25,11 +25,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// How many times as probable as errors of single targets an effect of the library is, before any reading: screws,
-/// scales and guides make shapes over the travel; that one place is off and its neighbours are not is the exception. A
-/// choice; proof does without it.
-constexpr double kBeforehand = 10.0;
-
 /// Twice the logarithm of the evidence for so many coefficients that explain this fall of χ², against none: their prior
 /// has the variance that they show.
 double evidence_of(double gain, double coefficients) {
@@ -203,7 +198,7 @@ void hold_against_single_targets(const Observations& data, const Search& search,
     const double level = evidence_of(without.chi2() - beside_level.chi2(), 1.0) + evidence_beside(beside_level, each);
     const double better = together - std::max(level, evidence_beside(without, each));
     if (better > 2.0 * std::log(kProved)) continue;
-    const bool open = better > -2.0 * std::log(kBeforehand);
+    const bool open = better > -2.0 * std::log(kShapeBeforehand);  // proof does without it
     std::vector<std::string> names;
     for (const std::size_t i : members) {
       names.push_back(to_text(effect_of(i)));

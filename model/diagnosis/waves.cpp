@@ -446,6 +446,31 @@ Eigen::MatrixXd wave_in_time(const Observations& data, double period_s) {
   return wave;
 }
 
+std::map<Channel, std::vector<std::size_t>> rows_of_channels(const Observations& data) {
+  std::map<Channel, std::vector<std::size_t>> rows;
+  for (std::size_t k = 0; k < data.size(); ++k) rows[data.channel(k)].push_back(k);
+  return rows;
+}
+
+/// What a wave takes from χ² in one channel. Noise does not reach from one channel to another: Whitener.
+class GainInChannel {
+ public:
+  GainInChannel(const Space& alone, std::vector<std::size_t> rows)
+      : rows_(std::move(rows)), q_(alone.q(rows_, Eigen::all)), y_(alone.y(rows_)) {}
+  [[nodiscard]] double of(const Eigen::MatrixXd& white) const {
+    const Eigen::MatrixXd wave = white(rows_, Eigen::all), absorbed = q_.transpose() * wave;
+    const Eigen::VectorXd products = wave.transpose() * y_;
+    const Eigen::MatrixXd squares = wave.transpose() * wave - absorbed.transpose() * absorbed;
+    return (products.transpose() * solved_symmetric(squares, products)).value();
+  }
+  [[nodiscard]] const std::vector<std::size_t>& rows() const { return rows_; }
+
+ private:
+  std::vector<std::size_t> rows_;
+  Eigen::MatrixXd q_;
+  Eigen::VectorXd y_;
+};
+
 }  // namespace
 
 std::optional<double> period_in_time_s(const Observations& data, const Whitener& whitener, const Space& alone,
@@ -462,18 +487,33 @@ std::optional<double> period_in_time_s(const Observations& data, const Whitener&
   const double shortest_s = std::max(kTurbulence_s, 2.0 * interval_in_passes_s(data));
   const double highest = std::min(readings / kTargetsATurn, session_s / shortest_s);
   if (highest < kFewestTurnsOfWave) return std::nullopt;
+  const double price = 2.0 * std::log(readings);  // of a sine and a cosine in each channel that shows the wave
+  std::vector<GainInChannel> channels;
+  for (auto& [channel, rows] : rows_of_channels(data)) channels.emplace_back(alone, std::move(rows));
   double most = 0.0, period_s = 0.0;
   for (int step = 0; kFewestTurnsOfWave + step / kStepsATurn <= highest; ++step) {
     const double period = session_s / (kFewestTurnsOfWave + step / kStepsATurn);
-    const Eigen::MatrixXd beyond = without(alone.q, whitener(wave_in_time(data, period)));
-    const Eigen::VectorXd products = beyond.transpose() * alone.y;
-    const double gain = (products.transpose() * solved_symmetric(beyond.transpose() * beyond, products)).value();
+    const Eigen::MatrixXd white = whitener(wave_in_time(data, period));
+    double gain = 0.0;
+    for (const GainInChannel& channel : channels) gain += std::max(0.0, channel.of(white) - price);
     if (gain <= most) continue;
     most = gain;
     period_s = period;
   }
-  const double price = 2.0 * std::log(readings) + 2.0 * std::log(std::max(1.0, highest - kFewestTurnsOfWave));
-  return most - price < score + 2.0 * std::log(kFarMore) ? std::nullopt : std::optional(period_s);
+  if (most <= 0.0) return std::nullopt;
+  // what the channels show together: the model may have terms in common
+  const Eigen::MatrixXd white = whitener(wave_in_time(data, period_s));
+  Space beside = alone;
+  double paid = 2.0 * std::log(std::max(1.0, highest - kFewestTurnsOfWave));
+  for (const GainInChannel& channel : channels) {
+    if (channel.of(white) <= price) continue;
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(white.rows(), white.cols());
+    columns(channel.rows(), Eigen::all) = white(channel.rows(), Eigen::all);
+    absorb(beside, columns);
+    paid += price;
+  }
+  const double gain = alone.chi2() - beside.chi2() - paid;
+  return gain < score + 2.0 * std::log(kFarMore) ? std::nullopt : std::optional(period_s);
 }
 
 std::string objection_by_wave_in_time(double period_s) {
@@ -486,12 +526,10 @@ std::string objection_by_wave_in_time(double period_s) {
 bool is_mostly_wave_in_time(const Observations& data, double period_s, const Eigen::VectorXd& residual,
                             const std::vector<bool>& left_out) {
   constexpr double kMost = 0.5;
-  std::map<Channel, std::vector<std::size_t>> channels;
-  for (std::size_t k = 0; k < data.size(); ++k)
-    if (!left_out[k]) channels[data.channel(k)].push_back(k);
   const Eigen::MatrixXd wave = wave_in_time(data, period_s);
-  return std::ranges::any_of(channels, [&](const auto& channel) {
-    const std::vector<std::size_t>& rows = channel.second;
+  return std::ranges::any_of(rows_of_channels(data), [&](const auto& channel) {
+    std::vector<std::size_t> rows = channel.second;
+    std::erase_if(rows, [&](std::size_t k) { return left_out[k]; });
     if (static_cast<double>(rows.size()) < kManyDegrees) return false;
     const auto n = static_cast<Eigen::Index>(rows.size());
     Eigen::MatrixXd columns = Eigen::MatrixXd::Ones(n, 3);

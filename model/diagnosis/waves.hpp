@@ -111,7 +111,7 @@ struct FreeWave {
                                                 const std::vector<bool>& left_out);
 
 /// Period of a wave in time of more than a minute that is likelier than all effects found together, by a hundredfold
-/// [s].
+/// [s]. Each channel has its own sine and cosine, or none.
 /// @param alone  with the model absorbed and nothing found  @param score  of the effects together beyond it
 [[nodiscard]] std::optional<double> period_in_time_s(const Observations& data, const Whitener& whitener,
                                                      const Space& alone, double score);

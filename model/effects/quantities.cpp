@@ -206,8 +206,8 @@ namespace {
 
 /// Time constants tried: ten of them, at most a factor of 1.5 apart, about four of which are different trials.
 constexpr double kShortestTimes = 50.0, kTrialsOfTime = 4.0;
-/// Intervals of the readings in the shortest time constant: the first readings then show 39 and 63 % of the course.
-constexpr double kIntervalsOfCourse = 2.0;
+/// Intervals of the readings in the shortest lag: the next readings then show 39 and 63 % of the course.
+constexpr double kIntervalsOfLag = 2.0;
 constexpr std::size_t kTimes = 10;
 /// Assumed for planning: a third of the time, no less than this [s]; well inside what a plan can show.
 constexpr double kTimesAssumed = 3.0, kLeastTime_s = 1.0;
@@ -287,11 +287,12 @@ double reading_interval_s(const Observations& data, const Acting& acting) {
   return *middle;
 }
 
-/// From the shortest to the longest time constant that readings show. A shorter one is over before there are readings
-/// of its course; what remains of it, all readings but the first, would pass for what does not change in time.
+/// From the shortest to the longest time constant that readings show (docs/physics.md, 5). A lag that is over before the
+/// next readings is none.
 ValueRange time_constant_limits(const Observations& data, const EffectInstance& effect, const Acting& acting, double) {
   const double last_s = longest_shown_s(data, effect, acting);
-  const double least_s = std::max(last_s / kShortestTimes, kIntervalsOfCourse * reading_interval_s(data, acting));
+  double least_s = last_s / kShortestTimes;
+  if (effect.traits().has_lag) least_s = std::max(least_s, kIntervalsOfLag * reading_interval_s(data, acting));
   return {std::min(least_s, last_s), last_s};
 }
 

@@ -36,6 +36,11 @@ void absorb(Space& space, const Eigen::MatrixXd& white_columns);
 /// The same apart: the directions that are added, and what is left beside all.
 [[nodiscard]] Space added_by(const Space& space, const Eigen::MatrixXd& white_columns);
 
+/// How many times as probable as errors of single targets an effect of the library is, before any reading. Likely
+/// effects may be false in one set of a hundred: errors without any order are not as frequent as that. Screws, scales
+/// and guides make shapes over the travel, and a wave shorter than the distance of the targets looks like such errors.
+inline constexpr double kShapeBeforehand = 100.0;
+
 /// Price of free coefficients and of having chosen where they are.
 struct Price {
   double each = 0.0, once = 0.0;
@@ -159,9 +164,9 @@ class Search {
   /// Whether each effect with a physical range may have a size inside it beside the others.
   [[nodiscard]] bool in_ranges(const std::vector<Choice>& chosen) const;
 
-  /// Whether a wave or a step explains a few targets better than values of their own for each of them do, beside what
-  /// `space` absorbs, by Schwarz's criterion: with a period, sizes and harmonics a wave takes on any values of five or
-  /// six, and so does a step beside a curve of the model. True of every other effect.
+  /// Whether a wave or a step is more probable than values of their own for each of a few targets, beside what `space`
+  /// absorbs, by Schwarz's criterion and kShapeBeforehand: with a period, sizes and harmonics a wave takes on any
+  /// values of five or six, and so does a step beside a curve of the model. True of every other effect.
   [[nodiscard]] bool beats_free_values(const Space& space, const Choice& choice) const;
 
   /// Fall of χ² that the noise of its sensor takes from a choice, by what that leaves unknown of its temperature: the

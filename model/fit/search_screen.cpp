@@ -281,7 +281,7 @@ bool Search::beats_free_values(const Space& space, const Choice& choice) const {
   const Choice here = choice_at(space, choice.family, choice.nonlinear);
   const double gain = space.chi2() - more.chi2(), free = static_cast<double>(more.q.cols() - space.q.cols());
   return here.score() - dearer(here.gain, static_cast<double>(here.columns.size())) >=
-         gain - free * family.ln_readings - dearer(gain, free);
+         gain - free * family.ln_readings - dearer(gain, free) - 2.0 * std::log(kShapeBeforehand);
 }
 
 std::vector<Choice> Search::peaks_of(const Space& space, std::size_t f, std::size_t most) const {

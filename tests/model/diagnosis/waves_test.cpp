@@ -417,3 +417,21 @@ TEST_CASE("a wave in time that is most of the residual is no noise, although rep
     CHECK(contains(found.headline, "a wave in time with a period of 6"));
   }
 }
+
+TEST_CASE("a wave in time in only one of two channels is found, whichever of them has it") {
+  for (const Sense which : {Sense::EX, Sense::EZ})
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+      laser::MeasurementSet set;
+      for (const Sense sense : {Sense::EX, Sense::EZ})
+        measure(
+            set, {.sense = sense, .targets = 17, .runs = 5}, sense == which ? 0.6 : 0.1,
+            [&](const Reading& r) {
+              return sense == which ? 2.9 * std::sin(2.0 * std::numbers::pi * *r.time_s / 370.0) : 0.0;
+            },
+            seed);
+      const Diagnosis found = diagnosed(usual_model(set), set);
+      CAPTURE(found.headline);
+      CHECK(found.verdict == Verdict::unexplained_structure);
+      CHECK(contains(found.headline, "a wave in time with a period of 6"));
+    }
+}
