@@ -83,9 +83,13 @@ struct Line {
   }
 };
 
-/// Positions of the targets of a line, in increasing order, and a column for the value at each. One-way effects have
-/// two values a target: one of each approach.
-std::pair<VectorXd, MatrixXd> targets_of_line(const Observations& data, const Line& line) {
+/// Targets of a line, in increasing order. One-way effects have two values a target: one of each approach.
+struct Targets {
+  VectorXd at;                ///< position
+  MatrixXd values;            ///< a column for the value at each
+  std::vector<int> approach;  ///< of each; 0: of both
+};
+Targets targets_of_line(const Observations& data, const Line& line) {
   std::map<std::pair<int, long long>, Index> targets;
   const auto is_here = [&](std::size_t k) { return data.axis[k] == line.axis && data.sense[k] == line.sense; };
   const auto target_of = [&](std::size_t k) {
@@ -95,9 +99,11 @@ std::pair<VectorXd, MatrixXd> targets_of_line(const Observations& data, const Li
   for (std::size_t k = 0; k < data.size(); ++k)
     if (is_here(k)) targets[target_of(k)] = 0;
   VectorXd at(static_cast<Index>(targets.size()));
+  std::vector<int> approach;
   Index number = 0;
   for (auto& [target, index] : targets) {
     at(number) = static_cast<double>(target.second) * kSamePlace_mm;
+    approach.push_back(target.first);
     index = number++;
   }
   MatrixXd values = MatrixXd::Zero(static_cast<Index>(data.size()), at.size());
@@ -105,7 +111,19 @@ std::pair<VectorXd, MatrixXd> targets_of_line(const Observations& data, const Li
     if (is_here(k))
       values(static_cast<Index>(k), targets.at(target_of(k))) =
           line.acts == Acts::on_reversal ? static_cast<double>(data.approach[k]) : 1.0;
-  return {at, values};
+  return {at, values, approach};
+}
+
+/// Variances of separate errors at these targets: of all alike, and of those of one approach only.
+std::vector<MatrixXd> separate_errors(const Targets& targets) {
+  std::vector<MatrixXd> all{MatrixXd::Identity(targets.at.size(), targets.at.size())};
+  for (const int way : {1, -1}) {
+    VectorXd variance = VectorXd::Zero(targets.at.size());
+    for (std::size_t i = 0; i < targets.approach.size(); ++i)
+      if (targets.approach[i] == way) variance(static_cast<Index>(i)) = 1.0;
+    if (!variance.isZero(0.0)) all.emplace_back(variance.asDiagonal());
+  }
+  return all;
 }
 
 /// What the readings of a line have in common: a constant, or backlash where the approach matters.
@@ -140,18 +158,19 @@ void hold_against_single_targets(const Observations& data, const Search& search,
         .push_back(i);
   }
   for (auto& [line, members] : lines) {  // waves of each approach beside a lost motion may be the rest of its shape
-    if (line.acts != Acts::on_reversal) continue;
-    const auto one_way = lines.find({line.axis, line.sense, Acts::on_one_way});
-    if (one_way == lines.end()) continue;
-    members.insert(members.end(), one_way->second.begin(), one_way->second.end());
-    one_way->second.clear();
+    if (line.acts != Acts::on_one_way) continue;
+    const auto reversal = lines.find({line.axis, line.sense, Acts::on_reversal});
+    if (reversal == lines.end()) continue;
+    members.insert(members.end(), reversal->second.begin(), reversal->second.end());
+    reversal->second.clear();
   }
   for (const auto& [line, members] : lines) {
     if (members.empty()) continue;
-    const std::pair<VectorXd, MatrixXd> targets_here = targets_of_line(data, line);
-    const VectorXd& at = targets_here.first;
-    const MatrixXd& values = targets_here.second;
-    if (at.size() < kFewestTargets || at.size() > kMostTargets) continue;
+    const Targets errors = targets_of_line(data, line);
+    // a curve beside waves of one approach is a lost motion
+    const Targets targets =
+        line.acts == Acts::on_one_way ? targets_of_line(data, {line.axis, line.sense, Acts::on_reversal}) : errors;
+    if (targets.at.size() < kFewestTargets || targets.at.size() > kMostTargets) continue;
     bool curve = false;
     double coefficients = 0.0, choice = 0.0;
     std::vector<Choice> rest, beside_curve;
@@ -169,34 +188,41 @@ void hold_against_single_targets(const Observations& data, const Search& search,
     const auto space_of = [&](const std::vector<Choice>& set) {
       return search.solution(set, found.solution.own).space;
     };
-    const auto evidence_beside = [&](const Space& space, const MatrixXd& covariance) {
+    const auto evidence_beside = [&](const Space& space, const MatrixXd& values, const MatrixXd& covariance) {
       return evidence_of_values(ecs::without(space.q, whitener(values)), space.y, covariance);
     };
     const Space without = space_of(rest), with = space_of(beside_curve);
     Space with_each = without;
-    absorb(with_each, whitener(values));
-    const double targets = static_cast<double>(with_each.q.cols() - without.q.cols());
+    absorb(with_each, whitener(errors.values));
+    const double free = static_cast<double>(with_each.q.cols() - without.q.cols());
     double together = 0.0;
     if (coefficients > 0.0) {
       // what a curve takes is counted there; without one, what effects leave beyond the noise is for other tests
-      const double most = without.chi2() - with_each.chi2() - std::max(0.0, targets - coefficients);
+      const double most = without.chi2() - with_each.chi2() - std::max(0.0, free - coefficients);
       together = evidence_of(curve ? without.chi2() - with.chi2() : most, coefficients) - choice;
     }
     if (curve) {  // its straight part has a size of its own
-      MatrixXd straight(at.size(), 2);
-      straight << VectorXd::Ones(at.size()), at;
+      MatrixXd straight(targets.at.size(), 2);
+      straight << VectorXd::Ones(targets.at.size()), targets.at;
       Space beside_line = with;
-      absorb(beside_line, whitener(MatrixXd(values * straight)));
+      absorb(beside_line, whitener(MatrixXd(targets.values * straight)));
       together +=
           evidence_of(with.chi2() - beside_line.chi2(), static_cast<double>(beside_line.q.cols() - with.q.cols())) +
-          std::max(evidence_beside(beside_line, smooth_covariance(at, 1.0)),
-                   evidence_beside(beside_line, smooth_covariance(at, 2.0)));
+          std::max(evidence_beside(beside_line, targets.values, smooth_covariance(targets.at, 1.0)),
+                   evidence_beside(beside_line, targets.values, smooth_covariance(targets.at, 2.0)));
     }
-    const MatrixXd each = MatrixXd::Identity(at.size(), at.size());
     Space beside_level = without;  // single targets may have a level in common, such as backlash
     absorb(beside_level, whitener(level_of_line(data, line)));
-    const double level = evidence_of(without.chi2() - beside_level.chi2(), 1.0) + evidence_beside(beside_level, each);
-    const double better = together - std::max(level, evidence_beside(without, each));
+    const double level = evidence_of(without.chi2() - beside_level.chi2(), 1.0);
+    double separate = 0.0;
+    const auto try_errors = [&](const Targets& of, const MatrixXd& variances) {
+      separate = std::max({separate, level + evidence_beside(beside_level, of.values, variances),
+                           evidence_beside(without, of.values, variances)});
+    };
+    for (const MatrixXd& variances : separate_errors(errors)) try_errors(errors, variances);
+    if (line.acts == Acts::on_one_way)  // or a lost motion without any order
+      for (const MatrixXd& variances : separate_errors(targets)) try_errors(targets, variances);
+    const double better = together - separate;
     if (better > 2.0 * std::log(kProved)) continue;
     const bool open = better > -2.0 * std::log(kShapeBeforehand);  // proof does without it
     std::vector<std::string> names;

@@ -463,6 +463,8 @@ class GainInChannel {
     const Eigen::MatrixXd squares = wave.transpose() * wave - absorbed.transpose() * absorbed;
     return (products.transpose() * solved_symmetric(squares, products)).value();
   }
+  /// Of a sine and a cosine.
+  [[nodiscard]] double price() const { return 2.0 * std::log(static_cast<double>(rows_.size())); }
   [[nodiscard]] const std::vector<std::size_t>& rows() const { return rows_; }
 
  private:
@@ -487,7 +489,6 @@ std::optional<double> period_in_time_s(const Observations& data, const Whitener&
   const double shortest_s = std::max(kTurbulence_s, 2.0 * interval_in_passes_s(data));
   const double highest = std::min(readings / kTargetsATurn, session_s / shortest_s);
   if (highest < kFewestTurnsOfWave) return std::nullopt;
-  const double price = 2.0 * std::log(readings);  // of a sine and a cosine in each channel that shows the wave
   std::vector<GainInChannel> channels;
   for (auto& [channel, rows] : rows_of_channels(data)) channels.emplace_back(alone, std::move(rows));
   double most = 0.0, period_s = 0.0;
@@ -495,7 +496,7 @@ std::optional<double> period_in_time_s(const Observations& data, const Whitener&
     const double period = session_s / (kFewestTurnsOfWave + step / kStepsATurn);
     const Eigen::MatrixXd white = whitener(wave_in_time(data, period));
     double gain = 0.0;
-    for (const GainInChannel& channel : channels) gain += std::max(0.0, channel.of(white) - price);
+    for (const GainInChannel& channel : channels) gain += std::max(0.0, channel.of(white) - channel.price());
     if (gain <= most) continue;
     most = gain;
     period_s = period;
@@ -506,11 +507,11 @@ std::optional<double> period_in_time_s(const Observations& data, const Whitener&
   Space beside = alone;
   double paid = 2.0 * std::log(std::max(1.0, highest - kFewestTurnsOfWave));
   for (const GainInChannel& channel : channels) {
-    if (channel.of(white) <= price) continue;
+    if (channel.of(white) <= channel.price()) continue;
     Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(white.rows(), white.cols());
     columns(channel.rows(), Eigen::all) = white(channel.rows(), Eigen::all);
     absorb(beside, columns);
-    paid += price;
+    paid += channel.price();
   }
   const double gain = alone.chi2() - beside.chi2() - paid;
   return gain < score + 2.0 * std::log(kFarMore) ? std::nullopt : std::optional(period_s);

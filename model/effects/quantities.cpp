@@ -206,8 +206,8 @@ namespace {
 
 /// Time constants tried: ten of them, at most a factor of 1.5 apart, about four of which are different trials.
 constexpr double kShortestTimes = 50.0, kTrialsOfTime = 4.0;
-/// Intervals of the readings in the shortest lag: the next readings then show 39 and 63 % of the course.
-constexpr double kIntervalsOfLag = 2.0;
+/// Intervals of the readings in the shortest course: the first readings then show 39 and 63 % of it.
+constexpr double kIntervalsOfCourse = 2.0;
 constexpr std::size_t kTimes = 10;
 /// Assumed for planning: a third of the time, no less than this [s]; well inside what a plan can show.
 constexpr double kTimesAssumed = 3.0, kLeastTime_s = 1.0;
@@ -287,20 +287,27 @@ double reading_interval_s(const Observations& data, const Acting& acting) {
   return *middle;
 }
 
-/// From the shortest to the longest time constant that readings show (docs/physics.md, 5). A lag that is over before the
-/// next readings is none.
+/// Shortest time constant of which readings show the course; a shorter one is over before there are any.
+double shortest_shown_s(const Observations& data, const Acting& acting) {
+  return kIntervalsOfCourse * reading_interval_s(data, acting);
+}
+
+/// From the shortest to the longest time constant (docs/physics.md, 5).
 ValueRange time_constant_limits(const Observations& data, const EffectInstance& effect, const Acting& acting, double) {
   const double last_s = longest_shown_s(data, effect, acting);
   double least_s = last_s / kShortestTimes;
-  if (effect.traits().has_lag) least_s = std::max(least_s, kIntervalsOfLag * reading_interval_s(data, acting));
+  if (effect.traits().has_lag) least_s = std::max(least_s, shortest_shown_s(data, acting));
   return {std::min(least_s, last_s), last_s};
 }
 
+/// Of what the model does not have, no course is tried that one bad reading can imitate.
 TriedValues tried_time_constants(const Observations& data, const EffectInstance& effect, const Acting& acting,
-                                 const SearchExtent&) {
+                                 const SearchExtent& extent) {
   TriedValues tried{.values = {0.0}};
   if (acting.rows.empty() || data.time_s.empty()) return tried;
-  const ValueRange limits = time_constant_limits(data, effect, acting, 0.0);
+  ValueRange limits = time_constant_limits(data, effect, acting, 0.0);
+  if (!extent.is_of_model)
+    limits.least = std::min(std::max(limits.least, shortest_shown_s(data, acting)), limits.greatest);
   tried.values.clear();
   if (limits.greatest > 0.0) tried.values = logarithmic(limits.least, limits.greatest, kTimes);
   tried.independent = kTrialsOfTime;

@@ -241,19 +241,13 @@ Deviations deviations_from_smooth(const Observations& data, const Eigen::VectorX
   return {std::move(deviation), freedom};
 }
 
-/// Parts of a forward and of the reverse reading at the same place, of length one together.
-struct OfDirections {
-  double forward = 0.0, reverse = 0.0;
-};
-
-/// Differences of the directions (or sums, or one of them alone) at the places of a pass there and back, less their
-/// mean and a straight line along it (lost motion, a drift), at the rows of the forward readings: an error of the place
-/// drops out of differences, one that turns its sign with the direction out of sums, one of the other direction out of
-/// this, whatever its shape.
+/// What the directions do not share (or share) at the places of a pass there and back, less its mean and a straight
+/// line along it (lost motion, a drift), at the rows of the forward readings: an error of the place drops out of
+/// differences, one that turns its sign with the direction out of sums, whatever its shape.
 /// @param basis  orthonormal, of what was fitted: its part of the deviations is gone from the residual
 Deviations deviations_of_directions(const Observations& data, const Eigen::VectorXd& residual,
-                                    const std::vector<bool>& left_out, const OfDirections& part,
-                                    const Eigen::MatrixXd& basis, const NoiseModel& noise) {
+                                    const std::vector<bool>& left_out, bool shared, const Eigen::MatrixXd& basis,
+                                    const NoiseModel& noise) {
   using Place = std::pair<std::array<double, kAxes>, std::array<double, kAxes>>;
   struct Both {
     std::optional<std::size_t> forward, reverse;
@@ -281,7 +275,8 @@ Deviations deviations_of_directions(const Observations& data, const Eigen::Vecto
     Eigen::MatrixXd straight = Eigen::MatrixXd::Ones(n, 2);
     for (Eigen::Index i = 0; i < n; ++i)
       straight(i, 1) = data.along_of(static_cast<std::size_t>(forward[static_cast<std::size_t>(i)]));
-    Eigen::MatrixXd half = part.forward * all(forward, Eigen::all) + part.reverse * all(reverse, Eigen::all);
+    Eigen::MatrixXd half =
+        (all(forward, Eigen::all) + (shared ? 1.0 : -1.0) * all(reverse, Eigen::all)) / std::numbers::sqrt2;
     const PivotedQr line_of(straight);
     for (Eigen::Index j = 0; j < half.cols(); ++j) {
       const Eigen::VectorXd y = half.col(j);
@@ -290,8 +285,7 @@ Deviations deviations_of_directions(const Observations& data, const Eigen::Vecto
     for (Eigen::Index i = 0; i < n; ++i) {
       const auto f = static_cast<std::size_t>(forward[static_cast<std::size_t>(i)]);
       const auto r = static_cast<std::size_t>(reverse[static_cast<std::size_t>(i)]);
-      deviations.of[f] =
-          half(i, 0) / std::hypot(part.forward * noise.relative_of(f), part.reverse * noise.relative_of(r));
+      deviations.of[f] = half(i, 0) * (std::numbers::sqrt2 / std::hypot(noise.relative_of(f), noise.relative_of(r)));
     }
     deviations.freedom += static_cast<double>(n - 2) - half.rightCols(basis.cols()).squaredNorm();
     places_seen += static_cast<double>(n);
@@ -538,13 +532,11 @@ NoiseModel noise_of(const Observations& data, const Eigen::VectorXd& residual, c
   }
   const double size = std::max<double>(1.0, static_cast<double>(residual.size()));
   std::optional<Eigen::MatrixXd> basis;
-  // the least of these estimates: smooth columns, differences of both directions, sums of them, each of them
+  // the least of three estimates: smooth columns, differences of both directions, sums of them
   const auto with_directions = [&](Deviations least, const std::vector<bool>& out) {
     if (!basis) basis = absorbed.cols() > 0 ? PivotedQr(absorbed).basis() : Eigen::MatrixXd(residual.size(), 0);
-    constexpr double kHalf = 1.0 / std::numbers::sqrt2;
-    for (const OfDirections& part :
-         {OfDirections{kHalf, -kHalf}, OfDirections{kHalf, kHalf}, OfDirections{1.0, 0.0}, OfDirections{0.0, 1.0}}) {
-      Deviations directions = deviations_of_directions(data, residual, out, part, *basis, noise);
+    for (const bool shared : {false, true}) {
+      Deviations directions = deviations_of_directions(data, residual, out, shared, *basis, noise);
       if (!scatter_less(directions, least)) continue;
       least = std::move(directions);
       noise.pure.differ_in.clear();

@@ -392,7 +392,7 @@ bool Search::in_ranges(const std::vector<Choice>& chosen) const {
 Choice Search::best_own(const Space& space, std::size_t f, bool far) const {
   const Family& family = families_[f];
   const bool only_near = !far && family.far;
-  std::vector<Choice> peaks = peaks_of(space, f, only_near ? kAllPeaks : kMostPeaks);
+  std::vector<Choice> peaks = peaks_of(space, f, kAllPeaks);
   if (only_near) std::erase_if(peaks, [&](const Choice& peak) { return peak.nonlinear < *family.far; });
   Choice best;
   best.family = f;

@@ -36,9 +36,9 @@ void absorb(Space& space, const Eigen::MatrixXd& white_columns);
 /// The same apart: the directions that are added, and what is left beside all.
 [[nodiscard]] Space added_by(const Space& space, const Eigen::MatrixXd& white_columns);
 
-/// How many times as probable as errors of single targets an effect of the library is, before any reading. Likely
-/// effects may be false in one set of a hundred: errors without any order are not as frequent as that. Screws, scales
-/// and guides make shapes over the travel, and a wave shorter than the distance of the targets looks like such errors.
+/// How many times as probable as errors of single targets an effect of the library is, before any reading: an
+/// assumption. Screws, scales and guides make shapes over the travel, and a wave shorter than the distance of the
+/// targets looks like such errors; of the likely effects one in a hundred may be false.
 inline constexpr double kShapeBeforehand = 100.0;
 
 /// Price of free coefficients and of having chosen where they are.

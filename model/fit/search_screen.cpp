@@ -170,8 +170,7 @@ namespace {
 
 using Eigen::MatrixXf;
 
-/// Peaks of a scan looked at that differ from the best by more than a share of its period.
-constexpr std::size_t kOtherPeaks = 2;
+/// Peaks of a scan are the same if they differ by less than this share of the period.
 constexpr double kSamePeak = 0.02;
 /// Refining a period that is known from its double or half raises its score by no more than this. A choice: its
 /// frequency is off by half the rounding of the refinement.
@@ -230,7 +229,16 @@ Choice Search::best_period(const Space& space, const std::vector<Choice>& peaks)
     best = other;
     fits = true;
   };
-  // the period may be twice the one found (its second harmonic stronger) or half of it, or another peak
+  // the scan ranks by the coarse grid: the best of all may be a lower peak there, with its second harmonic
+  std::vector<double> looked_at{peaks.front().nonlinear};
+  for (const Choice& peak : peaks) {
+    if (looked_at.size() == kMostPeaks) break;
+    const auto is_same = [&](double value) { return std::abs(peak.nonlinear / value - 1.0) <= kSamePeak; };
+    if (std::ranges::any_of(looked_at, is_same)) continue;
+    looked_at.push_back(peak.nonlinear);
+    take(refined_choice(space, f, peak.nonlinear));
+  }
+  // the period may be twice the one found (its second harmonic stronger) or half of it
   // of a turn only the fractions that are tried: others are no waves of that axis, or another effect
   const bool of_turn = families_[f].effect.rotary;
   const auto is_tried = [&](double value) {
@@ -240,12 +248,6 @@ Choice Search::best_period(const Space& space, const std::vector<Choice>& peaks)
     if ((!of_turn || is_tried(value)) &&
         choice_at(space, f, value).score() > (fits ? best.score() - kRefinedRise : 0.0))
       take(refined_choice(space, f, value));
-  std::size_t tried = 0;
-  for (std::size_t j = 1; j < std::min(peaks.size(), kMostPeaks) && tried < kOtherPeaks; ++j) {
-    if (std::abs(peaks[j].nonlinear / best.nonlinear - 1.0) <= kSamePeak) continue;
-    ++tried;
-    take(refined_choice(space, f, peaks[j].nonlinear));
-  }
   if (!fits) best.gain = 0.0;
   return best;
 }

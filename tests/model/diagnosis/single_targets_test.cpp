@@ -89,3 +89,21 @@ TEST_CASE("a wave on seven targets is likely, alone or as one of several causes,
     CHECK_FALSE(proves_any(found));
   }
 }
+
+TEST_CASE(
+    "errors of single targets in one approach are no proved wave of that approach, nor one beside a lost motion") {
+  int proved = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const int targets = 7 + static_cast<int>(seed % 2) * 9;
+    std::mt19937_64 random(seed);
+    NormalDraws draws(0.0, 16.0 * kNoise_um);
+    std::vector<double> errors_um;
+    for (int i = 0; i < targets; ++i) errors_um.push_back(draws(random));
+    constexpr double kStep_mm = 47.3;
+    const auto set = measured({.step_mm = kStep_mm, .targets = targets}, kNoise_um, [&](const Reading& r) {
+      return d(r) < 0.0 ? errors_um.at(static_cast<std::size_t>(std::lround(p(r) / kStep_mm))) : 0.0;
+    });
+    proved += proves_any(diagnosed(usual_model(set, mill()), set)) ? 1 : 0;
+  }
+  CHECK(proved <= 1);
+}

@@ -1,5 +1,6 @@
 #include "model/fit/core.hpp"
 
+#include <array>
 #include <numbers>
 
 #include <rapidcheck.h>
@@ -94,6 +95,22 @@ TEST_CASE("a free period never passes half of the travel, whatever the readings 
   for (const Truth& truth : {Truth(parabola), Truth(half_turn), Truth(nothing)})
     for (const std::optional<double> start : {std::optional<double>(), std::optional(700.0), std::optional(1e5)})
       CHECK(searched_value(cyclic, measured({}, kNoise_um, truth), start) <= 0.5 * (greatest - least) * (1.0 + 1e-9));
+}
+
+TEST_CASE(
+    "the period of a wave with a strong second harmonic is found on nine targets, where the first alone shows "
+    "another") {
+  constexpr std::array at_mm{259.5, 517.6, 753.2, 1035.5, 1320.9, 1621.3, 1875.0, 2083.3, 2378.1};
+  constexpr double kPeriod_mm = 307.5;
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    auto set = measured({.targets = 9, .runs = 2}, 0.1, nothing, seed);
+    for (Reading& r : set.readings) {
+      r.position_mm[0] = at_mm.at(static_cast<std::size_t>(std::lround(p(r) / 25.0)));
+      const double turn = 2.0 * std::numbers::pi * (2610.0 - p(r)) / kPeriod_mm;
+      r.error += 2.5 - 0.66 * std::sin(turn) + 6.57 * std::cos(turn) - 2.32 * std::cos(2.0 * turn);
+    }
+    CHECK(searched_value(cyclic, set) == Approx(kPeriod_mm).epsilon(0.01));
+  }
 }
 
 TEST_CASE("a time constant lies between a fiftieth of the session and the session") {

@@ -108,7 +108,7 @@ TEST_CASE("without repeats the noise is what smooth columns leave, and says so")
   CHECK(noise.pure.noise_um == Approx(kWhite_um).epsilon(0.15));
 }
 
-TEST_CASE("what a place shows there and back, alike, with its sign turned or on one way, is no noise without repeats") {
+TEST_CASE("what a place shows there and back, alike or with its sign turned, is no noise where nothing was repeated") {
   const auto rough = [](const Reading& r) { return 15.0 * std::sin(7.7 * p(r)); };  // no neighbour says it
   const Plan once{.step_mm = 50.0, .targets = 20, .runs = 1};
   const auto noise_um = [&](const Truth& truth) {
@@ -119,21 +119,7 @@ TEST_CASE("what a place shows there and back, alike, with its sign turned or on 
   CHECK(both.dof == 18.0);
   CHECK_FALSE(both.from_repeats);
   CHECK(noise_um([&](const Reading& r) { return rough(r) * d(r); }).noise_um == Approx(kWhite_um).epsilon(0.35));
-  for (const double way : {1.0, -1.0})
-    CHECK(noise_um([&](const Reading& r) { return rough(r) * (1.0 + way * d(r)); }).noise_um ==
-          Approx(kWhite_um).epsilon(0.35));
   CHECK(noise_um([&](const Reading& r) { return rough(r) * (2.0 + d(r)); }).noise_um > 5.0);
-}
-
-TEST_CASE("in one run both ways over seven targets, white noise is seldom taken from one way that is quiet by chance") {
-  constexpr int kSets = 300;
-  int too_small = 0;
-  for (unsigned seed = 1; seed <= kSets; ++seed)
-    too_small += noise_in(readings_of(measured({.step_mm = 125.0, .targets = 7, .runs = 1}, kWhite_um, nothing, seed)))
-                             .pure.noise_um < 0.4 * kWhite_um
-                     ? 1
-                     : 0;
-  CHECK(too_small <= 12);  // of four estimates with five degrees of freedom, each by an F test at one in a hundred
 }
 
 TEST_CASE("where targets were repeated only with other feeds or loads, these readings show the noise and are named") {
