@@ -29,8 +29,8 @@ Model with_long_wave(double period_mm) {
 }
 
 /// Fitted with the searched parameter of one more effect free, from a start far outside its limits where one is given.
-double searched_value(EffectId id, const laser::MeasurementSet& set, std::optional<double> start = {}) {
-  Model model = straight();
+double searched_value(EffectId id, const laser::MeasurementSet& set, std::optional<double> start = {},
+                      Model model = straight()) {
   model.effects.push_back(effect(id, Axis::X, Sense::EX));
   const std::string name(model.effects.back().definition().searched_parameter());
   if (start) model.effects.back().fitted[name] = *start;
@@ -100,16 +100,19 @@ TEST_CASE("a free period never passes half of the travel, whatever the readings 
 TEST_CASE(
     "the period of a wave with a strong second harmonic is found on nine targets, where the first alone shows "
     "another") {
-  constexpr std::array at_mm{259.5, 517.6, 753.2, 1035.5, 1320.9, 1621.3, 1875.0, 2083.3, 2378.1};
+  constexpr std::array at_mm{259.506, 517.648, 753.17, 1035.544, 1320.928, 1621.269, 1874.977, 2083.297, 2378.14};
   constexpr double kPeriod_mm = 307.5;
+  Model level;
+  level.effects = {effect(offset, Axis::X, Sense::EX)};
   for (const unsigned seed : {1U, 2U, 3U}) {
     auto set = measured({.targets = 9, .runs = 2}, 0.1, nothing, seed);
     for (Reading& r : set.readings) {
       r.position_mm[0] = at_mm.at(static_cast<std::size_t>(std::lround(p(r) / 25.0)));
       const double turn = 2.0 * std::numbers::pi * (2610.0 - p(r)) / kPeriod_mm;
-      r.error += 2.5 - 0.66 * std::sin(turn) + 6.57 * std::cos(turn) - 2.32 * std::cos(2.0 * turn);
+      r.error += 2.5 + 0.66 * std::sin(turn) + 6.57 * std::cos(turn) + 0.09 * std::sin(2.0 * turn) -
+                 2.32 * std::cos(2.0 * turn);
     }
-    CHECK(searched_value(cyclic, set) == Approx(kPeriod_mm).epsilon(0.01));
+    CHECK(searched_value(cyclic, set, {}, level) == Approx(kPeriod_mm).epsilon(0.01));
   }
 }
 
