@@ -156,6 +156,21 @@ void keep_repeated(const Observations& data, std::vector<bool>& out) {
     }
 }
 
+/// Nor are the odd readings with which every pass of a line begins, two passes at least: the machine does that after a
+/// reversal.
+void keep_beginnings(const Observations& data, std::vector<bool>& out) {
+  const std::vector<std::size_t> pass = passes_of(data);
+  std::map<std::tuple<Channel, Axis, Vector3>, std::map<std::size_t, Rows>> lines;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!data.on_path(k)) lines[{data.channel(k), data.axis[k], data.parked_of(k)}][pass[k]].push_back(k);
+  for (const auto& [line, passes] : lines) {
+    const auto begins_odd = [&](const auto& one) { return out[one.second.front()]; };
+    if (passes.size() < 2 || !std::ranges::all_of(passes, begins_odd)) continue;
+    for (const auto& [number, rows] : passes)
+      for (auto k = rows.begin(); k != rows.end() && out[*k]; ++k) out[*k] = false;
+  }
+}
+
 /// A circle is read on the fly, where several readings follow a reversal closely: what a single pass shows within five
 /// degrees of one, the axis does.
 void keep_on_circles(const Observations& data, std::vector<bool>& out) {
@@ -235,6 +250,7 @@ std::vector<bool> isolated_outliers(const Observations& data, const Eigen::Vecto
   }
   keep_streaks(data, oddness, out);
   keep_repeated(data, out);
+  keep_beginnings(data, out);
   keep_on_circles(data, out);
   return out;
 }

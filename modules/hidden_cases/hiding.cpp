@@ -205,6 +205,7 @@ const std::vector<Hiding>& hidings() {
        .excluded_from = Design::kOneLever},
       {.id = "sag",
        .needs = {.translations = true},
+       .admits = [](Search, Sense sense, Axis axis) { return !is_along(sense, axis); },  // a weight bends across
        .draw =
            [](Draw by, DrawnEffect& e) {
              const bool cubic = chance(by.random, 0.5);

@@ -562,6 +562,16 @@ TEST_CASE("a reading that every pass over its target repeats is no outlier, in o
   CHECK(place.outliers() == std::vector<std::size_t>{10});
 }
 
+TEST_CASE("odd readings with which every pass of a line begins are no outliers: the machine does that after a reversal") {
+  Spoiled both(6, {.runs = 1});
+  both.raise(0, -40.0);  // first readings of the pass there and of that back, two of the latter
+  both.raise(41, 40.0);
+  both.raise(42, 25.0);
+  CHECK(both.outliers().empty());
+  both.raise(41, -40.0);  // of one pass only
+  CHECK(both.outliers() == std::vector<std::size_t>{0, 42});
+}
+
 TEST_CASE("the transposed whitener is the transpose of the whitener, rows left out and all") {
   const auto set = measured({}, 0.3, nothing);
   const Observations data = observations_of(set, straight(), mill());
