@@ -39,7 +39,11 @@ std::vector<double> periods_mm(const Scene&, const Ground& ground, const DrawnEf
   const auto& places = ground.cover(*effect.sense, *effect.axis).places_mm;
   const double length_mm = places.back() - places.front();
   const double most = std::min(kMostWaves, static_cast<double>(places.size()) / 2.0);
-  for (double waves = 1.0; waves < most; waves *= 1.0 + 0.2 / (waves + 1.0)) periods.push_back(length_mm / waves);
+  double waves = 1.0;
+  while (waves < most) {
+    periods.push_back(length_mm / waves);
+    waves *= 1.0 + 0.2 / (waves + 1.0);
+  }
   return periods;
 }
 
