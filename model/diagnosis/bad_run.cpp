@@ -273,6 +273,77 @@ std::optional<NoisyRun> run_of_outliers(const Observations& data, const Eigen::V
   return NoisyRun{run, sums.sum / sums.count / std::max(rest, kLeastDivisor)};
 }
 
+/// Median size of deviations, as a standard deviation.
+double spread(std::vector<double> deviations) {
+  for (double& one : deviations) one = std::abs(one);
+  return kSigmaPerMad * upper_median(std::move(deviations));
+}
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
+}
+
+/// Whether each reading is far from the median of its repeats, three at least, in robust standard deviations of its
+/// kind.
+std::vector<bool> far_from_repeats(const Observations& data, const Repeats& repeats, const Eigen::VectorXd& residual) {
+  constexpr double kFar = 4.0;
+  std::vector<std::vector<double>> values(repeats.nodes);
+  for (std::size_t k = 0; k < data.size(); ++k)
+    values[repeats.node_of[k]].push_back(residual(static_cast<Eigen::Index>(k)));
+  std::map<std::pair<Channel, Axis>, std::vector<double>> deviations;
+  std::vector<double> off(data.size(), 0.0);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const std::vector<double>& here = values[repeats.node_of[k]];
+    if (here.size() < kFewestRuns) continue;
+    off[k] = residual(static_cast<Eigen::Index>(k)) - median(here);
+    if (off[k] != 0.0) deviations[{data.channel(k), data.axis[k]}].push_back(off[k]);  // but the median itself
+  }
+  std::map<std::pair<Channel, Axis>, double> scales;
+  for (const auto& [kind, values_of] : deviations) scales[kind] = spread(values_of);
+  std::vector<bool> far(data.size(), false);
+  for (std::size_t k = 0; k < data.size(); ++k)
+    far[k] = off[k] != 0.0 && std::abs(off[k]) > kFar * scales[{data.channel(k), data.axis[k]}];
+  return far;
+}
+
+/// The run of a burst: most readings of a short part of one pass are far from those of the other runs at their places,
+/// and most of that run are not. Readings with heavy tails are far one by one.
+std::optional<NoisyRun> run_of_burst(const Observations& data, const Eigen::VectorXd& whitened,
+                                     const Eigen::VectorXd& residual, const std::vector<bool>& left_out) {
+  // four of six in a row: two in a million if one in fifty is far
+  constexpr std::ptrdiff_t kInARow = 6, kOfThese = 4;
+  const Repeats repeats = repeats_of(data);
+  const std::vector<bool> far_as_it_is = far_from_repeats(data, repeats, residual);
+  const std::vector<bool> far_white = far_from_repeats(data, repeats, whitened);
+  struct Sums {
+    double far = 0.0, count = 0.0, sum = 0.0;
+    bool burst = false;
+  };
+  std::map<int, Sums> runs;
+  Sums all;
+  std::map<std::size_t, std::vector<bool>> passes;
+  const std::vector<std::size_t> number = passes_of(data);
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    const bool far = far_as_it_is[k] && (left_out[k] || far_white[k]);
+    std::vector<bool>& pass = passes[number[k]];
+    pass.push_back(far);
+    const auto last = std::min(kInARow, std::ssize(pass));
+    for (Sums* sums : {&runs[data.run[k]], &all}) {
+      sums->far += far ? 1.0 : 0.0;
+      sums->count += 1.0;
+      sums->sum += std::abs(residual(static_cast<Eigen::Index>(k)));
+      sums->burst = sums->burst || std::count(pass.end() - last, pass.end(), true) >= kOfThese;
+    }
+  }
+  for (const auto& [run, sums] : runs) {
+    if (!sums.burst || 2.0 * sums.far >= sums.count || runs.size() < kFewestRuns) continue;
+    const double rest = (all.sum - sums.sum) / (all.count - sums.count);
+    return NoisyRun{run, sums.sum / sums.count / std::max(rest, kLeastDivisor)};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorXd& whitened,
@@ -285,7 +356,10 @@ std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorX
     most = ratio;
     worst = NoisyRun{run, by_raw.at(run)};
   }
-  if (!worst) return run_of_outliers(data, residual, left_out);
+  if (!worst) {
+    if (const auto burst = run_of_burst(data, whitened, residual, left_out)) return burst;
+    return run_of_outliers(data, residual, left_out);
+  }
   double count = 0.0, sum = 0.0, squares = 0.0;
   for (std::size_t k = 0; k < data.size(); ++k) {
     if (left_out[k] || data.run[k] != worst->run) continue;
@@ -308,22 +382,11 @@ std::string words_for(const NoisyRun& run) {
 
 namespace {
 
-/// Median size of deviations, as a standard deviation.
-double spread(std::vector<double> deviations) {
-  for (double& one : deviations) one = std::abs(one);
-  return kSigmaPerMad * upper_median(std::move(deviations));
-}
-
 /// Readings of a place by their group: a run, or a line.
 using ByGroup = std::map<int, std::vector<double>>;
 /// By place.
 template <class Place>
 using Places = std::map<Place, ByGroup>;
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
-}
 
 /// A group beside the medians of the others, at the places of which these have two readings or more.
 struct GroupBesideOthers {

@@ -58,7 +58,7 @@ struct NoisyRun {
 /// "run 5 scatters 3 times as much as the others", or "run 5 lies apart from the other runs" where it is shifted.
 [[nodiscard]] std::string words_for(const NoisyRun& run);
 /// The run of three or more that scatters more than the others, far beyond what chance does; one that is shifted only
-/// if it is apart (run_apart). Where none does, the one that has nearly all of the outliers.
+/// if it is apart (run_apart). Where none does, the one with a burst in a part of it, or with nearly all outliers.
 /// Both residuals must show it: whitening may mistake one run, correlated noise the other.
 /// @param whitened  with everything found absorbed  @param residual  um or um/m  @param left_out  outliers
 [[nodiscard]] std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorXd& whitened,

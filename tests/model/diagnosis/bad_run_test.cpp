@@ -2,6 +2,7 @@
 
 #include <array>
 #include <numbers>
+#include <random>
 
 #include <rapidcheck.h>
 
@@ -475,4 +476,33 @@ TEST_CASE("a third line in another unit or with the wrong sign is reported altho
       CHECK(found.headline.starts_with("The line of EX along X at Y 300, Z 0 "));
       CHECK(std::ranges::none_of(found.candidates, &Candidate::in_answer));
     }
+}
+
+TEST_CASE("six readings of one run that jump far to both sides are a burst; the answer states the run") {
+  constexpr std::array kBurst_um{-3.3, -2.9, 4.2, 2.6, -4.4, -0.7};
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const auto set = measured(
+        {.targets = 25, .runs = 3, .both_ways = false}, kNoise_um,
+        [&](const Reading& r) {
+          const long place = std::lround(p(r) / 25.0) - 9;
+          return r.run == 2 && place >= 0 && place < 6 ? kBurst_um.at(static_cast<std::size_t>(place)) : 0.0;
+        },
+        seed);
+    const Diagnosis found = diagnosed(straight(), set);
+    CAPTURE(found.headline);
+    CHECK(found.verdict == Verdict::unexplained_structure);
+    CHECK(contains(found.headline, "Run 2 scatters"));
+  }
+}
+
+TEST_CASE("noise with far readings here and there has no burst") {
+  int bursts = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    std::mt19937_64 random(seed);
+    std::student_t_distribution<double> tails(3.0);
+    const auto set = measured(
+        {.targets = 41, .runs = 4}, 0.0, [&](const Reading&) { return kNoise_um * tails(random); }, seed);
+    bursts += contains(diagnosed(straight(), set).headline, "scatters") ? 1 : 0;
+  }
+  CHECK(bursts == 0);
 }
