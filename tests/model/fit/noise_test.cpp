@@ -562,7 +562,7 @@ TEST_CASE("a reading that every pass over its target repeats is no outlier, in o
   CHECK(place.outliers() == std::vector<std::size_t>{10});
 }
 
-TEST_CASE("odd readings with which every pass of a line begins are no outliers: the machine does that after a reversal") {
+TEST_CASE("odd readings with which every pass of a line begins are no outliers: a reversal may make them") {
   Spoiled both(6, {.runs = 1});
   both.raise(0, -40.0);  // first readings of the pass there and of that back, two of the latter
   both.raise(41, 40.0);
