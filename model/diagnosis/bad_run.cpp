@@ -291,12 +291,14 @@ std::vector<bool> far_from_repeats(const Observations& data, const Repeats& repe
   std::vector<std::vector<double>> values(repeats.nodes);
   for (std::size_t k = 0; k < data.size(); ++k)
     values[repeats.node_of[k]].push_back(residual(static_cast<Eigen::Index>(k)));
+  std::vector<double> middle(repeats.nodes, kNotMeasured);
+  for (std::size_t node = 0; node < repeats.nodes; ++node)
+    if (values[node].size() >= kFewestRuns) middle[node] = median(std::move(values[node]));
   std::map<std::pair<Channel, Axis>, std::vector<double>> deviations;
   std::vector<double> off(data.size(), 0.0);
   for (std::size_t k = 0; k < data.size(); ++k) {
-    const std::vector<double>& here = values[repeats.node_of[k]];
-    if (here.size() < kFewestRuns) continue;
-    off[k] = residual(static_cast<Eigen::Index>(k)) - median(here);
+    if (std::isnan(middle[repeats.node_of[k]])) continue;
+    off[k] = residual(static_cast<Eigen::Index>(k)) - middle[repeats.node_of[k]];
     if (off[k] != 0.0) deviations[{data.channel(k), data.axis[k]}].push_back(off[k]);  // but the median itself
   }
   std::map<std::pair<Channel, Axis>, double> scales;
