@@ -1,7 +1,7 @@
 // A shift of mean in one block: the mean-shift outlier model (Cook and Weisberg 1982, 2.2) with a run in place of a
 // reading, priced by Schwarz's criterion (1978), apart from the others by Grubbs's test (1969); scatter compared by
-// mean absolute deviations (Levene 1960; Brown and Forsythe 1974), the variances of which need not be the same (Welch
-// 1947).
+// roots of absolute deviations (Levene 1960; of normal noise they are nearly normal: Hawkins 1981), passes by Welch's
+// t (1947).
 #include "model/diagnosis/bad_run.hpp"
 
 #include <algorithm>
@@ -22,8 +22,8 @@ namespace {
 constexpr std::size_t kFewestRuns = 3;
 /// 2 ln 100: an effect that explains a run better by this is more than the run (docs/model.md, "When no cause").
 constexpr double kBetterByHundred = 9.21;
-/// A run scatters more than the others where its mean absolute residual is larger by this factor, and by this many
-/// standard deviations of the difference: 3e-6 of runs on one side. Fewer readings a run tell nothing of its scatter.
+/// A run scatters more than the others where it does so by this factor, and the mean root of its absolute residuals is
+/// larger by this many standard deviations of the difference: 3e-6 of runs. Fewer readings tell nothing of scatter.
 constexpr double kNoisier = 1.5, kFarSigmas = 4.5, kFewestInRun = 8.0;
 /// Passes of a line and approach from which one can be odd, readings in each, and the chance at which it is: one in
 /// a million, since it denies that noise explains everything.
@@ -168,15 +168,12 @@ std::optional<TargetOffset> best_target_offset(const Observations& data, const W
 
 namespace {
 
-/// By run: ratio of its mean absolute residual to that of the others, where it is larger by more than chance.
+/// By run: ratio of its scatter to that of the others, where it is larger by more than chance.
 std::map<int, double> noisy_runs(const Observations& data, const Eigen::VectorXd& residual,
                                  const std::vector<bool>& left_out) {
   struct Sums {
-    double count = 0.0, sum = 0.0, squares = 0.0;
-    [[nodiscard]] double mean() const { return sum / count; }
-    [[nodiscard]] double variance_of_mean() const {
-      return std::max(0.0, squares / count - mean() * mean()) / std::max(1.0, count - 1.0);
-    }
+    double count = 0.0, roots = 0.0, squares = 0.0;  ///< of the roots of absolute deviations
+    [[nodiscard]] double mean() const { return roots / count; }
   };
   std::map<int, Sums> runs;
   Sums all;
@@ -185,18 +182,19 @@ std::map<int, double> noisy_runs(const Observations& data, const Eigen::VectorXd
     const double size = std::abs(residual(static_cast<Eigen::Index>(k)));
     for (Sums* sums : {&runs[data.run[k]], &all}) {
       sums->count += 1.0;
-      sums->sum += size;
-      sums->squares += size * size;
+      sums->roots += std::sqrt(size);
+      sums->squares += size;
     }
   }
   std::map<int, double> noisy;
   if (runs.size() < kFewestRuns) return noisy;
   for (const auto& [run, sums] : runs) {
-    const Sums rest{all.count - sums.count, all.sum - sums.sum, all.squares - sums.squares};
-    if (sums.count < kFewestInRun || rest.count < kFewestInRun || rest.sum <= 0.0) continue;
-    const double ratio = sums.mean() / rest.mean();
-    const double sigmas = (sums.mean() - rest.mean()) / std::sqrt(sums.variance_of_mean() + rest.variance_of_mean());
-    if (ratio > kNoisier && sigmas > kFarSigmas) noisy[run] = ratio;
+    const Sums rest{all.count - sums.count, all.roots - sums.roots, all.squares - sums.squares};
+    if (sums.count < kFewestInRun || rest.count < kFewestInRun || rest.roots <= 0.0) continue;
+    const double inside = all.squares - sums.roots * sums.mean() - rest.roots * rest.mean();
+    const double variance = inside / (all.count - 2.0) * (1.0 / sums.count + 1.0 / rest.count);
+    const double ratio = std::pow(sums.mean() / rest.mean(), 2);
+    if (ratio > kNoisier && sums.mean() - rest.mean() > kFarSigmas * std::sqrt(variance)) noisy[run] = ratio;
   }
   return noisy;
 }

@@ -52,9 +52,8 @@ constexpr std::size_t kMostLooks = 2;
 constexpr double kMostSquareOfAll = 2.0;
 /// Score by which another set of as many effects is clearly better: odds of e^(9/2), 90 to one.
 constexpr double kBetterSet = 9.0;
-/// Candidates shown where nothing is found; refined where the size of the noise is open, for the best under noise that
-/// is too large is the simplest.
-constexpr std::size_t kClosest = 3, kRefinedBesideNoise = 8;
+/// Candidates shown where nothing is found.
+constexpr std::size_t kClosest = 3;
 
 /// Noise known only from what smooth curves leave is looked at again once the effects found are taken off.
 bool changed(const NoiseModel& a, const NoiseModel& b) {
@@ -204,7 +203,10 @@ Result<Base> base_of(const Model& model, const Regressors& regressors, bool plai
     const Slot& slot = assembly.slots[s];
     if (!slot.at_limit.empty()) base.at_limit.push_back(slot.effect);
     const bool is_sought = slot.is_sought(regressors.motions());
-    if (is_sought) base.own.push_back(s);
+    if (is_sought) {
+      base.own.push_back(s);
+      base.own_values.push_back(slot.nonlinear.front());
+    }
     MatrixXd& columns = is_sought ? base.own_columns : base.columns;
     columns = beside(std::move(columns), slot.columns);
     for (std::size_t j = 0; j < slot.nonlinear.size(); ++j) {  // a small error of a fitted value is absorbed too
@@ -263,7 +265,10 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
                const std::vector<EffectInstance>& candidates, const DiagnoseOptions& options) {
   const Observations& data = regressors.data();
   std::vector<EffectInstance> own;
-  for (const std::size_t i : base.own) own.push_back(model.effects[i]);
+  for (std::size_t i = 0; i < base.own.size(); ++i) {
+    own.push_back(model.effects[base.own[i]]);
+    own.back().fitted[std::string(own.back().definition().searched_parameter())] = base.own_values[i];
+  }
   const std::vector<EffectInstance> others_than_own =
       others_than(base.at_limit, candidates_beside(model, own, candidates));
   Found found;

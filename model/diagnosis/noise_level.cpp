@@ -16,6 +16,8 @@ using Eigen::MatrixXf;
 /// What refining a period and adding harmonics may gain on noise, which the replicates are not given: χ² of two
 /// degrees exceeds it in one case of twenty. A choice.
 constexpr double kRefinement = 6.0;
+/// Replicates of so few readings are searched as the readings are, not on the grid alone: a choice, for the time.
+constexpr Index kFewReadings = 100;
 /// An effect scores at least this (beyond kRefinement), whatever the replicates: e^(8/2) = 55 to 1 by Schwarz's
 /// approximation of the Bayes factor.
 constexpr double kLeastEntry = 8.0;
@@ -79,6 +81,16 @@ std::vector<double> best_ratios(const Search& search, const MatrixXf& noise, dou
   return best;
 }
 
+/// The greatest ratio that an effect reaches on one column of noise, the best effects refined as those on the readings
+/// are: exact, where the readings are few enough for that.
+double best_ratio(const Search& search, const Eigen::VectorXf& noise, double freedom) {
+  const Space space{search.base().q, noise.cast<double>()};
+  double best = -kBeyondAll;
+  for (const Choice& one : search.expand(space, kRefinedBesideNoise))
+    best = std::max(best, ratio_of(one, space.chi2(), freedom));
+  return best;
+}
+
 }  // namespace
 
 void find_level(const Search& search, const Structure& structure, Replicates& replicates,
@@ -102,19 +114,24 @@ BesideNoise beside_noise_of_any_size(const Search& search, const OfOneNoise& rea
                                      const std::vector<Choice>& choices, const DiagnoseOptions& options) {
   const auto here = [&](const Choice& one) { return ratio_of(one, readings.squares, readings.freedom); };
   BesideNoise beside{*std::ranges::max_element(choices, {}, here)};
+  const bool exactly = readings.counts.size() <= kFewReadings;
   std::vector<double> of_noise;
   const auto look_at = [&](std::size_t count) {
     replicates.draw_up_to(count);
     const auto more = static_cast<Index>(replicates.size() - of_noise.size());
     const MatrixXf noise = readings.counts.asDiagonal() * replicates.all().rightCols(more);
+    if (exactly) {
+      for (const auto& column : noise.colwise()) of_noise.push_back(best_ratio(search, column, readings.freedom));
+      return;
+    }
     const std::vector<double> ratios = best_ratios(search, noise, readings.freedom);
     of_noise.insert(of_noise.end(), ratios.begin(), ratios.end());
   };
   look_at(std::min(kFirstReplicates, options.noise_replicates));
   if (loses_to_noise(here(beside.best), of_noise)) return beside;
   look_at(options.noise_replicates);
-  const bool refined = is_searched(search.families()[beside.best.family].effect);
-  beside.chance = tail_probability(of_noise, here(beside.best) - (refined ? kRefinement : 0.0));
+  const bool refined_here_only = !exactly && is_searched(search.families()[beside.best.family].effect);
+  beside.chance = tail_probability(of_noise, here(beside.best) - (refined_here_only ? kRefinement : 0.0));
   return beside;
 }
 

@@ -31,6 +31,8 @@ constexpr double kRivalScoreMargin = 15.0;
 /// Evidence that differs by less than this does not speak against the simpler effect (2 ln of odds of 4.5 to 1; Kass
 /// and Raftery 1995: positive from 2 to 6).
 constexpr double kEven = 3.0;
+/// One smooth curve in ten has fewer functions that count than any curve is searched with: 2 ln of that, an assumption.
+constexpr double kCurveOfFew = 4.6;
 /// Fits that differ by less than this fall of χ² are the same fit: rounding and the end of a refinement.
 constexpr double kSame = 0.05;
 /// Breadth of the search: choices, each trading processor time against a set that is not met.
@@ -117,6 +119,41 @@ Choice with_columns(const Search& search, const Space& space, Choice whole, cons
   absorb(with, search.white_columns_of(whole));
   whole.gain = space.chi2() - with.chi2();
   return whole;
+}
+
+/// The functions of a curve are about as large as one another: that all but the first are as small as the noise is a
+/// coincidence, and has its price (empirical Bayes: George and Foster 2000). Without it a bow is as likely to be a
+/// curve as to be the one effect that is nothing but a bow.
+double price_of_shape(const Choice& choice, const Family& family) {
+  if (!family.effect.traits().is_curve || choice.parameters < 2) return 0.0;
+  const auto functions = static_cast<double>(choice.parameters);
+  const double mean_square = choice.gain / (std::exp(family.ln_readings) * functions);  // in units of the noise
+  return (functions - 1.0) * std::log(std::max(1.0, mean_square));
+}
+
+/// 2 ln of the odds of an alternative for one cause, up to a term that all have.
+double ln_odds(const Choice& choice, const std::vector<Family>& families) {
+  return choice.score() - (choice.parameters > 0 ? price_of_shape(choice, families[choice.family]) : 0.0);
+}
+
+/// A curve with as few of its leading functions as suffice, at the price of so few: what is to be explained may be nothing
+/// but a bow. Every other effect, and a curve that needs all of them, as it is.
+/// @param space  what is left beside the other effects
+Choice with_functions_needed(const Search& search, const Space& space, const Choice& whole) {
+  if (!search.families()[whole.family].effect.traits().is_curve) return whole;
+  Choice best = whole;
+  double odds = ln_odds(whole, search.families());
+  std::vector<Index> columns = whole.columns;
+  while (columns.size() > 1) {
+    columns.pop_back();
+    Choice few = with_columns(search, space, whole, columns);
+    few.cost += kCurveOfFew;
+    if (const double of_few = ln_odds(few, search.families()); of_few > odds) {
+      best = few;
+      odds = of_few;
+    }
+  }
+  return best;
 }
 
 /// Whether even targets show the most of a wave as fewer than two turns over the travel: that is a bow, and any bow of
@@ -251,21 +288,6 @@ std::vector<Choice> values_that_fit(const Search& search, const Space& space, co
     return place == facts ? facts + 1 : value.gain < member.gain - kEven ? facts : place;
   });
   return values;
-}
-
-/// The functions of a curve are about as large as one another: that all but the first are as small as the noise is a
-/// coincidence, and has its price (empirical Bayes: George and Foster 2000). Without it a bow is as likely to be a
-/// curve as to be the one effect that is nothing but a bow.
-double price_of_shape(const Choice& choice, const Family& family) {
-  if (!family.effect.traits().is_curve || choice.parameters < 2) return 0.0;
-  const auto functions = static_cast<double>(choice.parameters);
-  const double mean_square = choice.gain / (std::exp(family.ln_readings) * functions);  // in units of the noise
-  return (functions - 1.0) * std::log(std::max(1.0, mean_square));
-}
-
-/// 2 ln of the odds of an alternative for one cause, up to a term that all have.
-double ln_odds(const Choice& choice, const std::vector<Family>& families) {
-  return choice.score() - (choice.parameters > 0 ? price_of_shape(choice, families[choice.family]) : 0.0);
 }
 
 /// The score from which so many effects together are better than none.
@@ -749,6 +771,8 @@ std::vector<Group> groups_of(const Search& search, const Solution& solution, dou
         group.member = pitch;
     }
     group.hidden_by_sensor = search.hidden_by_sensor(rest.space, group.member);
+    for (std::vector<Choice>* others : {&group.rivals, &group.weaker})
+      for (Choice& other : *others) other = with_functions_needed(search, rest.space, other);
     groups.push_back(std::move(group));
   }
   return groups;

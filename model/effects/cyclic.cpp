@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "base/moved_targets.hpp"
+#include "model/data/curve_basis.hpp"
 #include "model/effects/artefact_place.hpp"
 #include "model/effects/definition.hpp"
 #include "model/effects/quantities.hpp"
@@ -31,6 +32,8 @@ constexpr double kHighestTurns = 5.0, kHighestTurnsOfModel = 25.0;
 constexpr std::size_t kShapesOfModel = 400'000;
 /// Fewer turns over the travel are a slope or a curve, not a period.
 constexpr double kFewestTurns = 2.0;
+/// A wave that the user knows of may be shorter than even targets can show, and seen by few of them as so many turns.
+constexpr double kFewestTurnsSeen = 0.5;
 /// A fit moves a frequency by at most this many turns over the travel: further away is another peak, for the search to
 /// try.
 constexpr double kPeak = 0.5;
@@ -169,6 +172,14 @@ TriedValues periods(const Observations& data, const EffectInstance& effect, cons
   tried.far = mean_step / kHighestTurns;
   tried.independent = kWays * std::max(2.0, static_cast<double>(tried.values.size()) / kOversampling);
   tried.facts = pitches(data, *effect.axis, travel, step > 0.0 ? 1.0 / (highest * kRounding) : 0.0);
+  if (extent.is_of_model && p.size() <= kFreeTargets && even_step_mm(p)) {
+    tried.far = 1.0 / (highest * kRounding);
+    const int slower = static_cast<int>(kOversampling * (kFewestTurns - kFewestTurnsSeen));
+    for (int i = 0; i <= slower; ++i) {
+      const double frequency = 1.0 / step - lowest + static_cast<double>(i) / (kOversampling * travel);
+      if (frequency > highest * kRounding) tried.values.push_back(1.0 / frequency);
+    }
+  }
   return tried;
 }
 

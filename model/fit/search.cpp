@@ -416,10 +416,21 @@ Solution Search::alone_with(bool far) const {
 Solution Search::best_alone() const {
   Solution usual = alone_with(false);
   const double freedom = static_cast<double>(usual.space.y.size() - usual.space.q.cols());
-  if (is_no_more_than_noise(usual.space.chi2(), freedom)) return usual;
+  const auto is_noise = [&](const Solution& solution) {
+    return is_no_more_than_noise(solution.space.chi2(), freedom);
+  };
+  if (is_noise(usual)) return usual;
   // what is hidden must not be taken for a wave: only one that leaves nothing but noise
-  Solution far = alone_with(true);
-  return is_no_more_than_noise(far.space.chi2(), freedom) ? far : usual;
+  if (Solution far = alone_with(true); is_noise(far)) return far;
+  std::vector<Choice> fitted = usual.own;
+  for (Choice& one : fitted) {
+    const EffectInstance& effect = families_[one.family].effect;
+    const auto value = effect.fitted.find(std::string(effect.definition().searched_parameter()));
+    if (value != effect.fitted.end()) one.nonlinear = value->second;
+  }
+  Solution former = solution({}, fitted);
+  former.chi2_before = former.space.chi2();
+  return is_noise(former) ? former : usual;
 }
 
 namespace {

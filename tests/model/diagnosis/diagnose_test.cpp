@@ -149,9 +149,17 @@ TEST_CASE("the evidence is given: parameters with sigma, proof on held-out readi
   CHECK_FALSE(first.next_measurement.empty());
 }
 
-TEST_CASE("a bow is the one effect that is nothing but a bow, not a curve with one function in use") {
-  const auto bow = [](const Reading& r) { return 30.0 * std::pow(p(r) / 1000.0, 2); };
-  CHECK(only(first_for(bow, Sense::EZ).set).name == "sag:X:EZ");
+TEST_CASE("a bow is likelier the one effect that is nothing but a bow than a curve with few functions; both are named") {
+  const auto square = [](const Reading& r) { return 30.0 * std::pow(p(r) / 1000.0, 2); };
+  const auto cubic = [square](const Reading& r) { return square(r) - 50.0 * std::pow(p(r) / 1000.0, 3); };
+  for (const auto& bow : {std::function<double(const Reading&)>(square), std::function<double(const Reading&)>(cubic)}) {
+    const Candidate first = first_for(bow, Sense::EZ);
+    REQUIRE(first.set.size() == 2);
+    CHECK(first.set[0].name == "sag:X:EZ");
+    CHECK(first.set[0].probability > 0.7);
+    CHECK(first.set[1].name == "progressive:X:EZ");
+    CHECK(first.set[1].probability > 0.02);
+  }
 }
 
 TEST_CASE("a weight bends across its axis: a bow of the positions is a curve of the scale, not a droop") {
