@@ -76,7 +76,8 @@ Eigen::MatrixXd SimulatedNoise::next(std::size_t count) {
   return sets;
 }
 
-Whitener::Whitener(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out) {
+Whitener::Whitener(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out)
+    : noise_freedom_(noise.pure.dof) {
   steps_.reserve(data.size());
   const std::vector<std::size_t> pass = noise.has_time ? std::vector<std::size_t>() : passes_of(data);
   for (const NoiseGroup& group : noise.groups) {

@@ -417,7 +417,7 @@ Solution Search::best_alone() const {
   Solution usual = alone_with(false);
   const double freedom = static_cast<double>(usual.space.y.size() - usual.space.q.cols());
   const auto is_noise = [&](const Solution& solution) {
-    return is_no_more_than_noise(solution.space.chi2(), freedom);
+    return is_no_more_than_noise(solution.space.chi2(), freedom, whitener_.noise_freedom());
   };
   if (is_noise(usual)) return usual;
   // what is hidden must not be taken for a wave: only one that leaves nothing but noise

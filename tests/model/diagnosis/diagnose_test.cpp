@@ -149,10 +149,12 @@ TEST_CASE("the evidence is given: parameters with sigma, proof on held-out readi
   CHECK_FALSE(first.next_measurement.empty());
 }
 
-TEST_CASE("a bow is likelier the one effect that is nothing but a bow than a curve with few functions; both are named") {
+TEST_CASE(
+    "a bow is likelier the one effect that is nothing but a bow than a curve with few functions; both are named") {
   const auto square = [](const Reading& r) { return 30.0 * std::pow(p(r) / 1000.0, 2); };
   const auto cubic = [square](const Reading& r) { return square(r) - 50.0 * std::pow(p(r) / 1000.0, 3); };
-  for (const auto& bow : {std::function<double(const Reading&)>(square), std::function<double(const Reading&)>(cubic)}) {
+  for (const auto& bow :
+       {std::function<double(const Reading&)>(square), std::function<double(const Reading&)>(cubic)}) {
     const Candidate first = first_for(bow, Sense::EZ);
     REQUIRE(first.set.size() == 2);
     CHECK(first.set[0].name == "sag:X:EZ");

@@ -385,6 +385,22 @@ TEST_CASE("of six readings a cause far above the noise is likely, and noise alon
   CHECK(named <= 1);
 }
 
+TEST_CASE("of one pass each way with a strong wave in one of them the wave is likely, and noise alone names little") {
+  const Plan one_run{.step_mm = 60.0, .targets = 9, .runs = 1};
+  const auto wave = [](const Reading& r) {
+    return d(r) > 0.0 ? 4.0 * std::sin(2.0 * std::numbers::pi * p(r) / 160.0) : 0.0;
+  };
+  unsigned found = 0, false_names = 0;
+  for (unsigned seed = 1; seed <= 50; ++seed) {
+    for (const Candidate& one : diagnosed(straight(), measured(one_run, 0.5, wave, seed)).candidates)
+      if (one.in_answer() && one.effect.id == effects::cyclic) ++found;
+    const Diagnosis noise = diagnosed(straight(), measured(one_run, 0.5, nothing, seed));
+    if (std::ranges::any_of(noise.candidates, &Candidate::in_answer)) ++false_names;
+  }
+  CHECK(found >= 40);
+  CHECK(false_names <= 2);
+}
+
 TEST_CASE("a drift over the visits that held-out visits do not confirm is not adequate") {
   int adequate = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
