@@ -168,12 +168,13 @@ std::optional<TargetOffset> best_target_offset(const Observations& data, const W
 
 namespace {
 
-/// By run: ratio of its scatter to that of the others, where it is larger by more than chance.
+/// By run: ratio of its mean absolute residual to that of the others, where it is larger by more than chance.
 std::map<int, double> noisy_runs(const Observations& data, const Eigen::VectorXd& residual,
                                  const std::vector<bool>& left_out) {
   struct Sums {
-    double count = 0.0, roots = 0.0, squares = 0.0;  ///< of the roots of absolute deviations
-    [[nodiscard]] double mean() const { return roots / count; }
+    double count = 0.0, sizes = 0.0, roots = 0.0;  ///< of absolute deviations, and of their roots
+    [[nodiscard]] double mean() const { return sizes / count; }
+    [[nodiscard]] double mean_root() const { return roots / count; }
   };
   std::map<int, Sums> runs;
   Sums all;
@@ -182,19 +183,19 @@ std::map<int, double> noisy_runs(const Observations& data, const Eigen::VectorXd
     const double size = std::abs(residual(static_cast<Eigen::Index>(k)));
     for (Sums* sums : {&runs[data.run[k]], &all}) {
       sums->count += 1.0;
+      sums->sizes += size;
       sums->roots += std::sqrt(size);
-      sums->squares += size;
     }
   }
   std::map<int, double> noisy;
   if (runs.size() < kFewestRuns) return noisy;
   for (const auto& [run, sums] : runs) {
-    const Sums rest{all.count - sums.count, all.roots - sums.roots, all.squares - sums.squares};
-    if (sums.count < kFewestInRun || rest.count < kFewestInRun || rest.roots <= 0.0) continue;
-    const double inside = all.squares - sums.roots * sums.mean() - rest.roots * rest.mean();
+    const Sums rest{all.count - sums.count, all.sizes - sums.sizes, all.roots - sums.roots};
+    if (sums.count < kFewestInRun || rest.count < kFewestInRun || rest.sizes <= 0.0) continue;
+    const double inside = all.sizes - sums.roots * sums.mean_root() - rest.roots * rest.mean_root();
     const double variance = inside / (all.count - 2.0) * (1.0 / sums.count + 1.0 / rest.count);
-    const double ratio = std::pow(sums.mean() / rest.mean(), 2);
-    if (ratio > kNoisier && sums.mean() - rest.mean() > kFarSigmas * std::sqrt(variance)) noisy[run] = ratio;
+    const double ratio = sums.mean() / rest.mean(), off = sums.mean_root() - rest.mean_root();
+    if (ratio > kNoisier && off > kFarSigmas * std::sqrt(variance)) noisy[run] = ratio;
   }
   return noisy;
 }

@@ -80,7 +80,8 @@ class Replicates {
 void find_level(const Search& search, const Structure& structure, Replicates& replicates,
                 const DiagnoseOptions& options, Found& found);
 
-/// Effects that are refined where the size of the noise is open: the best under noise that is too large is the simplest.
+/// Effects that are refined where the size of the noise is open: the best under noise that is too large is the
+/// simplest.
 inline constexpr std::size_t kRefinedBesideNoise = 8;
 
 /// What the best effect explains of the residual, compared with what any effect explains of noise of the same size: the

@@ -136,8 +136,8 @@ double ln_odds(const Choice& choice, const std::vector<Family>& families) {
   return choice.score() - (choice.parameters > 0 ? price_of_shape(choice, families[choice.family]) : 0.0);
 }
 
-/// A curve with as few of its leading functions as suffice, at the price of so few: what is to be explained may be nothing
-/// but a bow. Every other effect, and a curve that needs all of them, as it is.
+/// A curve with as few of its leading functions as suffice, at the price of so few: what is to be explained may be
+/// nothing but a bow. Every other effect, and a curve that needs all of them, as it is.
 /// @param space  what is left beside the other effects
 Choice with_functions_needed(const Search& search, const Space& space, const Choice& whole) {
   if (!search.families()[whole.family].effect.traits().is_curve) return whole;
