@@ -203,10 +203,7 @@ Result<Base> base_of(const Model& model, const Regressors& regressors, bool plai
     const Slot& slot = assembly.slots[s];
     if (!slot.at_limit.empty()) base.at_limit.push_back(slot.effect);
     const bool is_sought = slot.is_sought(regressors.motions());
-    if (is_sought) {
-      base.own.push_back(s);
-      base.own_values.push_back(slot.nonlinear.front());
-    }
+    if (is_sought) base.own.push_back(s);
     MatrixXd& columns = is_sought ? base.own_columns : base.columns;
     columns = beside(std::move(columns), slot.columns);
     for (std::size_t j = 0; j < slot.nonlinear.size(); ++j) {  // a small error of a fitted value is absorbed too
@@ -265,10 +262,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
                const std::vector<EffectInstance>& candidates, const DiagnoseOptions& options) {
   const Observations& data = regressors.data();
   std::vector<EffectInstance> own;
-  for (std::size_t i = 0; i < base.own.size(); ++i) {
-    own.push_back(model.effects[base.own[i]]);
-    own.back().fitted[std::string(own.back().definition().searched_parameter())] = base.own_values[i];
-  }
+  for (const std::size_t i : base.own) own.push_back(model.effects[i]);
   const std::vector<EffectInstance> others_than_own =
       others_than(base.at_limit, candidates_beside(model, own, candidates));
   Found found;

@@ -41,7 +41,6 @@ struct Base {
   Eigen::MatrixXd columns;               ///< of the fitted sizes and nonlinear parameters, without those of `own`
   Eigen::MatrixXd own_columns;           ///< those of `own`, at the values fitted
   std::vector<std::size_t> own;          ///< effects of the model whose searched parameter is free, with nothing held
-  std::vector<double> own_values;        ///< of that parameter, as fitted
   std::vector<EffectInstance> at_limit;  ///< effects of the model held at the limit of their range: no candidates
   Eigen::VectorXd target;                ///< readings less the part held
   Eigen::VectorXd residual;              ///< of the fit

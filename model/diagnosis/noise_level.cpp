@@ -82,9 +82,11 @@ std::vector<double> best_ratios(const Search& search, const MatrixXf& noise, dou
 }
 
 /// The greatest ratio that an effect reaches on one column of noise, the best effects refined as those on the readings
-/// are: exact, where the readings are few enough for that.
+/// are, beside the model with its own terms as they are there.
 double best_ratio(const Search& search, const Eigen::VectorXf& noise, double freedom) {
-  const Space space{search.base().q, noise.cast<double>()};
+  const Eigen::MatrixXd& q = search.alone().space.q;
+  const Eigen::VectorXd drawn = noise.cast<double>();
+  const Space space{q, drawn - q * (q.transpose() * drawn)};
   double best = -kBeyondAll;
   for (const Choice& one : search.expand(space, kRefinedBesideNoise))
     best = std::max(best, ratio_of(one, space.chi2(), freedom));

@@ -409,15 +409,19 @@ std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
         in_digits(rms_um), in.found.noise.pure.unit, in_digits(rms_um / in.found.noise.pure.noise_um, 2));
   std::optional<Choice> closest = in.found.stands_out;
   if (!closest && !in.found.closest.empty()) closest = in.found.closest.front();
-  const bool is_contradicted =
-      in.found.stands_out && (in.found.groups.empty() ||  // for it does not predict what it was not fitted to
-                              in.found.groups.front().e_value.value_or(kSpeaksFor) < kSpeaksFor);
-  const std::string_view but = is_contradicted ? "held-out readings do not confirm it: measure the same lines again"
-                                               : std::string_view(in.found.objection);
-  if (in.found.stands_out && !but.empty() && in.found.chance_of_closest.value_or(1.0) <= kLikelyChance)
-    return fmt::format("{} would explain the residual, and noise alone looks like it in only {:.1g} % of cases, but {}",
-                       place_text(in.found.families[closest->family].effect), kPercent * *in.found.chance_of_closest,
-                       but);
+  if (in.found.stands_out && in.found.chance_of_closest.value_or(1.0) <= kLikelyChance) {
+    const bool is_contradicted =
+        !in.found.groups.empty() && in.found.groups.front().e_value.value_or(kSpeaksFor) < kSpeaksFor;
+    const std::string_view but =
+        in.found.groups.empty() ? "fitted without some of the targets or runs it does not predict these: measure at "
+                                  "targets between the present ones too"
+        : is_contradicted       ? "held-out readings do not confirm it: measure the same lines again"
+                                : std::string_view(in.found.objection);
+    if (!but.empty())
+      return fmt::format(
+          "{} would explain the residual, and noise alone looks like it in less than 1 % of cases, but {}",
+          place_text(in.found.families[closest->family].effect), but);
+  }
   if (closest && in.found.chance_of_closest.value_or(1.0) < kRareOfNoise)
     return fmt::format(
         "these readings do not determine the noise well enough: {} would explain the residual, but noise alone looks "

@@ -182,11 +182,12 @@ bool is_seen_as_bow(const Search& search, const Space& space, const Choice& choi
 bool plausible(const Search& search, const std::vector<Choice>& chosen) {
   constexpr std::size_t kMostShapes = 2, kMostDrifts = 3;
   constexpr std::size_t kSmooth = 11;  // functions of a curve that leaves faster shapes to others
-  if (chosen.size() > 1) {             // one effect may take what is left; several need what any search needs
-    auto spare = static_cast<double>(search.data().size()) - static_cast<double>(search.base().q.cols());
-    for (const Choice& one : chosen) spare -= static_cast<double>(one.parameters);
-    if (spare < kFewestSpare) return false;
-  }
+  const Solution& alone = search.alone();
+  auto spare = static_cast<double>(search.data().size()) - static_cast<double>(alone.space.q.cols()) -
+               static_cast<double>(alone.own.size());
+  for (const Choice& one : chosen) spare -= static_cast<double>(one.parameters);
+  // one effect may take nearly all that is left; several need what any search needs
+  if (!chosen.empty() && spare < (chosen.size() > 1 ? kFewestSpare : 1.0)) return false;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const EffectInstance& one = search.families()[chosen[i].family].effect;
     std::size_t shapes = 0, functions = 0, most = 0, drifts = 0;

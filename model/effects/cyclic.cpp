@@ -32,8 +32,9 @@ constexpr double kHighestTurns = 5.0, kHighestTurnsOfModel = 25.0;
 constexpr std::size_t kShapesOfModel = 400'000;
 /// Fewer turns over the travel are a slope or a curve, not a period.
 constexpr double kFewestTurns = 2.0;
-/// A wave that the user knows of may be shorter than even targets can show, and seen by few of them as so many turns.
-constexpr double kFewestTurnsSeen = 0.5;
+/// A wave that the user knows of may be shorter than even targets can show, and few of them see it as fewer turns than
+/// that; as fewer than this it would take slopes and bows.
+constexpr double kFewestTurnsSeen = 1.6;
 /// A fit moves a frequency by at most this many turns over the travel: further away is another peak, for the search to
 /// try.
 constexpr double kPeak = 0.5;

@@ -59,7 +59,9 @@ EffectDefinition thermal_bend() {
       .separated_by = {25,
                        "Repeat the {axis} line with the difference between the two sensors changed by 2 degC or more: "
                        "one side warmed, or shaded."},
-      .turns_into = {{Limit::at_least, "thermal_bend"}, {Limit::at_greatest, "thermal_bend"}},
+      .turns_into = {{Limit::tied_to_runs, "sag"},
+                     {Limit::at_least, "thermal_bend"},
+                     {Limit::at_greatest, "thermal_bend"}},
       .traits = {.has_lag = true, .of_condition = true, .one_per_axis = true},
       .needs = {Need::two_sensors},
       .preference = 75,

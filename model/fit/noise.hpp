@@ -159,8 +159,6 @@ class Whitener {
   [[nodiscard]] Eigen::MatrixXd transposed(const Eigen::MatrixXd& white) const;
   /// Whether no reading tells of another one: each is scaled alone.
   [[nodiscard]] bool is_white() const;
-  /// Degrees of freedom from which the noise is known.
-  [[nodiscard]] double noise_freedom() const { return noise_freedom_; }
   /// ln of the determinant of the covariance, rows left out apart.
   [[nodiscard]] double ln_determinant() const;
 
@@ -172,7 +170,6 @@ class Whitener {
     double scale = 0.0;  ///< 1/standard deviation of the innovation; 0: left out
     double share = 1.0;  ///< 1/relative size of the noise of this reading
   };
-  double noise_freedom_ = 0.0;
   std::vector<Step> steps_;  ///< group after group; memory 0 at the start of each
   /// So many columns of this many rows, one behind the other.
   template <int kColumns>

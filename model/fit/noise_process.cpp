@@ -76,8 +76,7 @@ Eigen::MatrixXd SimulatedNoise::next(std::size_t count) {
   return sets;
 }
 
-Whitener::Whitener(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out)
-    : noise_freedom_(noise.pure.dof) {
+Whitener::Whitener(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out) {
   steps_.reserve(data.size());
   const std::vector<std::size_t> pass = noise.has_time ? std::vector<std::size_t>() : passes_of(data);
   for (const NoiseGroup& group : noise.groups) {

@@ -69,10 +69,9 @@ double ln_f_tail(double f, double k, double v) {
   return ln_beta_ratio(0.5 * v, 0.5 * k, v / (v + k * f));
 }
 
-bool is_no_more_than_noise(double chi2, double freedom, double of_noise) {
+bool is_no_more_than_noise(double chi2, double freedom) {
   constexpr double kDeviations = 3.0;
-  return chi2 <=
-         freedom + kDeviations * freedom * std::sqrt(2.0 / std::max(freedom, 1.0) + 2.0 / std::max(of_noise, 1.0));
+  return chi2 <= freedom + kDeviations * std::sqrt(2.0 * freedom);
 }
 
 double tail_probability(std::vector<double> noise_replicates, double value) {

@@ -26,8 +26,7 @@ inline constexpr double kBeyondAll = 1e300;
 /// ln of the chance that F(k, v) exceeds f.
 [[nodiscard]] double ln_f_tail(double f, double k, double v);
 /// Whether a sum of squares in units of the noise is within three standard deviations of what noise leaves.
-/// @param of_noise  degrees of freedom of the estimate of the noise
-[[nodiscard]] bool is_no_more_than_noise(double chi2, double freedom, double of_noise = kBeyondAll);
+[[nodiscard]] bool is_no_more_than_noise(double chi2, double freedom);
 
 /// Chance, 0 … 1, that noise alone reaches `value`: the share of the replicates that do, and beyond them an exponential
 /// tail fitted to the upper fifth of them. 1 without replicates.

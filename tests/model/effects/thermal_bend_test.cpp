@@ -81,15 +81,3 @@ TEST_CASE("bending is sought across the moving axis only") {
   for (const EffectInstance& one : candidate_instances(observations_of(set, Model{}, mill())))
     if (one.id == effect_named("thermal_bend")) CHECK(one.axis != Axis::X);
 }
-
-TEST_CASE("a bow that grows with a difference of only two values, one in the first runs, one in the last, is bending") {
-  laser::MeasurementSet set = bent(false, 0.0);
-  for (Reading& r : set.readings) {
-    const double difference = r.run > 2 ? 4.0 : 1.5, p_m = p(r) / 1000.0;
-    r.sensors_degC["t_front_degC"] = r.sensors_degC["t_back_degC"] + difference;
-    r.error -= kBend_um_per_m2_degC * p_m * p_m * difference;
-  }
-  const Diagnosis diagnosis = diagnosed(straight(Axis::X, Sense::EY), set);
-  REQUIRE(first_named(diagnosis));
-  CHECK(to_text(first_named(diagnosis)->effect) == to_text(thermal_bend()));
-}
