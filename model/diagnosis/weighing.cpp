@@ -154,7 +154,8 @@ void weigh(const Regressors& regressors, const Base& base, const Search& search,
     if (!worst) break;
     if (found.taken_back.empty()) found.taken_back = found.solution.chosen;
     found.solution = search.refined(others(found.solution.chosen, *worst), found.solution.own);
-    stepwise.most_effects = found.solution.chosen.size();
+    // fewer each time: sets of the search may have more effects than it was allowed, and would return for ever
+    stepwise.most_effects = std::min(found.solution.chosen.size(), stepwise.most_effects - 1);
     if (stepwise.most_effects == 0) continue;
     Solution best = best_solution(search, stepwise);
     if (best.score() > found.solution.score()) found.solution = std::move(best);
