@@ -112,8 +112,8 @@ std::optional<DifferentRun> different_run(const Found& found, const std::optiona
                                                    found.odd_pass->run, found.odd_pass->off_um, diagnosis.noise.unit));
   if (found.bad_run && explains_much(found))
     return of_run(found.bad_run->run,
-                  fmt::format("run {} lies {:+.3g} {} from the other run{} on average: this explains as much as any "
-                              "effect does",
+                  fmt::format("run {} lies {:+.3g} {} from the other run{} on average: an offset or a slope of this "
+                              "run explains as much as any effect does",
                               found.bad_run->run, off_the_others(data, residual, found.bad_run->run),
                               diagnosis.noise.unit, std::set(data.run.begin(), data.run.end()).size() > 2 ? "s" : ""));
   if (diagnosis.verdict != Verdict::unexplained_structure || diagnosis.where.empty() ||
