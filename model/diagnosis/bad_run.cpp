@@ -23,7 +23,8 @@ constexpr std::size_t kFewestRuns = 3;
 /// 2 ln 100: an effect that explains a run better by this is more than the run (docs/model.md, "When no cause").
 constexpr double kBetterByHundred = 9.21;
 /// A run scatters more than the others where it does so by this factor, and the mean root of its absolute residuals is
-/// larger by this many standard deviations of the difference: 3e-6 of runs. Fewer readings tell nothing of scatter.
+/// larger by this many standard deviations of the difference: 3e-6 of runs of independent normal noise. Fewer readings
+/// tell nothing of scatter.
 constexpr double kNoisier = 1.5, kFarSigmas = 4.5, kFewestInRun = 8.0;
 /// Passes of a line and approach from which one can be odd, readings in each, and the chance at which it is: one in
 /// a million, since it denies that noise explains everything.

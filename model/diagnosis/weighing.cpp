@@ -155,7 +155,7 @@ void weigh(const Regressors& regressors, const Base& base, const Search& search,
     if (found.taken_back.empty()) found.taken_back = found.solution.chosen;
     found.solution = search.refined(others(found.solution.chosen, *worst), found.solution.own);
     // fewer each time: sets of the search may have more effects than it was allowed, and would return for ever
-    stepwise.most_effects = std::min(found.solution.chosen.size(), stepwise.most_effects - 1);
+    stepwise.most_effects = std::min(found.solution.chosen.size(), std::max(stepwise.most_effects, std::size_t{1}) - 1);
     if (stepwise.most_effects == 0) continue;
     Solution best = best_solution(search, stepwise);
     if (best.score() > found.solution.score()) found.solution = std::move(best);
