@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -50,6 +52,8 @@ constexpr std::size_t kStructureReplicates = 2;
 /// of it, or where it is known little, what the best effect explains is held against noise of any size.
 constexpr std::size_t kMostLooks = 2;
 constexpr double kMostSquareOfAll = 2.0;
+/// Effects, and pairs of them, that are tried as what the noise hides.
+constexpr std::size_t kHiddenSets = 3;
 /// Score by which another set of as many effects is clearly better: odds of e^(9/2), 90 to one.
 constexpr double kBetterSet = 9.0;
 /// Candidates shown where nothing is found.
@@ -183,6 +187,71 @@ bool took_noise_beside_best(const Base& base, const Search& search, const Whiten
   return false;
 }
 
+/// Effects that may hide together in the noise that was estimated from them: the best, and pairs that nearly cancel
+/// each other, of which neither gains much alone. What stays the same while a line is repeated hides in no noise.
+std::vector<std::vector<Choice>> sets_that_may_hide(const Search& search, const Space& space, bool known_little) {
+  std::vector<std::vector<Choice>> sets;
+  if (!known_little)  // else it is held against noise of any size
+    for (const Choice& one : search.expand(space, kHiddenSets))
+      if (sets.size() < kHiddenSets) sets.push_back({one});
+  for (const auto& [one, other] : search.pairs_of(space, kHiddenSets, kAlikeOfPair)) sets.push_back({one, other});
+  std::erase_if(sets, [&](const std::vector<Choice>& set) {
+    return std::ranges::none_of(
+        set, [&](const Choice& one) { return is_like_wander(search.families()[one.family].effect); });
+  });
+  return sets;
+}
+
+/// Effects that change between repeats may have been taken for noise, or for a wander, which then hides them. They are
+/// weighed with the noise that they leave: the set that makes the readings likelier than any wander does, by evidence
+/// that is positive for each having been chosen. @return the noise has been replaced by what they leave
+bool took_noise_beside_hidden(const Base& base, const Search& search, const Whitener& whitener, Found& found) {
+  const Observations& data = search.data();
+  const Solution& solution = found.solution;
+  const LinearProblem without = joined(base, search, solution);
+  const auto among = std::ranges::count_if(std::span(found.families).first(found.candidates_tried),
+                                           [](const Family& family) { return is_like_wander(family.effect); });
+  const double evidence = 2.0 * std::log(kPositive * static_cast<double>(std::max<std::ptrdiff_t>(among, 1)));
+  NoiseModel uncorrelated = found.noise;
+  for (NoiseGroup& group : uncorrelated.groups) {
+    group.white = group.sigma();
+    group.correlated = 0.0;
+  }
+  const Whitener white(data, uncorrelated, found.left_out);
+  const Space alone = added_by({MatrixXd(without.target.size(), 0), white(without.target)}, white(without.columns));
+  const double freedom = freedom_beside(alone, found.left_out);
+  std::optional<double> wander;  // deviance without them
+  double best = 0.0;
+  std::vector<Choice> chosen;
+  for (const auto& set : sets_that_may_hide(search, solution.space, found.noise.pure.dof < kManyDegrees)) {
+    MatrixXd effects(without.columns.rows(), 0);
+    double price = 0.0;
+    for (const Choice& one : set) {
+      effects = beside(std::move(effects), search.columns_of(one).of);
+      price += one.cost + evidence;
+    }
+    // the chance that noise of any size gives such a ratio falls with what is left to estimate it (F test)
+    const double spare = freedom - static_cast<double>(effects.cols()), worth = spare / freedom;
+    const double left = std::max(added_by(alone, white(effects)).chi2(), kLeastDivisor);
+    if (spare < kFewestSpare || spare * std::log(alone.chi2() / left) <= price) continue;  // no better than a wander
+    const MatrixXd independent = independent_columns(without.columns, found.left_out);
+    const auto deviance = [&](const MatrixXd& of) {
+      return least_deviance(data, found.noise, found.left_out, independent, of, without.target, false);
+    };
+    if (!wander)
+      wander =
+          std::min(likely_wanders(data, found.noise, found.left_out, without.columns, without.target).front().deviance,
+                   deviance(MatrixXd(without.columns.rows(), 0)));
+    const double better = worth * (*wander - deviance(effects)) - price;
+    if (better <= best) continue;
+    best = better;
+    chosen = solution.chosen;
+    chosen.insert(chosen.end(), set.begin(), set.end());
+  }
+  return !chosen.empty() && noise_changed(data, base, joined(base, search, search.solution(chosen, solution.own)),
+                                          whitener, false, found.noise, found.left_out);
+}
+
 }  // namespace
 
 double rms_of(const VectorXd& r) {
@@ -292,7 +361,8 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
     if (round < kMostRounds && noise_changed(data, base, all, whitener, options.plain, found.noise, found.left_out))
       continue;
     if (looks < kMostLooks && !options.plain &&
-        took_noise_beside_best(base, search, whitener, replicates, options, found)) {
+        (took_noise_beside_best(base, search, whitener, replicates, options, found) ||
+         took_noise_beside_hidden(base, search, whitener, found))) {
       ++looks;
       round = -1;
       continue;

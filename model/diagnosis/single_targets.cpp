@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -49,6 +50,9 @@ MatrixXd smooth_covariance(const VectorXd& at, double power) {
   for (Index i = 2; i < n; ++i) variance(i) = std::pow(penalty.values(2) / penalty.values(i), power);
   return penalty.vectors * variance.asDiagonal() * penalty.vectors.transpose();
 }
+
+/// The power at which the spline's prior is that of a sum of independent jumps along the axis (a Wiener process).
+constexpr double kOfJumps = 0.5;
 
 /// Twice the logarithm of the evidence for values at targets with this covariance times an unknown factor, against
 /// none. @param values  white columns, one a target  @param y  white readings, both beside all else
@@ -201,16 +205,20 @@ void hold_against_single_targets(const Observations& data, const Search& search,
       const double most = without.chi2() - with_each.chi2() - std::max(0.0, free - coefficients);
       together = evidence_of(curve ? without.chi2() - with.chi2() : most, coefficients) - choice;
     }
-    if (curve) {  // its straight part has a size of its own
-      MatrixXd straight(targets.at.size(), 2);
-      straight << VectorXd::Ones(targets.at.size()), targets.at;
-      Space beside_line = with;
+    MatrixXd straight(targets.at.size(), 2);
+    straight << VectorXd::Ones(targets.at.size()), targets.at;
+    const auto evidence_along = [&](const Space& beside, std::initializer_list<double> powers) {
+      Space beside_line = beside;  // the straight part has a size of its own
       absorb(beside_line, whitener(MatrixXd(targets.values * straight)));
-      together +=
-          evidence_of(with.chi2() - beside_line.chi2(), static_cast<double>(beside_line.q.cols() - with.q.cols())) +
-          std::max(evidence_beside(beside_line, targets.values, smooth_covariance(targets.at, 1.0)),
-                   evidence_beside(beside_line, targets.values, smooth_covariance(targets.at, 2.0)));
-    }
+      double most = 0.0;
+      for (const double power : powers)
+        most = std::max(most, evidence_beside(beside_line, targets.values, smooth_covariance(targets.at, power)));
+      return most + evidence_of(beside.chi2() - beside_line.chi2(),
+                                static_cast<double>(beside_line.q.cols() - beside.q.cols()));
+    };
+    if (curve) together += evidence_along(with, {1.0, 2.0});
+    const bool jumps =
+        line.acts != Acts::on_mean && evidence_along(without, {kOfJumps}) > together + 2.0 * std::log(kProved);
     Space beside_level = without;  // single targets may have a level in common, such as backlash
     absorb(beside_level, whitener(level_of_line(data, line)));
     const double level = evidence_of(without.chi2() - beside_level.chi2(), 1.0);
@@ -223,8 +231,8 @@ void hold_against_single_targets(const Observations& data, const Search& search,
     if (line.acts == Acts::on_one_way)  // or a lost motion without any order
       for (const MatrixXd& variances : separate_errors(targets)) try_errors(targets, variances);
     const double better = together - separate;
-    if (better > 2.0 * std::log(kProved)) continue;
-    const bool open = better > -2.0 * std::log(kShapeBeforehand);  // proof does without it
+    if (better > 2.0 * std::log(kProved) && !jumps) continue;
+    const bool open = better > -2.0 * std::log(kShapeBeforehand) && !jumps;  // proof does without it
     std::vector<std::string> names;
     for (const std::size_t i : members) {
       names.push_back(to_text(effect_of(i)));
@@ -232,10 +240,10 @@ void hold_against_single_targets(const Observations& data, const Search& search,
       found.groups[i].denied = !open;
     }
     if (!open && found.objection.empty())
-      found.objection = fmt::format(
-          "errors of single targets, without any order, are more probable than {}: measure at targets between the "
-          "present ones",
-          fmt::join(names, " and "));
+      found.objection =
+          fmt::format("{} are more probable than {}: measure at targets between the present ones",
+                      jumps ? "jumps from one place to the next" : "errors of single targets, without any order,",
+                      fmt::join(names, " and "));
   }
 }
 

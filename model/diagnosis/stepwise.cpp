@@ -41,7 +41,6 @@ constexpr std::size_t kFirstExact = 14;  ///< of the first step, refined before 
 constexpr std::size_t kLaterBranches = 5;
 constexpr std::size_t kBesideOwn = 8;    ///< of the first step, started without a term of the model
 constexpr std::size_t kHiddenPairs = 6;  ///< that are refined together
-constexpr double kAlikeOfPair = 0.5;     ///< effects that cancel each other have half of their squares in common
 constexpr std::size_t kBeam = 12;
 /// From this number of effects on, which only readings along several axes have, fewer sets are followed: the effects of
 /// one axis leave those of another as they are.

@@ -80,6 +80,9 @@ struct Choice {
   [[nodiscard]] double score() const { return gain - cost; }
 };
 
+/// Effects that nearly cancel each other have half of their squares in common.
+inline constexpr double kAlikeOfPair = 0.5;
+
 /// A set of effects added to the model.
 struct Solution {
   std::vector<Choice> chosen;

@@ -107,3 +107,39 @@ TEST_CASE(
   }
   CHECK(proved <= 1);
 }
+
+TEST_CASE("a lost motion that jumps from zone to zone is no curve, and the answer says why; one that bends is proved") {
+  constexpr double kStep_mm = 38.3;
+  constexpr int kTargets = 26, kZones = 12;
+  const auto diagnosis_of = [&](unsigned seed, const std::function<double(int target)>& lost_um) {
+    const auto set = measured(
+        {.step_mm = kStep_mm, .targets = kTargets}, kNoise_um,
+        [&](const Reading& r) { return 0.5 * d(r) * lost_um(static_cast<int>(std::lround(p(r) / kStep_mm))); }, seed);
+    return diagnosed(usual_model(set, mill()), set);
+  };
+  const auto is_named = [](const Diagnosis& found) {
+    return std::ranges::any_of(found.candidates, [](const Candidate& one) {
+      return one.in_answer() && one.effect.id == effects::reversal_curve;
+    });
+  };
+  int named = 0, reasons = 0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    std::mt19937_64 random(seed);
+    NormalDraws draws(0.0, 8.0 * kNoise_um);
+    std::vector<double> zones_um;
+    for (int zone = 0; zone < kZones; ++zone) zones_um.push_back(draws(random));
+    const Diagnosis jumps = diagnosis_of(
+        seed, [&](int target) { return zones_um.at(static_cast<std::size_t>(target * kZones / kTargets)); });
+    CHECK(jumps.verdict != Verdict::adequate);
+    named += is_named(jumps) ? 1 : 0;
+    reasons += contains(jumps.headline, "jumps from one place to the next") ? 1 : 0;
+    const Diagnosis bends = diagnosis_of(seed, [&](int target) {
+      const double u = target / (kTargets - 1.0);
+      return 8.0 * kNoise_um * (zones_um[0] * u * (1.0 - u) + std::sin(6.0 * u + zones_um[1]));
+    });
+    CHECK(is_named(bends));
+    CHECK(proves_any(bends));
+  }
+  CHECK(named <= 1);
+  CHECK(reasons >= 5);
+}
