@@ -169,33 +169,58 @@ std::optional<TargetOffset> best_target_offset(const Observations& data, const W
 
 namespace {
 
+/// Of the residuals of a run.
+struct Sums {
+  double count = 0.0, sum = 0.0, squares = 0.0;
+  double sizes = 0.0, roots = 0.0;  ///< of absolute values, and of their roots
+  [[nodiscard]] double mean() const { return sum / count; }
+  [[nodiscard]] double inside() const { return squares - sum * mean(); }  ///< squares about the mean
+  [[nodiscard]] double mean_size() const { return sizes / count; }
+  [[nodiscard]] double mean_root() const { return roots / count; }
+  void add(double r) { *this = plus({1.0, r, r * r, std::abs(r), std::sqrt(std::abs(r))}); }
+  [[nodiscard]] Sums plus(const Sums& o, double times = 1.0) const {
+    return {count + times * o.count, sum + times * o.sum, squares + times * o.squares, sizes + times * o.sizes,
+            roots + times * o.roots};
+  }
+  [[nodiscard]] Sums without(const Sums& o) const { return plus(o, -1.0); }
+};
+struct SumsOfRuns {
+  std::map<int, Sums> runs;
+  Sums all;
+};
+/// Of the readings for which that holds.
+template <class Counts>
+SumsOfRuns sums_of_runs(const Observations& data, const Eigen::VectorXd& residual, Counts counts) {
+  SumsOfRuns sums;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (counts(k)) sums.runs[data.run[k]].add(residual(static_cast<Eigen::Index>(k)));
+  for (const auto& [run, of_run] : sums.runs) sums.all = sums.all.plus(of_run);
+  return sums;
+}
+SumsOfRuns sums_of_kept(const Observations& data, const Eigen::VectorXd& residual, const std::vector<bool>& left_out) {
+  return sums_of_runs(data, residual, [&](std::size_t k) { return !left_out[k]; });
+}
+SumsOfRuns sums_of_all(const Observations& data, const Eigen::VectorXd& residual) {
+  return sums_of_runs(data, residual, [](std::size_t) { return true; });
+}
+
+/// How many times as much a run scatters as the others.
+NoisyRun noisy(int run, const Sums& sums, const Sums& all) {
+  return {run, sums.mean_size() / std::max(all.without(sums).mean_size(), kLeastDivisor)};
+}
+
 /// By run: ratio of its mean absolute residual to that of the others, where it is larger by more than chance.
 std::map<int, double> noisy_runs(const Observations& data, const Eigen::VectorXd& residual,
                                  const std::vector<bool>& left_out) {
-  struct Sums {
-    double count = 0.0, sizes = 0.0, roots = 0.0;  ///< of absolute deviations, and of their roots
-    [[nodiscard]] double mean() const { return sizes / count; }
-    [[nodiscard]] double mean_root() const { return roots / count; }
-  };
-  std::map<int, Sums> runs;
-  Sums all;
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    if (left_out[k]) continue;
-    const double size = std::abs(residual(static_cast<Eigen::Index>(k)));
-    for (Sums* sums : {&runs[data.run[k]], &all}) {
-      sums->count += 1.0;
-      sums->sizes += size;
-      sums->roots += std::sqrt(size);
-    }
-  }
+  const auto [runs, all] = sums_of_kept(data, residual, left_out);
   std::map<int, double> noisy;
   if (runs.size() < kFewestRuns) return noisy;
   for (const auto& [run, sums] : runs) {
-    const Sums rest{all.count - sums.count, all.sizes - sums.sizes, all.roots - sums.roots};
+    const Sums rest = all.without(sums);
     if (sums.count < kFewestInRun || rest.count < kFewestInRun || rest.sizes <= 0.0) continue;
     const double inside = all.sizes - sums.roots * sums.mean_root() - rest.roots * rest.mean_root();
     const double variance = inside / (all.count - 2.0) * (1.0 / sums.count + 1.0 / rest.count);
-    const double ratio = sums.mean() / rest.mean(), off = sums.mean_root() - rest.mean_root();
+    const double ratio = sums.mean_size() / rest.mean_size(), off = sums.mean_root() - rest.mean_root();
     if (ratio > kNoisier && off > kFarSigmas * std::sqrt(variance)) noisy[run] = ratio;
   }
   return noisy;
@@ -205,31 +230,16 @@ std::map<int, double> noisy_runs(const Observations& data, const Eigen::VectorXd
 
 std::optional<OddPass> run_apart(const Observations& data, const Eigen::VectorXd& residual,
                                  const std::vector<bool>& left_out) {
-  struct Sums {
-    double count = 0.0, sum = 0.0, squares = 0.0;
-    [[nodiscard]] double mean() const { return sum / count; }
-    [[nodiscard]] double inside() const { return squares - sum * mean(); }
-  };
-  std::map<int, Sums> runs;
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    if (left_out[k]) continue;
-    const double r = residual(static_cast<Eigen::Index>(k));
-    Sums& sums = runs[data.run[k]];
-    sums = {sums.count + 1.0, sums.sum + r, sums.squares + r * r};
-  }
+  const auto [runs, all] = sums_of_kept(data, residual, left_out);
   if (runs.size() < kFewestRuns) return std::nullopt;
-  Sums all;
   double inside = 0.0;
-  for (const auto& [run, sums] : runs) {
-    all = {all.count + sums.count, all.sum + sums.sum, all.squares + sums.squares};
-    inside += sums.inside();
-  }
+  for (const auto& [run, sums] : runs) inside += sums.inside();
   const double number = static_cast<double>(runs.size()), freedom = all.count - number, others = number - 2.0;
   if (freedom < 1.0) return std::nullopt;
   std::optional<OddPass> apart;
   double least = std::log(kApartChance / number);
   for (const auto& [run, sums] : runs) {
-    const Sums rest{all.count - sums.count, all.sum - sums.sum, all.squares - sums.squares};
+    const Sums rest = all.without(sums);
     const double off = sums.mean() - rest.mean(), between = rest.inside() - (inside - sums.inside());
     const double gain = off * off * sums.count * rest.count / all.count;
     const double scatter = std::max(inside / freedom, kLeastDivisor);
@@ -249,28 +259,21 @@ namespace {
 /// Binomial tail by that of F.
 std::optional<NoisyRun> run_of_outliers(const Observations& data, const Eigen::VectorXd& residual,
                                         const std::vector<bool>& left_out) {
-  struct Sums {
-    double outliers = 0.0, count = 0.0, sum = 0.0;
-  };
-  std::map<int, Sums> runs;
-  Sums all;
-  for (std::size_t k = 0; k < data.size(); ++k)
-    for (Sums* sums : {&runs[data.run[k]], &all}) {
-      sums->outliers += left_out[k] ? 1.0 : 0.0;
-      sums->count += 1.0;
-      sums->sum += std::abs(residual(static_cast<Eigen::Index>(k)));
+  const auto [runs, all] = sums_of_all(data, residual);
+  const auto [outliers, all_outliers] = sums_of_runs(data, residual, [&](std::size_t k) { return left_out[k]; });
+  if (runs.size() < kFewestRuns || outliers.empty()) return std::nullopt;
+  int most = 0;
+  double of_most = 0.0, share_of_most = 0.0;
+  for (const auto& [run, sums] : outliers)
+    if (const double share = sums.count / runs.at(run).count; share > share_of_most) {
+      most = run;
+      of_most = sums.count;
+      share_of_most = share;
     }
-  if (runs.size() < kFewestRuns) return std::nullopt;
-  const auto most = std::ranges::max_element(
-      runs, {}, [](const std::pair<const int, Sums>& one) { return one.second.outliers / one.second.count; });
-  const auto& [run, sums] = *most;
-  if (sums.outliers < 1.0) return std::nullopt;
-  const double share = sums.count / all.count, others = all.outliers - sums.outliers + 1.0;
-  const double ln_chance =
-      ln_f_tail((1.0 - share) * sums.outliers / (share * others), 2.0 * others, 2.0 * sums.outliers);
+  const double share = runs.at(most).count / all.count, others = all_outliers.count - of_most + 1.0;
+  const double ln_chance = ln_f_tail((1.0 - share) * of_most / (share * others), 2.0 * others, 2.0 * of_most);
   if (ln_chance + std::log(static_cast<double>(runs.size())) >= std::log(kDifferChance)) return std::nullopt;
-  const double rest = (all.sum - sums.sum) / (all.count - sums.count);
-  return NoisyRun{run, sums.sum / sums.count / std::max(rest, kLeastDivisor)};
+  return noisy(most, runs.at(most), all);
 }
 
 /// Median size of deviations, as a standard deviation.
@@ -318,31 +321,22 @@ std::optional<NoisyRun> run_of_burst(const Observations& data, const Eigen::Vect
   const Repeats repeats = repeats_of(data);
   const std::vector<bool> far_as_it_is = far_from_repeats(data, repeats, residual);
   const std::vector<bool> far_white = far_from_repeats(data, repeats, whitened);
-  struct Sums {
-    double far = 0.0, count = 0.0, sum = 0.0;
-    bool burst = false;
-  };
-  std::map<int, Sums> runs;
-  Sums all;
+  const auto [runs, all] = sums_of_all(data, residual);
+  if (runs.size() < kFewestRuns) return std::nullopt;
+  std::map<int, double> number_of_far;
+  std::set<int> with_burst;
   std::map<std::size_t, std::vector<bool>> passes;
   const std::vector<std::size_t> number = passes_of(data);
   for (std::size_t k = 0; k < data.size(); ++k) {
     const bool far = far_as_it_is[k] && (left_out[k] || far_white[k]);
     std::vector<bool>& pass = passes[number[k]];
     pass.push_back(far);
-    const auto last = std::min(kInARow, std::ssize(pass));
-    for (Sums* sums : {&runs[data.run[k]], &all}) {
-      sums->far += far ? 1.0 : 0.0;
-      sums->count += 1.0;
-      sums->sum += std::abs(residual(static_cast<Eigen::Index>(k)));
-      sums->burst = sums->burst || std::count(pass.end() - last, pass.end(), true) >= kOfThese;
-    }
+    number_of_far[data.run[k]] += far ? 1.0 : 0.0;
+    if (std::count(pass.end() - std::min(kInARow, std::ssize(pass)), pass.end(), true) >= kOfThese)
+      with_burst.insert(data.run[k]);
   }
-  for (const auto& [run, sums] : runs) {
-    if (!sums.burst || 2.0 * sums.far >= sums.count || runs.size() < kFewestRuns) continue;
-    const double rest = (all.sum - sums.sum) / (all.count - sums.count);
-    return NoisyRun{run, sums.sum / sums.count / std::max(rest, kLeastDivisor)};
-  }
+  for (const int run : with_burst)
+    if (2.0 * number_of_far.at(run) < runs.at(run).count) return noisy(run, runs.at(run), all);
   return std::nullopt;
 }
 
@@ -362,15 +356,8 @@ std::optional<NoisyRun> noisy_run(const Observations& data, const Eigen::VectorX
     if (const auto burst = run_of_burst(data, whitened, residual, left_out)) return burst;
     return run_of_outliers(data, residual, left_out);
   }
-  double count = 0.0, sum = 0.0, squares = 0.0;
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    if (left_out[k] || data.run[k] != worst->run) continue;
-    const double r = residual(static_cast<Eigen::Index>(k));
-    count += 1.0;
-    sum += r;
-    squares += r * r;
-  }
-  if (2.0 * sum * sum <= count * squares) return worst;
+  const Sums own = sums_of_kept(data, residual, left_out).runs.at(worst->run);
+  if (2.0 * own.sum * own.sum <= own.count * own.squares) return worst;
   const auto apart = run_apart(data, residual, left_out);
   if (!apart || apart->run != worst->run) return std::nullopt;
   worst->off_um = apart->off_um;
