@@ -21,10 +21,8 @@ double stepped(double followed, double before_degC, double after_degC, double st
 /// @param lag_s  below 0: there and back again, so that nothing is late
 std::vector<double> low_pass(const SensorHistory& history, const std::vector<double>& degC, double lag_s) {
   std::vector<std::size_t> order;
-  for (std::size_t k = 0; k < degC.size(); ++k)
-    if (!std::isnan(degC[k]) && !std::isnan(history.time_s[k])) order.push_back(k);
-  std::ranges::stable_sort(order, {},
-                           [&](std::size_t k) { return std::make_tuple(history.clock[k], history.time_s[k]); });
+  for (const std::size_t k : history.in_time)
+    if (!std::isnan(degC[k])) order.push_back(k);
   const auto passed = [&](const std::vector<double>& input) {
     std::vector<double> followed = input;
     for (std::size_t i = 1; i < order.size(); ++i) {
@@ -46,12 +44,11 @@ bool is_part_of_history(const Observations& data, std::string_view sensor) {
   if (!data.history || data.in_history.size() != data.size()) return false;
   const auto of_all = data.history->sensors_degC.find(sensor);
   if (of_all == data.history->sensors_degC.end()) return false;
+  const std::vector<double>& of_readings = data.sensors_degC.find(sensor)->second;
   const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
   for (std::size_t k = 0; k < data.size(); ++k) {
     const std::size_t in = data.in_history[k];
-    if (!same(data.time_s[k], data.history->time_s[in]) ||
-        !same(data.sensors_degC.find(sensor)->second[k], of_all->second[in]))
-      return false;
+    if (!same(data.time_s[k], data.history->time_s[in]) || !same(of_readings[k], of_all->second[in])) return false;
   }
   return true;
 }
@@ -63,6 +60,10 @@ SensorHistory history_of(const Observations& data) {
     history.clock[k] = history.clock[k - 1] + (data.time_s[k] < data.time_s[k - 1] ? 1 : 0);
   if (std::ranges::any_of(data.time_s, [](double t) { return std::isnan(t); })) history.clock = data.run;
   history.time_s = data.time_s;
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (!std::isnan(data.time_s[k])) history.in_time.push_back(k);
+  std::ranges::stable_sort(history.in_time, {},
+                           [&](std::size_t k) { return std::make_tuple(history.clock[k], history.time_s[k]); });
   history.sensors_degC = data.sensors_degC;
   return history;
 }

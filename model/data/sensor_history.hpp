@@ -17,8 +17,9 @@ struct Observations;
 /// Temperatures of all readings of a measurement, also of those that a part of it leaves out: what follows late does
 /// not forget them.
 struct SensorHistory {
-  std::vector<int> clock;      ///< by reading: which time it is on; readings of one clock follow one another
-  std::vector<double> time_s;  ///< NaN: not measured
+  std::vector<int> clock;            ///< by reading: which time it is on; readings of one clock follow one another
+  std::vector<double> time_s;        ///< NaN: not measured
+  std::vector<std::size_t> in_time;  ///< readings with a time, by their clocks, on each in order of time
   std::map<std::string, std::vector<double>, std::less<>> sensors_degC;
   std::map<std::string, CourseWithoutNoise, std::less<>> without_noise;  ///< of the sensors that are noisy or coarse
 };
