@@ -129,7 +129,11 @@ std::optional<ChangeOfWave> change_of_wave(const Regressors& regressors, const W
     absorb(more, whitener(columns));
     const double gain = space.chi2() - more.chi2();
     const auto freedom = static_cast<double>(more.q.cols() - space.q.cols());
-    if (gain <= kLeastChange * choice.gain || minus_log_p(gain, freedom, noise_freedom) <= kFarDigits) return {};
+    // or beside what it leaves itself: repeats between which the wave changed were taken for noise
+    const double spare = static_cast<double>(space.y.size() - more.q.cols());
+    const double left = std::max(more.chi2() / std::max(spare, 1.0), kLeastDivisor);
+    const double digits = std::max(minus_log_p(gain, freedom, noise_freedom), minus_log_p(gain / left, freedom, spare));
+    if (gain <= kLeastChange * choice.gain || digits <= kFarDigits) return {};
     return ChangeOfWave{
         fmt::format("the wave of {:.4g} {} changes its size or its {}", choice.nonlinear, data.position_unit(), how),
         gain};
@@ -398,7 +402,8 @@ std::optional<FreeWave> free_wave(const Observations& data, const Eigen::VectorX
       count += static_cast<double>(pass.value.size());
     }
     if (travel <= 0.0 || square <= 0.0) continue;
-    const double highest = densest / kTargetsATurn, lowest = kFewestTurnsOfWave;
+    // half a turn below the shortest that the targets show: there a wave has but one phase
+    const double highest = 0.5 * densest - 1.0, lowest = kFewestTurnsOfWave;
     const double frequencies = std::max(1.0, highest - lowest);
     for (int step = 0; lowest + step / kStepsATurn <= highest; ++step) {
       const double turns = lowest + step / kStepsATurn;
@@ -479,6 +484,7 @@ std::optional<double> period_in_time_s(const Observations& data, const Whitener&
                                        double score) {
   constexpr double kTurbulence_s = 60.0;  // what is faster is noise
   constexpr double kFarMore = 100.0;
+  constexpr int kFiner = 10;  // steps from the best to its neighbour: a step costs a wave a hundredth of its square
   double session_s = 0.0, readings = 0.0;
   for (const double t : data.time_s) {
     if (std::isnan(t)) continue;
@@ -492,16 +498,19 @@ std::optional<double> period_in_time_s(const Observations& data, const Whitener&
   std::vector<GainInChannel> channels;
   for (auto& [channel, rows] : rows_of_channels(data)) channels.emplace_back(alone, std::move(rows));
   double most = 0.0, period_s = 0.0;
-  for (int step = 0; kFewestTurnsOfWave + step / kStepsATurn <= highest; ++step) {
-    const double period = session_s / (kFewestTurnsOfWave + step / kStepsATurn);
-    const Eigen::MatrixXd white = whitener(wave_in_time(data, period));
+  const auto look_at = [&](double turns) {
+    const Eigen::MatrixXd white = whitener(wave_in_time(data, session_s / turns));
     double gain = 0.0;
     for (const GainInChannel& channel : channels) gain += std::max(0.0, channel.of(white) - channel.price());
-    if (gain <= most) continue;
+    if (gain <= most) return;
     most = gain;
-    period_s = period;
-  }
+    period_s = session_s / turns;
+  };
+  for (int step = 0; kFewestTurnsOfWave + step / kStepsATurn <= highest; ++step)
+    look_at(kFewestTurnsOfWave + step / kStepsATurn);
   if (most <= 0.0) return std::nullopt;
+  const double coarse = session_s / period_s;
+  for (int step = -kFiner; step <= kFiner; ++step) look_at(coarse + step / (kFiner * kStepsATurn));
   // what the channels show together: the model may have terms in common
   const Eigen::MatrixXd white = whitener(wave_in_time(data, period_s));
   Space beside = alone;

@@ -350,6 +350,9 @@ TEST_CASE("a wave with another phase in every pass is found at its period") {
     // frequencies closer than half a turn over the travel are one
     RC_ASSERT(std::abs(kTravel_mm / found->period - turns) < 0.6);
   }));
+  for (const double turns : {17.4, 18.8})  // 41 targets show waves of up to 20 turns
+    CHECK(kTravel_mm / must(free_wave_in(with_free_wave(kTravel_mm / turns, 0.6, 3))).period ==
+          Approx(turns).epsilon(0.03));
 }
 
 TEST_CASE("noise shows a free wave in none of four hundred sets") {
@@ -434,4 +437,31 @@ TEST_CASE("a wave in time in only one of two channels is found, whichever of the
       CHECK(found.verdict == Verdict::unexplained_structure);
       CHECK(contains(found.headline, "a wave in time with a period of 6"));
     }
+}
+
+TEST_CASE("a wave in time that nearly repeats in every run is no curve, between the frequencies tried too") {
+  for (const double period_s : {500.0, 506.0, 514.0}) {  // a run every 1020 s
+    const auto set = measured({.runs = 6}, 0.5, [&](const Reading& r) {
+      return 1.5 * std::sin(2.0 * std::numbers::pi * *r.time_s / period_s);
+    });
+    const Diagnosis found = diagnosed(straight(), set);
+    CAPTURE(found.headline);
+    CHECK(found.verdict == Verdict::unexplained_structure);
+    CHECK(contains(found.headline, "a wave in time with a period of 8"));
+    CHECK(std::ranges::none_of(found.candidates, &Candidate::in_answer));
+  }
+}
+
+TEST_CASE("a wave along the axis that grows from run to run is no cause although repeats show its growth as noise") {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const double last_s = *measured({.targets = 26, .both_ways = false}, 0.0, nothing).readings.back().time_s;
+    const auto set = measured(
+        {.targets = 26, .both_ways = false}, kNoise_um,
+        [&](const Reading& r) { return 10.0 * *r.time_s / last_s * std::sin(2.0 * std::numbers::pi * p(r) / 103.0); },
+        seed);
+    const Diagnosis found = diagnosed(straight(), set);
+    CAPTURE(found.headline);
+    CHECK(found.verdict == Verdict::unexplained_structure);
+    CHECK(std::ranges::none_of(found.candidates, &Candidate::in_answer));
+  }
 }
