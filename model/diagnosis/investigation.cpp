@@ -53,7 +53,7 @@ constexpr std::size_t kStructureReplicates = 2;
 constexpr std::size_t kMostLooks = 2;
 constexpr double kMostSquareOfAll = 2.0;
 /// Effects, and pairs of them, that are tried as what the noise hides.
-constexpr std::size_t kHiddenSets = 3;
+constexpr std::size_t kHiddenSets = 3, kPairsLookedAt = 10;
 /// Score by which another set of as many effects is clearly better: odds of e^(9/2), 90 to one.
 constexpr double kBetterSet = 9.0;
 /// Candidates shown where nothing is found.
@@ -187,18 +187,26 @@ bool took_noise_beside_best(const Base& base, const Search& search, const Whiten
   return false;
 }
 
-/// Effects that may hide together in the noise that was estimated from them: the best, and pairs that nearly cancel
-/// each other, of which neither gains much alone. What stays the same while a line is repeated hides in no noise.
+/// Effects that may hide in the noise that was estimated from them: the best, and pairs that nearly cancel each other,
+/// of which neither gains much alone. What stays the same while a line is repeated hides in no noise.
 std::vector<std::vector<Choice>> sets_that_may_hide(const Search& search, const Space& space, bool known_little) {
   std::vector<std::vector<Choice>> sets;
+  const auto add_best = [&](const std::vector<std::vector<Choice>>& best_first) {
+    std::size_t added = 0;
+    for (const std::vector<Choice>& set : best_first) {
+      const auto changes = [&](const Choice& one) { return is_like_wander(search.families()[one.family].effect); };
+      if (added < kHiddenSets && std::ranges::any_of(set, changes)) {
+        sets.push_back(set);
+        ++added;
+      }
+    }
+  };
+  std::vector<std::vector<Choice>> singles, pairs;
   if (!known_little)  // else it is held against noise of any size
-    for (const Choice& one : search.expand(space, kHiddenSets))
-      if (sets.size() < kHiddenSets) sets.push_back({one});
-  for (const auto& [one, other] : search.pairs_of(space, kHiddenSets, kAlikeOfPair)) sets.push_back({one, other});
-  std::erase_if(sets, [&](const std::vector<Choice>& set) {
-    return std::ranges::none_of(
-        set, [&](const Choice& one) { return is_like_wander(search.families()[one.family].effect); });
-  });
+    for (const Choice& one : search.expand(space, kHiddenSets)) singles.push_back({one});
+  for (const auto& [one, other] : search.pairs_of(space, kPairsLookedAt, kAlikeOfPair)) pairs.push_back({one, other});
+  add_best(singles);
+  add_best(pairs);
   return sets;
 }
 
@@ -220,10 +228,15 @@ bool took_noise_beside_hidden(const Base& base, const Search& search, const Whit
   const Whitener white(data, uncorrelated, found.left_out);
   const Space alone = added_by({MatrixXd(without.target.size(), 0), white(without.target)}, white(without.columns));
   const double freedom = freedom_beside(alone, found.left_out);
+  const bool known_little = found.noise.pure.dof < kManyDegrees;
+  const MatrixXd independent = independent_columns(without.columns, found.left_out);
+  const auto deviance = [&](const MatrixXd& of) {
+    return least_deviance(data, found.noise, found.left_out, independent, of, without.target, false);
+  };
   std::optional<double> wander;  // deviance without them
   double best = 0.0;
   std::vector<Choice> chosen;
-  for (const auto& set : sets_that_may_hide(search, solution.space, found.noise.pure.dof < kManyDegrees)) {
+  for (const auto& set : sets_that_may_hide(search, solution.space, known_little)) {
     MatrixXd effects(without.columns.rows(), 0);
     double price = 0.0;
     for (const Choice& one : set) {
@@ -234,10 +247,6 @@ bool took_noise_beside_hidden(const Base& base, const Search& search, const Whit
     const double spare = freedom - static_cast<double>(effects.cols()), worth = spare / freedom;
     const double left = std::max(added_by(alone, white(effects)).chi2(), kLeastDivisor);
     if (spare < kFewestSpare || spare * std::log(alone.chi2() / left) <= price) continue;  // no better than a wander
-    const MatrixXd independent = independent_columns(without.columns, found.left_out);
-    const auto deviance = [&](const MatrixXd& of) {
-      return least_deviance(data, found.noise, found.left_out, independent, of, without.target, false);
-    };
     if (!wander)
       wander =
           std::min(likely_wanders(data, found.noise, found.left_out, without.columns, without.target).front().deviance,
@@ -248,8 +257,11 @@ bool took_noise_beside_hidden(const Base& base, const Search& search, const Whit
     chosen = solution.chosen;
     chosen.insert(chosen.end(), set.begin(), set.end());
   }
-  return !chosen.empty() && noise_changed(data, base, joined(base, search, search.solution(chosen, solution.own)),
-                                          whitener, false, found.noise, found.left_out);
+  if (chosen.empty() || !noise_changed(data, base, joined(base, search, search.solution(chosen, solution.own)),
+                                       whitener, false, found.noise, found.left_out))
+    return false;
+  found.proves_nothing = found.proves_nothing || known_little;  // no replicate knows that they were chosen
+  return true;
 }
 
 }  // namespace

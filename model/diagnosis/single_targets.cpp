@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -15,6 +14,8 @@
 #include <fmt/ranges.h>
 
 #include "base/linear/decompositions.hpp"
+#include "model/data/curve_basis.hpp"
+#include "model/diagnosis/waves.hpp"
 #include "model/diagnosis/weighing.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
@@ -51,8 +52,10 @@ MatrixXd smooth_covariance(const VectorXd& at, double power) {
   return penalty.vectors * variance.asDiagonal() * penalty.vectors.transpose();
 }
 
-/// The power at which the spline's prior is that of a sum of independent jumps along the axis (a Wiener process).
-constexpr double kOfJumps = 0.5;
+/// Covariance of a sum of independent jumps along the axis (a Wiener process).
+MatrixXd covariance_of_jumps(const VectorXd& at) {
+  return MatrixXd::NullaryExpr(at.size(), at.size(), [&](Index i, Index j) { return at(std::min(i, j)) - at(0); });
+}
 
 /// Twice the logarithm of the evidence for values at targets with this covariance times an unknown factor, against
 /// none. @param values  white columns, one a target  @param y  white readings, both beside all else
@@ -176,7 +179,7 @@ void hold_against_single_targets(const Observations& data, const Search& search,
         line.acts == Acts::on_one_way ? targets_of_line(data, {line.axis, line.sense, Acts::on_reversal}) : errors;
     if (targets.at.size() < kFewestTargets || targets.at.size() > kMostTargets) continue;
     bool curve = false;
-    double coefficients = 0.0, choice = 0.0;
+    double parameters = 0.0, coefficients = 0.0, choice = 0.0;
     std::vector<Choice> rest, beside_curve;
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       const bool is_member = std::ranges::find(members, i) != members.end();
@@ -184,10 +187,12 @@ void hold_against_single_targets(const Observations& data, const Search& search,
       curve = curve || is_curve;
       if (!is_member) rest.push_back(chosen[i]);
       if (!is_curve) beside_curve.push_back(chosen[i]);
-      if (!is_member || is_curve) continue;
-      const double parameters = static_cast<double>(chosen[i].parameters);
-      coefficients += parameters;
-      choice += std::max(0.0, chosen[i].cost - parameters * found.families[chosen[i].family].ln_readings);
+      if (!is_member) continue;
+      const double own = static_cast<double>(chosen[i].parameters);
+      parameters += own;
+      if (is_curve) continue;
+      coefficients += own;
+      choice += std::max(0.0, chosen[i].cost - own * found.families[chosen[i].family].ln_readings);
     }
     const auto space_of = [&](const std::vector<Choice>& set) {
       return search.solution(set, found.solution.own).space;
@@ -207,18 +212,25 @@ void hold_against_single_targets(const Observations& data, const Search& search,
     }
     MatrixXd straight(targets.at.size(), 2);
     straight << VectorXd::Ones(targets.at.size()), targets.at;
-    const auto evidence_along = [&](const Space& beside, std::initializer_list<double> powers) {
+    const auto evidence_along = [&](const Space& beside, const std::vector<MatrixXd>& covariances) {
       Space beside_line = beside;  // the straight part has a size of its own
       absorb(beside_line, whitener(MatrixXd(targets.values * straight)));
       double most = 0.0;
-      for (const double power : powers)
-        most = std::max(most, evidence_beside(beside_line, targets.values, smooth_covariance(targets.at, power)));
+      for (const MatrixXd& covariance : covariances)
+        most = std::max(most, evidence_beside(beside_line, targets.values, covariance));
       return most + evidence_of(beside.chi2() - beside_line.chi2(),
                                 static_cast<double>(beside_line.q.cols() - beside.q.cols()));
     };
-    if (curve) together += evidence_along(with, {1.0, 2.0});
-    const bool jumps =
-        line.acts != Acts::on_mean && evidence_along(without, {kOfJumps}) > together + 2.0 * std::log(kProved);
+    const std::vector<MatrixXd> smooth{smooth_covariance(targets.at, 1.0), smooth_covariance(targets.at, 2.0)};
+    if (curve) together += evidence_along(with, smooth);
+    // a shape that needs half as many parameters as there are values, or leaves more than a curve may, follows jumps
+    // too
+    const double left = found.solution.space.chi2() - with_each.chi2() - std::max(0.0, free - parameters);
+    const bool follows_jumps =
+        2.0 * parameters >= free || left > kLeastBesideCurve * (without.chi2() - with_each.chi2());
+    const bool jumps = line.acts != Acts::on_mean && targets.at.size() > Index{kFreeTargets} && follows_jumps &&
+                       evidence_along(without, {covariance_of_jumps(targets.at)}) >
+                           std::max(together, evidence_along(without, smooth)) + 2.0 * std::log(kProved);
     Space beside_level = without;  // single targets may have a level in common, such as backlash
     absorb(beside_level, whitener(level_of_line(data, line)));
     const double level = evidence_of(without.chi2() - beside_level.chi2(), 1.0);
@@ -240,10 +252,10 @@ void hold_against_single_targets(const Observations& data, const Search& search,
       found.groups[i].denied = !open;
     }
     if (!open && found.objection.empty())
-      found.objection =
-          fmt::format("{} are more probable than {}: measure at targets between the present ones",
-                      jumps ? "jumps from one place to the next" : "errors of single targets, without any order,",
-                      fmt::join(names, " and "));
+      found.objection = fmt::format("{} are more probable than {}: measure at targets between the present ones",
+                                    jumps ? "jumps from one place to the next, or errors of single targets,"
+                                          : "errors of single targets, without any order,",
+                                    fmt::join(names, " and "));
   }
 }
 

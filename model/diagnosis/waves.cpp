@@ -46,8 +46,6 @@ constexpr double kThird = 1.0 / 3.0;
 /// A change of a wave counts from this share of its gain and this many digits of its chance: one in a million, since it
 /// denies a cause; no wave of a machine is steady to a hundredth. Choices.
 constexpr double kLeastChange = 0.01, kFarDigits = 6.0;
-/// The same of a curve, from this share of its gain on: a curve explains nineteen twentieths of the shape that it is.
-constexpr double kLeastBesideCurve = 0.05;
 
 bool is_whole_fraction(double a, double b) {
   const double ratio = std::max(a, b) / std::min(a, b);
