@@ -508,11 +508,12 @@ std::optional<double> period_in_time_s(const Observations& data, const Whitener&
     look_at(kFewestTurnsOfWave + step / kStepsATurn);
   if (most <= 0.0) return std::nullopt;
   const double coarse = session_s / period_s;
-  for (int step = -kFiner; step <= kFiner; ++step) look_at(coarse + step / (kFiner * kStepsATurn));
+  if (score > 0.0)  // it has to be better than effects, which are refined too
+    for (int step = -kFiner; step <= kFiner; ++step) look_at(coarse + step / (kFiner * kStepsATurn));
   // what the channels show together: the model may have terms in common
   const Eigen::MatrixXd white = whitener(wave_in_time(data, period_s));
   Space beside = alone;
-  double paid = 2.0 * std::log(std::max(1.0, highest - kFewestTurnsOfWave));
+  double paid = 2.0 * std::log(std::max(1.0, kFiner * (highest - kFewestTurnsOfWave)));
   for (const GainInChannel& channel : channels) {
     if (channel.of(white) <= channel.price()) continue;
     Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(white.rows(), white.cols());
