@@ -220,12 +220,7 @@ bool took_noise_beside_hidden(const Base& base, const Search& search, const Whit
   const auto among = std::ranges::count_if(std::span(found.families).first(found.candidates_tried),
                                            [](const Family& family) { return is_like_wander(family.effect); });
   const double evidence = 2.0 * std::log(kPositive * static_cast<double>(std::max<std::ptrdiff_t>(among, 1)));
-  NoiseModel uncorrelated = found.noise;
-  for (NoiseGroup& group : uncorrelated.groups) {
-    group.white = group.sigma();
-    group.correlated = 0.0;
-  }
-  const Whitener white(data, uncorrelated, found.left_out);
+  const Whitener white(data, wandering(found.noise, 0.0, 1.0), found.left_out);
   const Space alone = added_by({MatrixXd(without.target.size(), 0), white(without.target)}, white(without.columns));
   const double freedom = freedom_beside(alone, found.left_out);
   const bool known_little = found.noise.pure.dof < kManyDegrees;

@@ -118,7 +118,8 @@ constexpr double kEvident = 100.0;
 /// Least size of a column beyond the others: no ln of 0.
 constexpr double kLeastSize = 1e-150;
 
-/// The groups of a noise with so much of their variance in a process of this memory.
+}  // namespace
+
 NoiseModel wandering(NoiseModel noise, double share, double memory) {
   for (NoiseGroup& group : noise.groups) {
     const double sigma = group.sigma();
@@ -128,6 +129,8 @@ NoiseModel wandering(NoiseModel noise, double share, double memory) {
   }
   return noise;
 }
+
+namespace {
 
 /// The same with a level of its own for every pass.
 NoiseModel by_pass(const NoiseModel& noise, double share) {

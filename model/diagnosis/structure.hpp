@@ -64,6 +64,9 @@ class Structure {
 /// −log10 of the chance that χ² of `freedom` degrees, over a noise known to `noise_freedom`, exceeds `gain`.
 [[nodiscard]] double minus_log_p(double gain, double freedom, double noise_freedom);
 
+/// The groups of a noise with this share of their variance in a process of this memory, 0 … 1: none in it is white.
+[[nodiscard]] NoiseModel wandering(NoiseModel noise, double share, double memory);
+
 /// A law of noise that wanders: the groups of `noise`, or beside them a level of its own for every run and sense.
 struct Wander {
   NoiseModel noise;

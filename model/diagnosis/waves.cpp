@@ -127,10 +127,11 @@ std::optional<ChangeOfWave> change_of_wave(const Regressors& regressors, const W
     absorb(more, whitener(columns));
     const double gain = space.chi2() - more.chi2();
     const auto freedom = static_cast<double>(more.q.cols() - space.q.cols());
-    // or beside what it leaves itself: repeats between which the wave changed were taken for noise
+    // if the wave changes between repeats, the noise contains this change: its own residual is another measure of noise
     const double spare = static_cast<double>(space.y.size() - more.q.cols());
-    const double left = std::max(more.chi2() / std::max(spare, 1.0), kLeastDivisor);
-    const double digits = std::max(minus_log_p(gain, freedom, noise_freedom), minus_log_p(gain / left, freedom, spare));
+    const double square = more.chi2() / std::max(spare, 1.0);
+    double digits = minus_log_p(gain, freedom, noise_freedom);
+    if (spare >= 1.0) digits = std::max(digits, minus_log_p(gain / std::max(square, kLeastDivisor), freedom, spare));
     if (gain <= kLeastChange * choice.gain || digits <= kFarDigits) return {};
     return ChangeOfWave{
         fmt::format("the wave of {:.4g} {} changes its size or its {}", choice.nonlinear, data.position_unit(), how),

@@ -768,37 +768,3 @@ TEST_CASE("of days that only wander no drift is named, whatever warms") {
     for (const Candidate& candidate : diagnosis_of_days(0.0, seed).candidates) CHECK_FALSE(candidate.named);
   }
 }
-
-namespace {
-
-/// Three runs one way. Drifts of two temperatures nearly cancel each other: what is left changes as fast as the
-/// temperatures differ, and repeats differ by that.
-Diagnosis diagnosis_of_cancelling_drifts(double um_per_degC, unsigned seed) {
-  auto set = measured({.targets = 30, .both_ways = false}, 0.0, nothing);
-  std::mt19937_64 random(seed);
-  NormalDraws normal;
-  double apart_degC = 0.0;
-  for (Reading& r : set.readings) {
-    apart_degC = 0.9 * apart_degC + 0.03 * normal(random);
-    const double room_degC = 20.0 + 0.8 * std::sin(*r.time_s / 400.0 + seed);
-    r.sensors_degC = {{"t_bed_degC", room_degC}, {"t_column_degC", room_degC + apart_degC}};
-    r.error = um_per_degC * apart_degC + kNoise_um * normal(random);
-  }
-  return diagnosed(straight(), set);
-}
-
-}  // namespace
-
-TEST_CASE("two drifts that nearly cancel each other are found although repeats differ by them as by noise") {
-  int both = 0, any = 0;
-  for (unsigned seed = 1; seed <= 10; ++seed) {
-    std::set<std::string> sensors;
-    for (const Candidate& candidate : diagnosis_of_cancelling_drifts(11.0, seed).candidates)
-      if (candidate.in_answer() && candidate.effect.id == thermal_drift) sensors.insert(candidate.effect.sensor);
-    if (sensors == std::set<std::string>{"t_bed_degC", "t_column_degC"}) ++both;
-    for (const Candidate& candidate : diagnosis_of_cancelling_drifts(0.0, seed).candidates)
-      any += candidate.in_answer() ? 1 : 0;
-  }
-  CHECK(both >= 9);
-  CHECK(any == 0);
-}
