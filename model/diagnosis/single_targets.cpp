@@ -57,14 +57,34 @@ MatrixXd covariance_of_jumps(const VectorXd& at) {
   return MatrixXd::NullaryExpr(at.size(), at.size(), [&](Index i, Index j) { return at(std::min(i, j)) - at(0); });
 }
 
+/// Values at targets as the readings show them beside all else: `white` times the values, of which `y` is read with
+/// noise of size one.
+struct SeenValues {
+  MatrixXd white;
+  VectorXd y;
+};
+
+/// @param white  columns, one a target
+SeenValues seen_beside(const Space& space, const MatrixXd& white) {
+  constexpr double kLeastSeen = 1e-13;  // of the squares: the rounding of their products
+  const MatrixXd values = ecs::without(space.q, white);
+  const Spectrum squares = spectrum_of(values.transpose() * values);  // in increasing order
+  const double least = kLeastSeen * std::max(squares.values.maxCoeff(), kLeastDivisor);
+  const Index seen = (squares.values.array() > least).count();
+  const MatrixXd vectors = squares.vectors.rightCols(seen);
+  const VectorXd root = squares.values.tail(seen).cwiseSqrt();
+  return {root.asDiagonal() * vectors.transpose(),
+          (vectors.transpose() * (values.transpose() * space.y)).cwiseQuotient(root)};
+}
+
 /// Twice the logarithm of the evidence for values at targets with this covariance times an unknown factor, against
-/// none. @param values  white columns, one a target  @param y  white readings, both beside all else
-double evidence_of_values(const MatrixXd& values, const VectorXd& y, const MatrixXd& covariance) {
-  constexpr double kLeastShare = 1e-9, kLeastFactor = 1e-3, kStep = 1.25;
+/// none.
+double evidence_of_values(const SeenValues& values, const MatrixXd& covariance) {
+  constexpr double kLeastFactor = 1e-3, kStep = 1.25;
   constexpr int kSteps = 155;  // to 1e12
-  const MatrixXd q = PivotedQr(values, kLeastShare).basis(), r = q.transpose() * values;
-  const Spectrum parts = spectrum_of(r * covariance * r.transpose());
-  const VectorXd seen = parts.vectors.transpose() * (q.transpose() * y);
+  if (values.y.size() == 0) return 0.0;
+  const Spectrum parts = spectrum_of(values.white * covariance * values.white.transpose());
+  const VectorXd seen = parts.vectors.transpose() * values.y;
   const double largest = std::max(parts.values.maxCoeff(), kLeastDivisor);
   double best = 0.0;
   for (int step = 0; step < kSteps; ++step) {
@@ -197,12 +217,10 @@ void hold_against_single_targets(const Observations& data, const Search& search,
     const auto space_of = [&](const std::vector<Choice>& set) {
       return search.solution(set, found.solution.own).space;
     };
-    const auto evidence_beside = [&](const Space& space, const MatrixXd& values, const MatrixXd& covariance) {
-      return evidence_of_values(ecs::without(space.q, whitener(values)), space.y, covariance);
-    };
+    const MatrixXd white_errors = whitener(errors.values), white_targets = whitener(targets.values);
     const Space without = space_of(rest), with = space_of(beside_curve);
     Space with_each = without;
-    absorb(with_each, whitener(errors.values));
+    absorb(with_each, white_errors);
     const double free = static_cast<double>(with_each.q.cols() - without.q.cols());
     double together = 0.0;
     if (coefficients > 0.0) {
@@ -214,10 +232,10 @@ void hold_against_single_targets(const Observations& data, const Search& search,
     straight << VectorXd::Ones(targets.at.size()), targets.at;
     const auto evidence_along = [&](const Space& beside, const std::vector<MatrixXd>& covariances) {
       Space beside_line = beside;  // the straight part has a size of its own
-      absorb(beside_line, whitener(MatrixXd(targets.values * straight)));
+      absorb(beside_line, white_targets * straight);
+      const SeenValues seen = seen_beside(beside_line, white_targets);
       double most = 0.0;
-      for (const MatrixXd& covariance : covariances)
-        most = std::max(most, evidence_beside(beside_line, targets.values, covariance));
+      for (const MatrixXd& covariance : covariances) most = std::max(most, evidence_of_values(seen, covariance));
       return most + evidence_of(beside.chi2() - beside_line.chi2(),
                                 static_cast<double>(beside_line.q.cols() - beside.q.cols()));
     };
@@ -235,13 +253,14 @@ void hold_against_single_targets(const Observations& data, const Search& search,
     absorb(beside_level, whitener(level_of_line(data, line)));
     const double level = evidence_of(without.chi2() - beside_level.chi2(), 1.0);
     double separate = 0.0;
-    const auto try_errors = [&](const Targets& of, const MatrixXd& variances) {
-      separate = std::max({separate, level + evidence_beside(beside_level, of.values, variances),
-                           evidence_beside(without, of.values, variances)});
+    const auto try_errors = [&](const Targets& of, const MatrixXd& white) {
+      const SeenValues beside = seen_beside(beside_level, white), alone = seen_beside(without, white);
+      for (const MatrixXd& variances : separate_errors(of))
+        separate =
+            std::max({separate, level + evidence_of_values(beside, variances), evidence_of_values(alone, variances)});
     };
-    for (const MatrixXd& variances : separate_errors(errors)) try_errors(errors, variances);
-    if (line.acts == Acts::on_one_way)  // or a lost motion without any order
-      for (const MatrixXd& variances : separate_errors(targets)) try_errors(targets, variances);
+    try_errors(errors, white_errors);
+    if (line.acts == Acts::on_one_way) try_errors(targets, white_targets);  // or a lost motion without any order
     const double better = together - separate;
     if (better > 2.0 * std::log(kProved) && !jumps) continue;
     const bool open = better > -2.0 * std::log(kShapeBeforehand) && !jumps;  // proof does without it
