@@ -189,7 +189,11 @@ std::vector<ParameterEstimate> quick_parameters(const RankedCandidate& ranked, c
 
 double false_naming_of(const Found& found, const Choice& choice) {
   const double least = 1.0 / (static_cast<double>(found.replicate_scores.size()) + 1.0);  // they show no less
-  return std::max(least, found.false_naming(choice.score()));
+  const double of_noise = found.false_naming(choice.score());
+  if (found.wander_scores.empty()) return std::max(least, of_noise);
+  const double wanders =
+      static_cast<double>(found.wander_scores.size()) / static_cast<double>(found.replicate_scores.size());
+  return std::max(least, std::lerp(of_noise, tail_probability(found.wander_scores, choice.score()), wanders));
 }
 
 Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, const VectorXd& before,

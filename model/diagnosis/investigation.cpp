@@ -431,6 +431,13 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       if (found.step) blame_step(found);
     }
     found.wanders = wanders(data, found.noise, residual, found.left_out);
+    if (found.entry_score < kBeyondAll && std::ranges::all_of(found.groups, &Group::denied)) {
+      const LinearProblem given = joined(base, search, search.alone());
+      const MatrixXd wander = replicates_of_wander(data, found.noise, found.left_out, given.columns, given.target,
+                                                   options.noise_replicates);
+      const MatrixXd white = without(search.base().q, whitener(wander));
+      found.wander_scores = search.best_scores(white.cast<float>());
+    }
     return found;
   }
 }

@@ -54,6 +54,7 @@ struct Found {
   std::vector<Family> families;
   std::size_t candidates_tried = 0;
   std::vector<double> replicate_scores;        ///< best of each noise replicate
+  std::vector<double> wander_scores;           ///< where nothing is named: of each replicate of a likely wander
   std::vector<StructureTest> before, after;    ///< structure of the residual without and with the effects found
   std::vector<StructureTest> beyond_position;  ///< the former, of each variable beyond the position along the line
   double structure_p_after = 1.0;

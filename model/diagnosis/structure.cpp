@@ -9,13 +9,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <numbers>
+#include <random>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "base/linear/decompositions.hpp"
+#include "base/random.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/statistics.hpp"
 
@@ -121,12 +124,15 @@ constexpr double kLeastSize = 1e-150;
 }  // namespace
 
 NoiseModel wandering(NoiseModel noise, double share, double memory) {
+  NoiseShape shape{share, memory, 1.0, {}};
   for (NoiseGroup& group : noise.groups) {
     const double sigma = group.sigma();
     group.white = sigma * std::sqrt(1.0 - share);
     group.correlated = sigma * std::sqrt(share);
     group.time = memory;
+    shape.variance.push_back(sigma * sigma);
   }
+  noise.shapes = {std::move(shape)};
   return noise;
 }
 
@@ -139,13 +145,13 @@ NoiseModel by_pass(const NoiseModel& noise, double share) {
   return levels;
 }
 
-/// Time from the first reading to the last [s]; without times their number.
+/// Time from the first reading to the last [s], any where all have the same; without times their number.
 double session_of(const Observations& data, const NoiseModel& noise) {
   if (!noise.has_time) return static_cast<double>(data.size());
   double session = 0.0;
   for (const double t : data.time_s)
     if (!std::isnan(t)) session = std::max(session, t);
-  return session;
+  return session > 0.0 ? session : 1.0;
 }
 
 double counted(const std::vector<bool>& left_out) { return static_cast<double>(std::ranges::count(left_out, false)); }
@@ -175,10 +181,16 @@ Eigen::MatrixXd independent_columns(const Eigen::MatrixXd& columns, const std::v
   return independent;
 }
 
-double deviance_of(const Observations& data, const Wander& law, const std::vector<bool>& left_out,
-                   const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect, const Eigen::VectorXd& target) {
+namespace {
+
+/// How well the readings agree with a law, and the size of its noise where they agree best, in that of the law.
+struct Agreement {
+  double deviance = 0.0, size = 1.0;
+};
+Agreement agreement_of(const Observations& data, const Wander& law, const std::vector<bool>& left_out,
+                       const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect, const Eigen::VectorXd& target) {
   const double freedom = counted(left_out) - static_cast<double>(columns.cols());
-  if (freedom < 1.0) return 0.0;  // nothing is left that could tell of a law
+  if (freedom < 1.0) return {};  // nothing is left that could tell of a law
   const Whitener whitener(data, law.noise, left_out);
   const Eigen::MatrixXd levels =
       law.level_um > 0.0 ? Eigen::MatrixXd(law.level_um * levels_of_runs(data)) : Eigen::MatrixXd(columns.rows(), 0);
@@ -194,7 +206,16 @@ double deviance_of(const Observations& data, const Wander& law, const std::vecto
   const Eigen::VectorXd own = beyond_those_before(white);
   double ln_determinants = whitener.ln_determinant();
   for (Eigen::Index j = 0; j < taken; ++j) ln_determinants += ln_square(own(j));
-  return freedom * (std::log(std::numbers::pi) + ln_square(own(all))) - 2.0 * ln_gamma(0.5 * freedom) + ln_determinants;
+  return {
+      freedom * (std::log(std::numbers::pi) + ln_square(own(all))) - 2.0 * ln_gamma(0.5 * freedom) + ln_determinants,
+      std::abs(own(all)) / std::sqrt(freedom)};
+}
+
+}  // namespace
+
+double deviance_of(const Observations& data, const Wander& law, const std::vector<bool>& left_out,
+                   const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect, const Eigen::VectorXd& target) {
+  return agreement_of(data, law, left_out, columns, effect, target).deviance;
 }
 
 namespace {
@@ -233,11 +254,45 @@ std::vector<LikelyWander> likely_wanders(const Observations& data, const NoiseMo
   const Eigen::MatrixXd independent = independent_columns(columns, left_out), none(columns.rows(), 0);
   std::vector<LikelyWander> tried;
   for (Wander& law : wanders_tried(data, noise)) {
-    const double deviance = deviance_of(data, law, left_out, independent, none, target);
-    tried.push_back({std::move(law), deviance});
+    const auto [deviance, size] = agreement_of(data, law, left_out, independent, none, target);
+    tried.push_back({std::move(law), deviance, size});
   }
   sort_greatest_first(tried, [](const LikelyWander& likely) { return -likely.deviance; });
   return tried;
+}
+
+Eigen::MatrixXd replicates_of_wander(const Observations& data, const NoiseModel& noise,
+                                     const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
+                                     const Eigen::VectorXd& target, std::size_t count) {
+  constexpr std::uint64_t kSeed = 11;  // any number: the same data always give the same replicates
+  const std::vector<LikelyWander> likely = likely_wanders(data, noise, left_out, columns, target);
+  const double steady = deviance_of(data, {noise}, left_out, independent_columns(columns, left_out),
+                                    Eigen::MatrixXd(columns.rows(), 0), target);
+  const double least = std::min(steady, likely.front().deviance);
+  const auto weight = [&](double deviance) { return std::exp(-0.5 * (deviance - least)); };
+  double sum = static_cast<double>(likely.size()) * weight(steady);
+  for (const LikelyWander& one : likely) sum += weight(one.deviance);
+  Eigen::MatrixXd replicates(static_cast<Index>(data.size()), 0);
+  if (sum <= 2.0 * static_cast<double>(likely.size()) * weight(steady)) return replicates;  // none is likelier
+  const Eigen::MatrixXd levels = levels_of_runs(data);
+  std::mt19937_64 random(kSeed);
+  NormalDraws normal;
+  double share = 0.0;
+  for (const LikelyWander& one : likely) {  // each as often as it is likely
+    share += weight(one.deviance) / sum;
+    const auto had = static_cast<std::size_t>(replicates.cols());
+    const auto until = static_cast<std::size_t>(std::lround(share * static_cast<double>(count)));
+    if (until == had) continue;
+    NoiseModel law = one.law.noise;
+    for (NoiseShape& shape : law.shapes)
+      for (double& variance : shape.variance) variance *= one.size * one.size;
+    Eigen::MatrixXd drawn = SimulatedNoise(data, law, left_out).next(until - had);
+    if (one.law.level_um > 0.0)
+      drawn += one.size * one.law.level_um * levels *
+               Eigen::MatrixXd::NullaryExpr(levels.cols(), drawn.cols(), [&] { return normal(random); });
+    replicates = beside(std::move(replicates), drawn);
+  }
+  return replicates;
 }
 
 bool is_wandering(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,

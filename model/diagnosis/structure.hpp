@@ -101,11 +101,19 @@ inline constexpr double kMostBesideEffect = 0.2;
 struct LikelyWander {
   Wander law;
   double deviance = 0.0;
+  double size = 1.0;  ///< of its noise where they agree best, in that of the law
 };
 /// All wanders tried, the likeliest first.
 [[nodiscard]] std::vector<LikelyWander> likely_wanders(const Observations& data, const NoiseModel& noise,
                                                        const std::vector<bool>& left_out,
                                                        const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
+
+/// Noise that wanders as the readings may: at most `count` columns (readings × columns), each law of a wander as often
+/// as it is likely, a wander beforehand as likely as none; none where none is likelier.
+/// @param columns,target  of the model
+[[nodiscard]] Eigen::MatrixXd replicates_of_wander(const Observations& data, const NoiseModel& noise,
+                                                   const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
+                                                   const Eigen::VectorXd& target, std::size_t count);
 
 /// Whether something wanders in what a model leaves: one of a few wanders is a hundred times likelier than
 /// the noise as it is.

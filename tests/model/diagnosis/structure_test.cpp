@@ -243,3 +243,39 @@ TEST_CASE("what changes in time or is set by hand may be a wander, a curve only 
   CHECK(may_be_wander(once, effect(sag, Axis::X, Sense::EX)));
   CHECK_FALSE(may_be_wander(repeated, effect(sag, Axis::X, Sense::EX)));
 }
+
+TEST_CASE("replicates wander as often as a wander is likely, and as much as the readings do") {
+  constexpr std::size_t kReplicates = 50;
+  const auto drawn_for = [](OneRun run) {
+    run.noise.pure.dof = 100.0;  // its size is known
+    return replicates_of_wander(run.data, run.noise, run.left_out, run.mean(), run.target, kReplicates);
+  };
+  int of_steady = 0;
+  for (unsigned seed = 1; seed <= 10; ++seed)
+    of_steady += drawn_for(OneRun([](double) { return 0.0; }, seed)).cols() > 0 ? 1 : 0;
+  CHECK(of_steady <= 1);
+  const OneRun levels([](double t) { return 3.0 * std::sin(std::floor(t / 1000.0) * 40.0); }, 3, 5);
+  MatrixXd drawn = drawn_for(levels);
+  REQUIRE(drawn.cols() == Index{kReplicates});
+  drawn.rowwise() -= drawn.colwise().mean().eval();
+  const double of_readings = (levels.target.array() - levels.target.mean()).square().mean();
+  CHECK(drawn.array().square().mean() == Approx(of_readings).epsilon(0.5));
+}
+
+TEST_CASE("the chance that noise looks like a candidate is stated for readings that wander too") {
+  int rare = 0, common = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937_64 random(seed);
+    NormalDraws step(0.0, 0.3);
+    double level = 0.0;
+    const Truth walk = [&](const Reading&) { return level += step(random); };
+    const Diagnosis diagnosis = diagnosed(straight(), measured({}, kNoiseOfOne_um, walk, seed));
+    double least = 1.0;
+    for (const Candidate& candidate : diagnosis.candidates) least = std::min(least, candidate.false_naming);
+    rare += least < 0.05 ? 1 : 0;
+    common += least > 0.2 ? 1 : 0;
+  }
+  CAPTURE(rare);
+  CHECK(rare <= 4);  // of readings beside noise that does not wander all would be
+  CHECK(common >= 10);
+}
