@@ -119,8 +119,8 @@ std::vector<EffectFact> evidence_of(const model::Candidate& candidate, const mod
                                         *candidate.held_out_rms_um, diagnosis.noise.unit),
                             *candidate.held_out_rms_um < *candidate.held_out_rms_before_um)});
   if (model::explains_alone(candidate, diagnosis)) {
-    facts.push_back({"by chance", judged(fmt::format("{} of simulated noise-only data sets fit as well",
-                                                     chance_text(candidate, diagnosis)),
+    facts.push_back({"by chance", judged(fmt::format("{} of {} fit as well", chance_text(candidate, diagnosis),
+                                                     model::name_of_replicates(diagnosis)),
                                          candidate.false_naming <= 0.01)});
     facts.push_back({"nominal test", judged(fmt::format("p = {:.1g}", candidate.p_value), candidate.p_value < 0.01)});
   } else {

@@ -80,7 +80,7 @@ LinearProblem problem_with(LinearProblem problem, const std::vector<Member>& mem
 Result<void> check_e_values(const Model& model, const Observations& data, const Claim& claim,
                             const std::vector<Member>& members, Check& check) {
   const Regressors regressors(data);
-  ECS_TRY(base, base_of(model, regressors, claim.plain, nullptr));
+  ECS_TRY(base, base_of(model, regressors, claim.plain));
   const LinearProblem alone = problem_with_own(model, base, regressors, claim.own_terms);
   const LinearProblem all = problem_with(alone, members, regressors, nullptr);
   std::vector<bool> left_out = base.core.left_out;
@@ -169,7 +169,7 @@ Result<Check> checked(const Model& model, const Observations& all, const Claim& 
   const Observations data = with_sensors(all);
   if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to check");
   const Regressors regressors(data);
-  ECS_TRY(base, base_of(model, regressors, claim.plain, nullptr));
+  ECS_TRY(base, base_of(model, regressors, claim.plain));
   Check check;
   check_number(check, "observations", static_cast<double>(claim.observations), static_cast<double>(data.size()));
   const Eigen::VectorXd before = told_residual(model, data, claim.plain, base.residual);

@@ -293,14 +293,14 @@ void state_sets(Candidate& candidate, const ReportInput& in, const std::vector<R
 
 std::vector<Dependence> dependences(const Observations& data, const VectorXd& residual, const NoiseModel& noise,
                                     const std::vector<StructureTest>& tests) {
+  const auto chance_of = [&](const std::string& variable) {
+    const auto test = std::ranges::find(tests, variable, &StructureTest::variable);
+    return test == tests.end() ? 1.0 : probability_from(test->minus_log_p);
+  };
+  const auto is_telling = [&](const std::string& variable) { return chance_of(variable) < kTellingChance; };
   std::vector<Dependence> list;
-  for (const NamedShare& of : shares_by_variable(data, residual, noise.pure.noise_um)) {
-    Dependence one;
-    one.variable = of.variable;
-    for (const StructureTest& test : tests)
-      if (test.variable == of.variable) one.p_value = probability_from(test.minus_log_p);
-    if (one.p_value >= kTellingChance) continue;
-    one.strength = of.share;
+  for (const NamedShare& of : shares_by_variable(data, residual, noise.pure.noise_um, is_telling)) {
+    Dependence one{of.variable, of.share, chance_of(of.variable), {}, {}};
     const ResidualView view = residual_view(
         data, std::vector<double>(residual.data(), residual.data() + residual.size()), of.variable, kMostBins);
     for (const ResidualBin& bin : view.bins) {
@@ -441,7 +441,7 @@ std::optional<JointProof> joint_proof(const ReportInput& in, const std::vector<R
 }
 
 Result<NamedCauses> names_alone(const ReportInput& in) {
-  ECS_TRY(answer, answer_of(in));
+  const Answer answer = answer_of(in);
   NamedCauses names{answer.verdict, {}, 1.0};
   for (const RankedCandidate& ranked : answer.order) {
     if (ranked.standing == Standing::possible) continue;
@@ -544,14 +544,17 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.candidates_tried = in.found.candidates_tried;
   diagnosis.noise_replicates = in.found.replicate_scores.size();
   diagnosis.replicates_wanted = in.options.noise_replicates;
-  ECS_TRY(answer, answer_of(in));
+  diagnosis.noise_wanders = !in.found.wander_scores.empty();
+  const Answer answer = answer_of(in);
   const auto& [verdict, order, cannot_tell, other_unit] = answer;
   diagnosis.verdict = verdict;
   diagnosis.own_terms = in.own;
   std::vector<FoundEffect> in_answer;
   for (const RankedCandidate& ranked : order)
     if (ranked.in_answer()) in_answer.push_back({ranked.effect, ranked.choice});
-  ECS_TRY(with, fitted_with(in.model, in.own, in_answer, in.regressors, in.options.plain));
+  const bool is_alone = in_answer.empty() && in.own.empty();
+  ECS_TRY(with, is_alone ? Result<FittedWith>(fitted_alone(in.base, before, data))
+                         : fitted_with(in.model, in.own, in_answer, in.regressors, in.options.plain));
   const auto& [after, left, noise, left_out] = with;
   const Whitener whitener(data, noise, left_out);
   diagnosis.rms_after_um = rms_of(left);
@@ -673,9 +676,10 @@ Result<Diagnosis> reported(const ReportInput& in) {
                    passes.has_value());
   if (why_in_headline) diagnosis.headline += fmt::format(" No effect is named, because {}.", in.found.objection);
   diagnosis.headline += beside_formulas(in.model, diagnosis);
-  if (std::ranges::any_of(in.model.effects, [](const auto& effect) { return !effect.tied_with.empty(); }) ||
-      std::ranges::find(in.base.core.undetermined, true) != in.base.core.undetermined.end())
-    diagnosis.headline += undecided_text(in.model, data);
+  diagnosis.may_be_undecided =
+      std::ranges::any_of(in.model.effects, [](const auto& effect) { return !effect.tied_with.empty(); }) ||
+      std::ranges::find(in.base.core.undetermined, true) != in.base.core.undetermined.end();
+  if (diagnosis.may_be_undecided) diagnosis.headline += undecided_text(in.model, data);
   if (motions) diagnosis.headline = words_for(*motions) + " " + diagnosis.headline;
   if (!other_unit.empty()) diagnosis.headline = other_unit + " " + diagnosis.headline;
   if (diagnosis.verdict != Verdict::adequate)
@@ -711,7 +715,7 @@ Result<Answered> searched_and(Result<Answered> (*answer)(const ReportInput&), co
     return from(searched(model, regressors, base, all_candidates(model, regressors), options));
   const Observations part = searched_part(data, options.largest_search);
   const Regressors part_regressors(part);
-  ECS_TRY(part_base, base_of(model, part_regressors, options.plain, nullptr));
+  ECS_TRY(part_base, base_of(model, part_regressors, options.plain));
   return from(searched(model, part_regressors, part_base, all_candidates(model, part_regressors), options));
 }
 
@@ -728,7 +732,7 @@ Result<Answered> diagnosed(Result<Answered> (*answer)(const ReportInput&), const
     options.most_effects = std::max(options.most_effects, kMostOfSeveralAxes);
   try {
     const Regressors regressors(data);
-    ECS_TRY(base, base_of(model, regressors, options.plain, nullptr));
+    ECS_TRY(base, base_of(model, regressors, options.plain));
     const double spare = static_cast<double>(data.size()) - static_cast<double>(base.core.rank);
     if (spare < kFewestToName) return few(base);
     auto found = searched_and(answer, model, regressors, base, options);

@@ -167,9 +167,10 @@ struct Diagnosis {
   Verdict verdict = Verdict::adequate;
   std::string headline;  ///< the answer in words: a bad run, then what is wrong, how much and where
   std::optional<DifferentRun> different_run;
-  std::string reservation;       ///< what these data cannot show at all, so that nothing found means little; else ""
-  std::string cannot_tell;       ///< why that is the verdict; else ""
-  bool best_sum_leaves = false;  ///< structure: the best sum of effects was fitted, and what it leaves is no noise
+  std::string reservation;        ///< what these data cannot show at all, so that nothing found means little; else ""
+  std::string cannot_tell;        ///< why that is the verdict; else ""
+  bool best_sum_leaves = false;   ///< structure: the best sum of effects was fitted, and what it leaves is no noise
+  bool may_be_undecided = false;  ///< these readings may not distinguish effects of the model: undecided_effects()
   std::vector<Candidate> candidates;  ///< proved ones first, then likely ones
   std::vector<Dependence> where;      ///< strongest first
   std::vector<int> outliers;          ///< row numbers
@@ -177,6 +178,7 @@ struct Diagnosis {
   std::size_t candidates_tried = 0;
   std::vector<OwnTerm> own_terms;
   std::size_t noise_replicates = 0;   ///< that were searched
+  bool noise_wanders = false;         ///< false_naming is that of noise which wanders as the readings do
   std::size_t replicates_wanted = 0;  ///< searched unless the first ones already show that noise explains the readings
   std::optional<ProposedAddition> add;  ///< where something is likely, or a group predicts
   std::vector<LeftProperty> left;       ///< where structure is left

@@ -265,7 +265,7 @@ double rms_of(const VectorXd& r) {
   return r.size() == 0 ? 0.0 : std::sqrt(r.squaredNorm() / static_cast<double>(r.size()));
 }
 
-Result<Base> base_of(const Model& model, const Regressors& regressors, bool plain, Fit* fit) {
+Result<Base> base_of(const Model& model, const Regressors& regressors, bool plain) {
   ECS_TRY(assembly, Assembly::of(with_best_starts(model, regressors), regressors));
   Base base;
   base.core = fitted(assembly, regressors, {plain, true});
@@ -288,7 +288,7 @@ Result<Base> base_of(const Model& model, const Regressors& regressors, bool plai
       columns = beside(std::move(columns), assembly.slope(s, j, sizes, regressors));
     }
   }
-  if (fit != nullptr) *fit = reported(assembly, regressors, base.core);
+  base.fit = reported(assembly, regressors, base.core);
   return base;
 }
 

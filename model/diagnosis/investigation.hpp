@@ -45,6 +45,7 @@ struct Base {
   Eigen::VectorXd target;                ///< readings less the part held
   Eigen::VectorXd residual;              ///< of the fit
   CoreFit core;
+  Fit fit;  ///< the same as it is reported
 };
 
 /// Everything found on one choice of readings.
@@ -92,8 +93,8 @@ struct LinearProblem {
 /// √(mean r²)
 [[nodiscard]] double rms_of(const Eigen::VectorXd& r);
 
-/// Fits the model with every function of its curves. @param fit  where the fit is reported too; may be null
-[[nodiscard]] Result<Base> base_of(const Model& model, const Regressors& regressors, bool plain, Fit* fit);
+/// Fits the model with every function of its curves.
+[[nodiscard]] Result<Base> base_of(const Model& model, const Regressors& regressors, bool plain);
 
 [[nodiscard]] Eigen::VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener);
 

@@ -383,10 +383,9 @@ bool are_off_their_means(const Observations& data) {
 }
 
 /// Why readings whose residual looks like noise do not show that nothing is missing, as a sentence; "" where they do.
-/// @param fit  of the model as it is
-std::string why_cannot_tell(const ReportInput& in, const Fit& fit) {
+std::string why_cannot_tell(const ReportInput& in) {
   const Observations& data = in.regressors.data();
-  const std::vector<std::string> cancelling = cancelling_effects(data, fit, in.base.own);
+  const std::vector<std::string> cancelling = cancelling_effects(data, in.base.fit, in.base.own);
   if (!cancelling.empty())
     return fmt::format("the readings do not determine {}, which cancel each other: fix one of them, or measure more",
                        fmt::join(cancelling, " and "));
@@ -558,7 +557,7 @@ Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise)
   return {"neither half of the readings shows it on its own", again};
 }
 
-Result<Answer> answer_of(const ReportInput& in) {
+Answer answer_of(const ReportInput& in) {
   const bool noise = noise_left(in.found, in.options);
   std::vector<Standing> standings = standings_of(in, noise);
   const bool of_points = deny_errors_of_points(in, standings);
@@ -580,9 +579,7 @@ Result<Answer> answer_of(const ReportInput& in) {
         kFewestCurveTargets);
   }
   if (answer.verdict != Verdict::adequate) return answer;
-  Fit fit;
-  ECS_DO(base_of(in.model, in.regressors, in.options.plain, &fit));
-  answer.cannot_tell = why_cannot_tell(in, fit);
+  answer.cannot_tell = why_cannot_tell(in);
   if (!answer.cannot_tell.empty()) answer.verdict = Verdict::cannot_tell;
   return answer;
 }

@@ -55,8 +55,7 @@ struct Answer {
   std::string cannot_tell;  ///< why the verdict is that; else ""
   std::string other_unit;   ///< a line in another unit than others, which effects do not explain, as sentences; else ""
 };
-/// Fails where the model does not fit.
-[[nodiscard]] Result<Answer> answer_of(const ReportInput& in);
+[[nodiscard]] Answer answer_of(const ReportInput& in);
 
 /// Why the best effects of the library do not count as an explanation.
 [[nodiscard]] std::string why_not_explained(const Found& found);

@@ -100,17 +100,17 @@ VectorXd residual_with(const Model& model, const std::vector<OwnTerm>& own, cons
   return fitted(*assembly, regressors, {.plain = plain, .from_values = true, .beside = beside}).residual;
 }
 
+FittedWith fitted_alone(const Base& base, VectorXd left, const Observations& data) {
+  return {base.fit, std::move(left), noise_beside(data, base, base.core.left_out), base.core.left_out};
+}
+
 namespace {
 
 Result<FittedWith> fitted_beside(Model model, const std::vector<EffectInstance>& effects, const Regressors& regressors,
                                  bool plain) {
   model.effects.insert(model.effects.end(), effects.begin(), effects.end());
-  FittedWith after;
-  ECS_TRY(base, base_of(model, regressors, plain, &after.fit));
-  after.left = told_residual(model, regressors.data(), plain, base.residual);
-  after.left_out = base.core.left_out;
-  after.noise = noise_beside(regressors.data(), base, after.left_out);
-  return after;
+  ECS_TRY(base, base_of(model, regressors, plain));
+  return fitted_alone(base, told_residual(model, regressors.data(), plain, base.residual), regressors.data());
 }
 
 }  // namespace

@@ -388,12 +388,11 @@ bool proved_alone(const Candidate& candidate, const Diagnosis& diagnosis) {
 }
 
 std::string chance_text(const Candidate& candidate, const Diagnosis& diagnosis) {
+  const std::string_view sets = name_of_replicates(diagnosis);
   if (candidate.false_naming * static_cast<double>(diagnosis.noise_replicates) < 1.0)
-    return fmt::format("; in none of {} simulated noise-only data sets did an effect explain as much",
-                       diagnosis.noise_replicates);
+    return fmt::format("; in none of {} {} did an effect explain as much", diagnosis.noise_replicates, sets);
   if (candidate.false_naming >= 1.0) return "";
-  return fmt::format("; in {:.2g} % of simulated noise-only data sets an effect explained as much",
-                     kPercent * candidate.false_naming);
+  return fmt::format("; in {:.2g} % of {} an effect explained as much", kPercent * candidate.false_naming, sets);
 }
 
 std::string held_out_text(double before_um, double after_um, const Diagnosis& diagnosis) {

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "model/data/observations.hpp"
@@ -52,6 +53,11 @@ struct JointProof {
 /// Whether a proof in words would be true: the candidate alone explains 1 % of the residual, and more than as many
 /// columns fitted to noise would.
 [[nodiscard]] bool explains_alone(const Candidate& candidate, const Diagnosis& diagnosis);
+
+/// What the replicates of noise are called, in the plural.
+[[nodiscard]] inline std::string_view name_of_replicates(const Diagnosis& diagnosis) {
+  return diagnosis.noise_wanders ? "simulated data sets of noise that wanders" : "simulated noise-only data sets";
+}
 
 /// @param diagnosis  with rms, noise, all candidates and the number of noise replicates
 /// @param joint  absent where fewer than two effects are named

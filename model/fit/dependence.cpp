@@ -428,7 +428,8 @@ double share_beyond_position(const Observations& data, const Variable& variable,
   return share_beyond(beside_position(data, residual).of(variable.name), residual.squaredNorm(), variable, noise_um);
 }
 
-std::vector<NamedShare> shares_by_variable(const Observations& data, const VectorXd& residual, double noise_um) {
+std::vector<NamedShare> shares_by_variable(const Observations& data, const VectorXd& residual, double noise_um,
+                                           const std::function<bool(const std::string&)>& is_wanted) {
   // their shares are known to a hundredth; the functions of a large set take hundreds of megabytes
   constexpr std::size_t kMostLookedAt = 20'000;
   if (data.size() > kMostLookedAt) {
@@ -436,13 +437,14 @@ std::vector<NamedShare> shares_by_variable(const Observations& data, const Vecto
     VectorXd part(static_cast<Index>(chosen.size()));
     for (std::size_t i = 0; i < chosen.size(); ++i)
       part(static_cast<Index>(i)) = residual(static_cast<Index>(chosen[i]));
-    return shares_by_variable(subset(data, chosen), part, noise_um);
+    return shares_by_variable(subset(data, chosen), part, noise_um, is_wanted);
   }
   std::vector<NamedShare> shares;
   BesidePosition beside = beside_position(data, residual);
   for (const Variable& variable : variables_of(data))
-    shares.push_back(
-        {variable.name, share_beyond(beside.of(variable.name), residual.squaredNorm(), variable, noise_um)});
+    if (is_wanted(variable.name))
+      shares.push_back(
+          {variable.name, share_beyond(beside.of(variable.name), residual.squaredNorm(), variable, noise_um)});
   return shares;
 }
 

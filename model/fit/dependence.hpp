@@ -48,9 +48,10 @@ struct NamedShare {
   std::string variable;
   double share = 0.0;
 };
-/// Of all variables, in the order of variables_of(); of large sets from an even choice of the readings.
-[[nodiscard]] std::vector<NamedShare> shares_by_variable(const Observations& data, const Eigen::VectorXd& residual,
-                                                         double noise_um);
+/// Of all variables that are wanted, in the order of variables_of(); of large sets from an even choice of the readings.
+[[nodiscard]] std::vector<NamedShare> shares_by_variable(
+    const Observations& data, const Eigen::VectorXd& residual, double noise_um,
+    const std::function<bool(const std::string&)>& is_wanted = [](const std::string&) { return true; });
 
 /// Share of Σ r² of a residual [um or um/m, canonical order] that functions of a variable explain beyond what noise
 /// does, and beyond the position along the measured line, 0 … 1.
