@@ -84,7 +84,7 @@ Result<void> check_e_values(const Model& model, const Observations& data, const 
   const LinearProblem alone = problem_with_own(model, base, regressors, claim.own_terms);
   const LinearProblem all = problem_with(alone, members, regressors, nullptr);
   std::vector<bool> left_out = base.core.left_out;
-  NoiseModel noise = noise_beside(data, base, left_out);
+  NoiseModel noise = base.noise;
   for (int round = 0; round < kMostRounds; ++round)
     if (!noise_changed(data, base, all, Whitener(data, noise, left_out), claim.plain, noise, left_out)) break;
   std::vector<EffectInstance> own;

@@ -553,7 +553,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   for (const RankedCandidate& ranked : order)
     if (ranked.in_answer()) in_answer.push_back({ranked.effect, ranked.choice});
   const bool is_alone = in_answer.empty() && in.own.empty();
-  ECS_TRY(with, is_alone ? Result<FittedWith>(fitted_alone(in.base, before, data))
+  ECS_TRY(with, is_alone ? Result<FittedWith>(fitted_alone(in.base, before))
                          : fitted_with(in.model, in.own, in_answer, in.regressors, in.options.plain));
   const auto& [after, left, noise, left_out] = with;
   const Whitener whitener(data, noise, left_out);

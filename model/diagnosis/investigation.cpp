@@ -288,12 +288,9 @@ Result<Base> base_of(const Model& model, const Regressors& regressors, bool plai
       columns = beside(std::move(columns), assembly.slope(s, j, sizes, regressors));
     }
   }
+  base.noise = noise_of(data, base.residual, base.core.left_out, beside(base.columns, base.own_columns));
   base.fit = reported(assembly, regressors, base.core);
   return base;
-}
-
-NoiseModel noise_beside(const Observations& data, const Base& base, const std::vector<bool>& left_out) {
-  return noise_of(data, base.residual, left_out, beside(base.columns, base.own_columns));
 }
 
 VectorXd residual_of(const LinearProblem& problem, const Whitener& whitener) {
@@ -343,7 +340,7 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       others_than(base.at_limit, candidates_beside(model, own, candidates));
   Found found;
   found.left_out = base.core.left_out;
-  found.noise = noise_beside(data, base, found.left_out);
+  found.noise = base.noise;
   std::size_t looks = 0;
   for (int round = 0;; ++round) {
     const Whitener whitener(data, found.noise, found.left_out);

@@ -45,7 +45,8 @@ struct Base {
   Eigen::VectorXd target;                ///< readings less the part held
   Eigen::VectorXd residual;              ///< of the fit
   CoreFit core;
-  Fit fit;  ///< the same as it is reported
+  NoiseModel noise;  ///< beside all these columns, which took a part of it
+  Fit fit;           ///< as it is reported
 };
 
 /// Everything found on one choice of readings.
@@ -103,8 +104,6 @@ inline constexpr int kMostRounds = 2;
 /// Noise and outliers again from what is left; false: they are what they were, or too little is left to tell.
 [[nodiscard]] bool noise_changed(const Observations& data, const Base& base, const LinearProblem& all,
                                  const Whitener& whitener, bool plain, NoiseModel& noise, std::vector<bool>& left_out);
-/// The noise of a fit, which its free terms took a part of too.
-[[nodiscard]] NoiseModel noise_beside(const Observations& data, const Base& base, const std::vector<bool>& left_out);
 
 /// The candidates but those that the model has already with a free searched parameter (`own`).
 [[nodiscard]] std::vector<EffectInstance> others_than(const std::vector<EffectInstance>& own,

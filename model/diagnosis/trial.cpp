@@ -100,8 +100,8 @@ VectorXd residual_with(const Model& model, const std::vector<OwnTerm>& own, cons
   return fitted(*assembly, regressors, {.plain = plain, .from_values = true, .beside = beside}).residual;
 }
 
-FittedWith fitted_alone(const Base& base, VectorXd left, const Observations& data) {
-  return {base.fit, std::move(left), noise_beside(data, base, base.core.left_out), base.core.left_out};
+FittedWith fitted_alone(const Base& base, VectorXd left) {
+  return {base.fit, std::move(left), base.noise, base.core.left_out};
 }
 
 namespace {
@@ -110,7 +110,7 @@ Result<FittedWith> fitted_beside(Model model, const std::vector<EffectInstance>&
                                  bool plain) {
   model.effects.insert(model.effects.end(), effects.begin(), effects.end());
   ECS_TRY(base, base_of(model, regressors, plain));
-  return fitted_alone(base, told_residual(model, regressors.data(), plain, base.residual), regressors.data());
+  return fitted_alone(base, told_residual(model, regressors.data(), plain, base.residual));
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ struct FittedWith {
   std::vector<bool> left_out;
 };
 /// The model without any, its own terms where the fit found them. @param left  told_residual()
-[[nodiscard]] FittedWith fitted_alone(const Base& base, Eigen::VectorXd left, const Observations& data);
+[[nodiscard]] FittedWith fitted_alone(const Base& base, Eigen::VectorXd left);
 /// An effect and the values at which a search took it.
 struct FoundEffect {
   EffectInstance effect;

@@ -153,12 +153,12 @@ bool many(const std::vector<double>& deviation, bool of_poses) {
 std::vector<bool> in_kinds_not_repeated(const Observations& data, const std::vector<double>& deviation, bool of_poses) {
   std::map<ReadingKind, std::vector<double>> of_kind;
   for (std::size_t k = 0; k < data.size(); ++k) of_kind[kind_of(data, k)].push_back(deviation[k]);
-  std::vector<bool> not_repeated;
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    const std::vector<double>& alike = of_kind[kind_of(data, k)];
-    not_repeated.push_back(alike.size() >= kFewestOfKind && !many(alike, of_poses));
-  }
-  return not_repeated;
+  std::map<ReadingKind, bool> not_repeated;
+  for (const auto& [kind, alike] : of_kind)
+    not_repeated[kind] = alike.size() >= kFewestOfKind && !many(alike, of_poses);
+  std::vector<bool> readings;
+  for (std::size_t k = 0; k < data.size(); ++k) readings.push_back(not_repeated.at(kind_of(data, k)));
+  return readings;
 }
 
 /// Where the runs of a group differ as no noise does, only what the approaches of a run do not share is kept.
