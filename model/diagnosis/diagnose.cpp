@@ -187,13 +187,12 @@ std::vector<ParameterEstimate> quick_parameters(const RankedCandidate& ranked, c
            false}};
 }
 
-double false_naming_of(const Found& found, const Choice& choice) {
+/// @param wander  what noise that wanders looks like; empty where that does not matter
+double false_naming_of(const Found& found, const WanderScores& wander, const Choice& choice) {
   const double least = 1.0 / (static_cast<double>(found.replicate_scores.size()) + 1.0);  // they show no less
   const double of_noise = found.false_naming(choice.score());
-  if (found.wander_scores.empty()) return std::max(least, of_noise);
-  const double wanders =
-      static_cast<double>(found.wander_scores.size()) / static_cast<double>(found.replicate_scores.size());
-  return std::max(least, std::lerp(of_noise, tail_probability(found.wander_scores, choice.score()), wanders));
+  if (wander.scores.empty()) return std::max(least, of_noise);
+  return std::max(least, std::lerp(of_noise, tail_probability(wander.scores, choice.score()), wander.probability));
 }
 
 Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, const VectorXd& before,
@@ -216,7 +215,6 @@ Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, con
   const double freedom = std::max<double>(1.0, static_cast<double>(ranked.choice.parameters));
   candidate.p_value =
       probability_from(minus_log_p(ranked.choice.gain, freedom, std::max(kFewestNoiseFreedom, after.noise.pure.dof)));
-  candidate.false_naming = false_naming_of(in.found, ranked.choice);
   candidate.skipped = in.regressors.acting(ranked.effect).skipped;
   candidate.parameters = quick_parameters(ranked, problem, whitener, in.regressors, in.problem.columns.cols());
   if (!candidate.parameters.empty()) candidate.size_alone = candidate.parameters.front().value;
@@ -448,7 +446,7 @@ Result<NamedCauses> names_alone(const ReportInput& in) {
     NamedCause cause{to_text(ranked.effect),
                      ranked.probability,
                      ranked.e_value,
-                     false_naming_of(in.found, ranked.choice),
+                     false_naming_of(in.found, {}, ranked.choice),
                      ranked.p_value,
                      ranked.standing,
                      {}};
@@ -544,7 +542,6 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.candidates_tried = in.found.candidates_tried;
   diagnosis.noise_replicates = in.found.replicate_scores.size();
   diagnosis.replicates_wanted = in.options.noise_replicates;
-  diagnosis.noise_wanders = !in.found.wander_scores.empty();
   const Answer answer = answer_of(in);
   const auto& [verdict, order, cannot_tell, other_unit] = answer;
   diagnosis.verdict = verdict;
@@ -552,6 +549,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
   std::vector<FoundEffect> in_answer;
   for (const RankedCandidate& ranked : order)
     if (ranked.in_answer()) in_answer.push_back({ranked.effect, ranked.choice});
+  const bool may_wander = in_answer.empty() && !in.found.stands_out && in.found.entry_score < kBeyondAll;
+  const WanderScores wander = may_wander ? in.found.wander_scores() : WanderScores{};
+  diagnosis.noise_wanders = !wander.scores.empty();
   const bool is_alone = in_answer.empty() && in.own.empty();
   ECS_TRY(with, is_alone ? Result<FittedWith>(fitted_alone(in.base, before))
                          : fitted_with(in.model, in.own, in_answer, in.regressors, in.options.plain));
@@ -580,6 +580,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
       order.empty() ? 0.0 : held_out_rms(data, noise, left_out, parts, in.problem.columns, in.problem.target);
   for (std::size_t i = 0; i < order.size(); ++i) {
     Candidate candidate = candidate_of(in, order[i], before, whitener, parts, with, held_out_before, i < kMostProved);
+    candidate.false_naming = false_naming_of(in.found, wander, order[i].choice);
     candidate.found = i < in.found.groups.size();
     if (order[i].in_answer()) {  // these are first
       take_parameters(candidate, after.effects[in.model.effects.size() + i]);
@@ -676,10 +677,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
                    passes.has_value());
   if (why_in_headline) diagnosis.headline += fmt::format(" No effect is named, because {}.", in.found.objection);
   diagnosis.headline += beside_formulas(in.model, diagnosis);
-  diagnosis.may_be_undecided =
-      std::ranges::any_of(in.model.effects, [](const auto& effect) { return !effect.tied_with.empty(); }) ||
-      std::ranges::find(in.base.core.undetermined, true) != in.base.core.undetermined.end();
-  if (diagnosis.may_be_undecided) diagnosis.headline += undecided_text(in.model, data);
+  if (std::ranges::any_of(in.model.effects, [](const auto& effect) { return !effect.tied_with.empty(); }) ||
+      std::ranges::find(in.base.core.undetermined, true) != in.base.core.undetermined.end())
+    diagnosis.headline += undecided_text(in.model, data);
   if (motions) diagnosis.headline = words_for(*motions) + " " + diagnosis.headline;
   if (!other_unit.empty()) diagnosis.headline = other_unit + " " + diagnosis.headline;
   if (diagnosis.verdict != Verdict::adequate)

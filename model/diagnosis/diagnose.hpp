@@ -167,10 +167,9 @@ struct Diagnosis {
   Verdict verdict = Verdict::adequate;
   std::string headline;  ///< the answer in words: a bad run, then what is wrong, how much and where
   std::optional<DifferentRun> different_run;
-  std::string reservation;        ///< what these data cannot show at all, so that nothing found means little; else ""
-  std::string cannot_tell;        ///< why that is the verdict; else ""
-  bool best_sum_leaves = false;   ///< structure: the best sum of effects was fitted, and what it leaves is no noise
-  bool may_be_undecided = false;  ///< these readings may not distinguish effects of the model: undecided_effects()
+  std::string reservation;       ///< what these data cannot show at all, so that nothing found means little; else ""
+  std::string cannot_tell;       ///< why that is the verdict; else ""
+  bool best_sum_leaves = false;  ///< structure: the best sum of effects was fitted, and what it leaves is no noise
   std::vector<Candidate> candidates;  ///< proved ones first, then likely ones
   std::vector<Dependence> where;      ///< strongest first
   std::vector<int> outliers;          ///< row numbers

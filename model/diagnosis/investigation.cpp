@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -259,6 +260,16 @@ bool took_noise_beside_hidden(const Base& base, const Search& search, const Whit
   return true;
 }
 
+/// The best score of each replicate (white), made as large as what the model leaves: effects are then compared by the
+/// share that they explain.
+std::vector<double> scores_at_size(const Search& search, const MatrixXd& replicates) {
+  const Space& alone = search.alone().space;
+  MatrixXd left = without(alone.q, replicates);
+  for (Index b = 0; b < left.cols(); ++b)
+    left.col(b) *= std::sqrt(alone.chi2() / std::max(left.col(b).squaredNorm(), kLeastDivisor));
+  return search.best_scores(left.cast<float>());
+}
+
 }  // namespace
 
 double rms_of(const VectorXd& r) {
@@ -343,9 +354,12 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
   found.noise = base.noise;
   std::size_t looks = 0;
   for (int round = 0;; ++round) {
-    const Whitener whitener(data, found.noise, found.left_out);
+    const auto white = std::make_shared<const Whitener>(data, found.noise, found.left_out);
+    const Whitener& whitener = *white;
     const double noise_freedom = std::max(kFewestNoiseFreedom, kFreedomOfTests * found.noise.pure.dof);
-    const Search search(regressors, whitener, base.columns, base.target, others_than_own, own, options.cancelled);
+    const auto beside = std::make_shared<const Search>(regressors, whitener, base.columns, base.target, others_than_own,
+                                                       own, options.cancelled);
+    const Search& search = *beside;
     found.families = search.families();
     found.candidates_tried = search.candidates();
     const Structure structure(data, whitener, noise_freedom);
@@ -428,13 +442,13 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       if (found.step) blame_step(found);
     }
     found.wanders = wanders(data, found.noise, residual, found.left_out);
-    if (found.entry_score < kBeyondAll && std::ranges::all_of(found.groups, &Group::denied)) {
-      const LinearProblem given = joined(base, search, search.alone());
-      const MatrixXd wander = replicates_of_wander(data, found.noise, found.left_out, given.columns, given.target,
-                                                   options.noise_replicates);
-      const MatrixXd white = without(search.base().q, whitener(wander));
-      found.wander_scores = search.best_scores(white.cast<float>());
-    }
+    found.wander_scores = [white, beside, &data, &base, noise = found.noise, left_out = found.left_out,
+                           count = options.noise_replicates] {
+      const LinearProblem given = joined(base, *beside, beside->alone());
+      const WanderingNoise wander = wandering_noise(data, noise, left_out, given.columns, given.target, count);
+      if (wander.replicates.size() == 0) return WanderScores{};
+      return WanderScores{wander.probability, scores_at_size(*beside, (*white)(wander.replicates))};
+    };
     return found;
   }
 }

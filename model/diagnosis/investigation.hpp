@@ -2,6 +2,7 @@
 // model/ (Eigen). Does not live here: how it is reported (diagnose.cpp).
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -49,14 +50,21 @@ struct Base {
   Fit fit;           ///< as it is reported
 };
 
+/// What noise that wanders looks like, should the readings do so.
+struct WanderScores {
+  double probability = 0.0;    ///< that they do
+  std::vector<double> scores;  ///< the best of each replicate; none where they probably do not
+};
+
 /// Everything found on one choice of readings.
 struct Found {
   Solution solution;
   std::vector<Group> groups;
   std::vector<Family> families;
   std::size_t candidates_tried = 0;
-  std::vector<double> replicate_scores;        ///< best of each noise replicate
-  std::vector<double> wander_scores;           ///< where nothing is named: of each replicate of a likely wander
+  std::vector<double> replicate_scores;  ///< best of each noise replicate
+  /// Takes time; the readings and the base must be there still.
+  std::function<WanderScores()> wander_scores;
   std::vector<StructureTest> before, after;    ///< structure of the residual without and with the effects found
   std::vector<StructureTest> beyond_position;  ///< the former, of each variable beyond the position along the line
   double structure_p_after = 1.0;

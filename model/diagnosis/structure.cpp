@@ -181,16 +181,10 @@ Eigen::MatrixXd independent_columns(const Eigen::MatrixXd& columns, const std::v
   return independent;
 }
 
-namespace {
-
-/// How well the readings agree with a law, and the size of its noise where they agree best, in that of the law.
-struct Agreement {
-  double deviance = 0.0, size = 1.0;
-};
-Agreement agreement_of(const Observations& data, const Wander& law, const std::vector<bool>& left_out,
-                       const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect, const Eigen::VectorXd& target) {
+double deviance_of(const Observations& data, const Wander& law, const std::vector<bool>& left_out,
+                   const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect, const Eigen::VectorXd& target) {
   const double freedom = counted(left_out) - static_cast<double>(columns.cols());
-  if (freedom < 1.0) return {};  // nothing is left that could tell of a law
+  if (freedom < 1.0) return 0.0;  // nothing is left that could tell of a law
   const Whitener whitener(data, law.noise, left_out);
   const Eigen::MatrixXd levels =
       law.level_um > 0.0 ? Eigen::MatrixXd(law.level_um * levels_of_runs(data)) : Eigen::MatrixXd(columns.rows(), 0);
@@ -206,16 +200,7 @@ Agreement agreement_of(const Observations& data, const Wander& law, const std::v
   const Eigen::VectorXd own = beyond_those_before(white);
   double ln_determinants = whitener.ln_determinant();
   for (Eigen::Index j = 0; j < taken; ++j) ln_determinants += ln_square(own(j));
-  return {
-      freedom * (std::log(std::numbers::pi) + ln_square(own(all))) - 2.0 * ln_gamma(0.5 * freedom) + ln_determinants,
-      std::abs(own(all)) / std::sqrt(freedom)};
-}
-
-}  // namespace
-
-double deviance_of(const Observations& data, const Wander& law, const std::vector<bool>& left_out,
-                   const Eigen::MatrixXd& columns, const Eigen::MatrixXd& effect, const Eigen::VectorXd& target) {
-  return agreement_of(data, law, left_out, columns, effect, target).deviance;
+  return freedom * (std::log(std::numbers::pi) + ln_square(own(all))) - 2.0 * ln_gamma(0.5 * freedom) + ln_determinants;
 }
 
 namespace {
@@ -254,45 +239,47 @@ std::vector<LikelyWander> likely_wanders(const Observations& data, const NoiseMo
   const Eigen::MatrixXd independent = independent_columns(columns, left_out), none(columns.rows(), 0);
   std::vector<LikelyWander> tried;
   for (Wander& law : wanders_tried(data, noise)) {
-    const auto [deviance, size] = agreement_of(data, law, left_out, independent, none, target);
-    tried.push_back({std::move(law), deviance, size});
+    const double deviance = deviance_of(data, law, left_out, independent, none, target);
+    tried.push_back({std::move(law), deviance});
   }
   sort_greatest_first(tried, [](const LikelyWander& likely) { return -likely.deviance; });
   return tried;
 }
 
-Eigen::MatrixXd replicates_of_wander(const Observations& data, const NoiseModel& noise,
-                                     const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
-                                     const Eigen::VectorXd& target, std::size_t count) {
+WanderingNoise wandering_noise(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                               const Eigen::MatrixXd& columns, const Eigen::VectorXd& target, std::size_t count) {
   constexpr std::uint64_t kSeed = 11;  // any number: the same data always give the same replicates
   const std::vector<LikelyWander> likely = likely_wanders(data, noise, left_out, columns, target);
   const double steady = deviance_of(data, {noise}, left_out, independent_columns(columns, left_out),
                                     Eigen::MatrixXd(columns.rows(), 0), target);
   const double least = std::min(steady, likely.front().deviance);
   const auto weight = [&](double deviance) { return std::exp(-0.5 * (deviance - least)); };
-  double sum = static_cast<double>(likely.size()) * weight(steady);
+  double sum = 0.0;
   for (const LikelyWander& one : likely) sum += weight(one.deviance);
-  Eigen::MatrixXd replicates(static_cast<Index>(data.size()), 0);
-  if (sum <= 2.0 * static_cast<double>(likely.size()) * weight(steady)) return replicates;  // none is likelier
+  WanderingNoise wandering;
+  wandering.probability = sum / (sum + static_cast<double>(likely.size()) * weight(steady));
+  if (wandering.probability <= 0.5) return wandering;
   const Eigen::MatrixXd levels = levels_of_runs(data);
   std::mt19937_64 random(kSeed);
   NormalDraws normal;
+  wandering.replicates.resize(static_cast<Index>(data.size()), static_cast<Index>(count));
+  Index had = 0;
   double share = 0.0;
-  for (const LikelyWander& one : likely) {  // each as often as it is likely
-    share += weight(one.deviance) / sum;
-    const auto had = static_cast<std::size_t>(replicates.cols());
-    const auto until = static_cast<std::size_t>(std::lround(share * static_cast<double>(count)));
-    if (until == had) continue;
-    NoiseModel law = one.law.noise;
-    for (NoiseShape& shape : law.shapes)
-      for (double& variance : shape.variance) variance *= one.size * one.size;
-    Eigen::MatrixXd drawn = SimulatedNoise(data, law, left_out).next(until - had);
-    if (one.law.level_um > 0.0)
-      drawn += one.size * one.law.level_um * levels *
-               Eigen::MatrixXd::NullaryExpr(levels.cols(), drawn.cols(), [&] { return normal(random); });
-    replicates = beside(std::move(replicates), drawn);
+  for (std::size_t i = 0; i < likely.size(); ++i) {
+    share += weight(likely[i].deviance) / sum;
+    const Index fresh = std::lround(share * static_cast<double>(count)) - had;
+    if (fresh == 0) continue;
+    const Wander& law = likely[i].law;
+    NoiseModel of_law = law.noise;
+    of_law.pure.dof = static_cast<double>(data.size());  // of one size: that of the readings is known
+    Eigen::MatrixXd drawn = SimulatedNoise(data, of_law, left_out, kSeed + 1 + i).next(static_cast<std::size_t>(fresh));
+    if (law.level_um > 0.0)
+      drawn +=
+          law.level_um * levels * Eigen::MatrixXd::NullaryExpr(levels.cols(), fresh, [&] { return normal(random); });
+    wandering.replicates.middleCols(had, fresh) = drawn;
+    had += fresh;
   }
-  return replicates;
+  return wandering;
 }
 
 bool is_wandering(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,

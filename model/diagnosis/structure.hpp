@@ -101,19 +101,22 @@ inline constexpr double kMostBesideEffect = 0.2;
 struct LikelyWander {
   Wander law;
   double deviance = 0.0;
-  double size = 1.0;  ///< of its noise where they agree best, in that of the law
 };
 /// All wanders tried, the likeliest first.
 [[nodiscard]] std::vector<LikelyWander> likely_wanders(const Observations& data, const NoiseModel& noise,
                                                        const std::vector<bool>& left_out,
                                                        const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
 
-/// Noise that wanders as the readings may: at most `count` columns (readings × columns), each law of a wander as often
-/// as it is likely, a wander beforehand as likely as none; none where none is likelier.
+/// Whether the readings wander, and noise that wanders like them.
+struct WanderingNoise {
+  double probability = 0.0;    ///< that they do; beforehand all wanders together are as likely as none
+  Eigen::MatrixXd replicates;  ///< readings × count, of any size: each wander as often as it is likely among all;
+                               ///< empty where a wander is not likelier than none
+};
 /// @param columns,target  of the model
-[[nodiscard]] Eigen::MatrixXd replicates_of_wander(const Observations& data, const NoiseModel& noise,
-                                                   const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
-                                                   const Eigen::VectorXd& target, std::size_t count);
+[[nodiscard]] WanderingNoise wandering_noise(const Observations& data, const NoiseModel& noise,
+                                             const std::vector<bool>& left_out, const Eigen::MatrixXd& columns,
+                                             const Eigen::VectorXd& target, std::size_t count);
 
 /// Whether something wanders in what a model leaves: one of a few wanders is a hundred times likelier than
 /// the noise as it is.

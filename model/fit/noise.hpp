@@ -131,7 +131,9 @@ using SmoothColumns = std::function<const Eigen::MatrixXd&()>;
 /// for the same data. The references must outlive it.
 class SimulatedNoise {
  public:
-  SimulatedNoise(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out);
+  /// @param seed  any number: the same one gives the same data sets
+  SimulatedNoise(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                 std::uint64_t seed = 7);
   /// The next ones (readings × count); rows left out are 0.
   [[nodiscard]] Eigen::MatrixXd next(std::size_t count);
 

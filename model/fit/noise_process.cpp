@@ -14,8 +14,6 @@ namespace {
 /// Part of the freedom of repeats that the size of replicates is drawn with: correlated repeats tell less than their
 /// number. A choice: a smaller part names less and later.
 constexpr double kFreedomOfReplicates = 0.7;
-/// Any number: the same data always give the same replicates.
-constexpr std::uint64_t kSeed = 7;
 
 /// What correlated noise keeps from one reading of an instrument to its next: nothing where the clock restarts,
 /// where a time is unknown, and between passes where there is no time.
@@ -28,12 +26,13 @@ double memory_of(const Observations& data, const NoiseModel& noise, const std::v
 
 }  // namespace
 
-SimulatedNoise::SimulatedNoise(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out)
+SimulatedNoise::SimulatedNoise(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                               std::uint64_t seed)
     : data_(data),
       noise_(noise),
       left_out_(left_out),
       pass_(passes_of(data)),
-      random_(kSeed),
+      random_(seed),
       spread_(std::max(kFewestNoiseFreedom, kFreedomOfReplicates * noise.pure.dof)) {
   std::vector<double> weights;
   for (const NoiseShape& shape : noise.shapes) weights.push_back(shape.weight);

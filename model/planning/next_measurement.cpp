@@ -540,8 +540,8 @@ void ask_again(NextMeasurement& next, const Setting& in, const Diagnosis& diagno
 }
 
 /// @param few  too few readings to say whether an effect is missing
-Result<void> ask_power(NextMeasurement& next, const Setting& in, const Diagnosis& diagnosis, bool few) {
-  ECS_TRY(is_asked, diagnosis.may_be_undecided ? ask_undecided(next, in) : Result<bool>(false));
+Result<void> ask_power(NextMeasurement& next, const Setting& in, bool few) {
+  ECS_TRY(is_asked, few ? Result<bool>(false) : ask_undecided(next, in));
   if (is_asked) return {};
   const Observations part = in.data.size() > kManyReadings ? evenly(in.data, kManyReadings) : in.data;
   const auto options = all_options(part, {}, in.times);
@@ -716,7 +716,7 @@ NextMeasurement next_measurement(const Model& model, const Observations& data, c
   else if (diagnosis.verdict == Verdict::unexplained_structure && !diagnosis.where.empty())
     asked = ask_structure(next, setting, diagnosis);
   else
-    asked = ask_power(next, setting, diagnosis, few);
+    asked = ask_power(next, setting, few);
   if (!is_named && !is_of_ball(present)) take_line_over_travel(next, setting);
   if (!asked) next.notes.push_back(to_text(asked.error()));
   return next;

@@ -244,22 +244,28 @@ TEST_CASE("what changes in time or is set by hand may be a wander, a curve only 
   CHECK_FALSE(may_be_wander(repeated, effect(sag, Axis::X, Sense::EX)));
 }
 
-TEST_CASE("replicates wander as often as a wander is likely, and as much as the readings do") {
+TEST_CASE("noise that wanders is drawn where the readings do, and wanders like them") {
   constexpr std::size_t kReplicates = 50;
-  const auto drawn_for = [](OneRun run) {
-    run.noise.pure.dof = 100.0;  // its size is known
-    return replicates_of_wander(run.data, run.noise, run.left_out, run.mean(), run.target, kReplicates);
+  const auto drawn_for = [](const OneRun& run) {
+    return wandering_noise(run.data, run.noise, run.left_out, run.mean(), run.target, kReplicates);
   };
   int of_steady = 0;
   for (unsigned seed = 1; seed <= 10; ++seed)
-    of_steady += drawn_for(OneRun([](double) { return 0.0; }, seed)).cols() > 0 ? 1 : 0;
+    of_steady += drawn_for(OneRun([](double) { return 0.0; }, seed)).replicates.cols() > 0 ? 1 : 0;
   CHECK(of_steady <= 1);
   const OneRun levels([](double t) { return 3.0 * std::sin(std::floor(t / 1000.0) * 40.0); }, 3, 5);
-  MatrixXd drawn = drawn_for(levels);
-  REQUIRE(drawn.cols() == Index{kReplicates});
-  drawn.rowwise() -= drawn.colwise().mean().eval();
-  const double of_readings = (levels.target.array() - levels.target.mean()).square().mean();
-  CHECK(drawn.array().square().mean() == Approx(of_readings).epsilon(0.5));
+  const WanderingNoise wandering = drawn_for(levels);
+  CHECK(wandering.probability > 0.99);
+  REQUIRE(wandering.replicates.cols() == Index{kReplicates});
+  const auto share_between_runs = [&](VectorXd readings) {
+    readings.array() -= readings.mean();
+    const MatrixXd runs = levels_of_runs(levels.data);
+    const VectorXd counts = runs.colwise().sum().transpose();
+    return ((runs.transpose() * readings).array().square() / counts.array()).sum() / readings.squaredNorm();
+  };
+  double sum = 0.0;
+  for (Index b = 0; b < wandering.replicates.cols(); ++b) sum += share_between_runs(wandering.replicates.col(b));
+  CHECK(sum / double{kReplicates} == Approx(share_between_runs(levels.target)).epsilon(0.2));
 }
 
 TEST_CASE("the chance that noise looks like a candidate is stated for readings that wander too") {
@@ -273,9 +279,9 @@ TEST_CASE("the chance that noise looks like a candidate is stated for readings t
     double least = 1.0;
     for (const Candidate& candidate : diagnosis.candidates) least = std::min(least, candidate.false_naming);
     rare += least < 0.05 ? 1 : 0;
-    common += least > 0.2 ? 1 : 0;
+    common += least > 0.3 ? 1 : 0;
   }
-  CAPTURE(rare);
-  CHECK(rare <= 4);  // of readings beside noise that does not wander all would be
-  CHECK(common >= 10);
+  CHECK(rare <= 4);  // beside noise that does not wander all would be
+  CHECK(common >= 8);
+  CHECK(common <= 19);
 }
