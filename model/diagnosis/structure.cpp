@@ -273,9 +273,10 @@ WanderingNoise wandering_noise(const Observations& data, const NoiseModel& noise
     NoiseModel of_law = law.noise;
     of_law.pure.dof = static_cast<double>(data.size());  // of one size: that of the readings is known
     Eigen::MatrixXd drawn = SimulatedNoise(data, of_law, left_out, kSeed + 1 + i).next(static_cast<std::size_t>(fresh));
-    if (law.level_um > 0.0)
-      drawn +=
-          law.level_um * levels * Eigen::MatrixXd::NullaryExpr(levels.cols(), fresh, [&] { return normal(random); });
+    if (law.level_um > 0.0) {
+      const MatrixXd sizes = MatrixXd::NullaryExpr(levels.cols(), fresh, [&] { return normal(random); });
+      drawn += law.level_um * levels * sizes;
+    }
     wandering.replicates.middleCols(had, fresh) = drawn;
     had += fresh;
   }

@@ -146,6 +146,7 @@ struct OneRun {
         left_out(data.size(), false),
         target(Eigen::Map<const VectorXd>(data.reading.data(), static_cast<Index>(data.size()))) {
     noise.has_time = true;
+    noise.pure.noise_um = kNoiseOfOne_um;
     for (Index k = 0; k < target.size(); ++k) target(k) += by_time(data.time_s[static_cast<std::size_t>(k)]);
   }
   static Plan plan_of(int runs) {
@@ -253,7 +254,7 @@ TEST_CASE("noise that wanders is drawn where the readings do, and wanders like t
   for (unsigned seed = 1; seed <= 10; ++seed)
     of_steady += drawn_for(OneRun([](double) { return 0.0; }, seed)).replicates.cols() > 0 ? 1 : 0;
   CHECK(of_steady <= 1);
-  const OneRun levels([](double t) { return 3.0 * std::sin(std::floor(t / 1000.0) * 40.0); }, 3, 5);
+  const OneRun levels([](double t) { return 3.0 * std::sin(std::floor(t / 1020.0) * 40.0); }, 3, 5);
   const WanderingNoise wandering = drawn_for(levels);
   CHECK(wandering.probability > 0.99);
   REQUIRE(wandering.replicates.cols() == Index{kReplicates});
