@@ -357,9 +357,9 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
     const auto white = std::make_shared<const Whitener>(data, found.noise, found.left_out);
     const Whitener& whitener = *white;
     const double noise_freedom = std::max(kFewestNoiseFreedom, kFreedomOfTests * found.noise.pure.dof);
-    const auto beside = std::make_shared<const Search>(regressors, whitener, base.columns, base.target, others_than_own,
-                                                       own, options.cancelled);
-    const Search& search = *beside;
+    const auto made = std::make_shared<const Search>(regressors, whitener, base.columns, base.target, others_than_own,
+                                                     own, options.cancelled);
+    const Search& search = *made;
     found.families = search.families();
     found.candidates_tried = search.candidates();
     const Structure structure(data, whitener, noise_freedom);
@@ -442,12 +442,12 @@ Found searched(const Model& model, const Regressors& regressors, const Base& bas
       if (found.step) blame_step(found);
     }
     found.wanders = wanders(data, found.noise, residual, found.left_out);
-    found.wander_scores = [white, beside, &data, &base, noise = found.noise, left_out = found.left_out,
+    found.wander_scores = [white, made, &data, &base, noise = found.noise, left_out = found.left_out,
                            count = options.noise_replicates] {
-      const LinearProblem given = joined(base, *beside, beside->alone());
+      const LinearProblem given = joined(base, *made, made->alone());
       const WanderingNoise wander = wandering_noise(data, noise, left_out, given.columns, given.target, count);
       if (wander.replicates.size() == 0) return WanderScores{};
-      return WanderScores{wander.probability, scores_at_size(*beside, (*white)(wander.replicates))};
+      return WanderScores{wander.probability, scores_at_size(*made, (*white)(wander.replicates))};
     };
     return found;
   }
