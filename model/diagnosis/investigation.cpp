@@ -260,8 +260,9 @@ bool took_noise_beside_hidden(const Base& base, const Search& search, const Whit
   return true;
 }
 
-/// The best score of each replicate (white), made as large as what the model leaves: effects are then compared by the
-/// share that they explain.
+/// The greatest score that any effect reaches on each replicate of noise, which is first scaled to the residual of the
+/// model: effects are then compared by the share that they explain.
+/// @param replicates  whitened (readings × replicates)
 std::vector<double> scores_at_size(const Search& search, const MatrixXd& replicates) {
   const Space& alone = search.alone().space;
   MatrixXd left = without(alone.q, replicates);

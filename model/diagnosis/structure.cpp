@@ -258,7 +258,7 @@ WanderingNoise wandering_noise(const Observations& data, const NoiseModel& noise
   for (const LikelyWander& one : likely) sum += weight(one.deviance);
   WanderingNoise wandering;
   wandering.probability = sum / (sum + static_cast<double>(likely.size()) * weight(steady));
-  if (wandering.probability <= 0.5) return wandering;
+  if (!(wandering.probability > 0.5)) return wandering;  // nor where no law can be compared
   const Eigen::MatrixXd levels = levels_of_runs(data);
   std::mt19937_64 random(kSeed);
   NormalDraws normal;

@@ -282,7 +282,7 @@ TEST_CASE("the chance that noise looks like a candidate is stated for readings t
     rare += least < 0.05 ? 1 : 0;
     common += least > 0.3 ? 1 : 0;
   }
-  CHECK(rare <= 4);  // beside noise that does not wander all would be
+  CHECK(rare <= 4);  // 19 where the simulated noise does not wander
   CHECK(common >= 8);
   CHECK(common <= 19);
 }
