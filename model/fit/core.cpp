@@ -156,14 +156,20 @@ Limits limits_of(const Slot& slot, std::size_t j, const Regressors& regressors) 
   return {range.least, range.greatest};
 }
 
-void set_nonlinear(Assembly& assembly, const Regressors& regressors, const std::vector<FreeNonlinear>& free,
+/// Inside the limits. Whether a value has changed.
+bool set_nonlinear(Assembly& assembly, const Regressors& regressors, const std::vector<FreeNonlinear>& free,
                    const std::vector<Limits>& limits, const VectorXd& values) {
+  bool moved = false;
   for (std::size_t i = 0; i < free.size(); ++i) {
     Slot& slot = assembly.slots[free[i].slot];
-    slot.nonlinear[free[i].j] =
+    const double value =
         std::clamp(values(static_cast<Index>(i)), limits[i].least, std::max(limits[i].least, limits[i].greatest));
+    if (slot.nonlinear[free[i].j] == value) continue;
+    slot.nonlinear[free[i].j] = value;
     assembly.renew(free[i].slot, regressors);
+    moved = true;
   }
+  return moved;
 }
 
 /// Difference between the greatest and the least value at some rows.
@@ -252,11 +258,12 @@ Solved refined(Assembly& assembly, const Regressors& regressors, const Whitener&
     joint << columns, slopes(assembly, regressors, now.sizes, free);
     const Solved step = solved(whitener(joint), now.white_residual, joint.colwise().norm());
     const VectorXd change = step.sizes.tail(values.size());
+    const double least_progress = 1e-9 * (1.0 + now.chi2);
     bool better = false;
-    for (double part = 1.0; part > 0.01 && !better; part *= 0.4) {
-      set_nonlinear(assembly, regressors, free, limits, values + part * change);
+    for (double part = 1.0; part > 0.01 && !better && now.chi2 - step.chi2 > least_progress; part *= 0.4) {
+      if (!set_nonlinear(assembly, regressors, free, limits, values + part * change)) continue;
       Solved tried = solved_now(assembly, data, whitener);
-      better = tried.chi2 < now.chi2 - 1e-9 * (1.0 + now.chi2);
+      better = tried.chi2 < now.chi2 - least_progress;
       if (better) now = std::move(tried);
     }
     if (!better) {

@@ -61,28 +61,27 @@ MatrixXd left_beside_basis(const Basis& q, MatrixXd columns) {
 }
 
 /// Adds columns to what is absorbed of which that is taken off. @param before  their squares before it was
-void absorb_left(Space& space, const MatrixXd& left, const VectorXd& before) {
-  MatrixXd fresh(left.rows(), left.cols());
-  Index count = 0;
+/// @param had  columns of `space.q` that are in use; there is room for more. Returns how many are then.
+Index absorb_left(Space& space, Index had, const MatrixXd& left, const VectorXd& before) {
+  Index used = had;
   for (Index j = 0; j < left.cols(); ++j) {
-    VectorXd v = left.col(j);
-    take_off(fresh.leftCols(count), v);
+    auto v = space.q.col(used);
+    v = left.col(j);
+    take_off(space.q.middleCols(had, used - had), v);
     const double square = v.squaredNorm();
     if (square <= kAbsorbed * before(j) || square <= 0.0) continue;
     v /= std::sqrt(square);
-    fresh.col(count++) = v;
     space.y -= v * v.dot(space.y);
+    ++used;
   }
-  if (count == 0) return;
-  const Index had = space.q.cols();
-  space.q.conservativeResize(space.y.size(), had + count);
-  space.q.rightCols(count) = fresh.leftCols(count);
+  return used;
 }
 
+bool same_value(const Choice& one, const Choice& other) {
+  return one.family == other.family && one.nonlinear == other.nonlinear && one.columns == other.columns;
+}
 bool same_values(const std::vector<Choice>& a, const std::vector<Choice>& b) {
-  return std::ranges::equal(a, b, [](const Choice& one, const Choice& other) {
-    return one.family == other.family && one.nonlinear == other.nonlinear && one.columns == other.columns;
-  });
+  return std::ranges::equal(a, b, same_value);
 }
 
 /// Seeks the greatest value of `f` in a range, to `tolerance`, from a start inside where it is known: parabolas through
@@ -144,12 +143,18 @@ double mean_step(const Observations& data, const Family& family) {
 }  // namespace
 
 void absorb(Space& space, const MatrixXd& white_columns) {
-  absorb_left(space, left_beside_basis(space.q, white_columns), white_columns.colwise().squaredNorm());
+  const MatrixXd left = left_beside_basis(space.q, white_columns);
+  const Index had = space.q.cols();
+  space.q.conservativeResize(space.y.size(), had + left.cols());
+  const Index used = absorb_left(space, had, left, white_columns.colwise().squaredNorm());
+  space.q.conservativeResize(Eigen::NoChange, used);
 }
 
 Space added_by(const Space& space, const MatrixXd& white_columns) {
-  Space added{MatrixXd(space.y.size(), 0), space.y};
-  absorb_left(added, left_beside_basis(space.q, white_columns), white_columns.colwise().squaredNorm());
+  Space added{MatrixXd(space.y.size(), white_columns.cols()), space.y};
+  const Index used =
+      absorb_left(added, 0, left_beside_basis(space.q, white_columns), white_columns.colwise().squaredNorm());
+  added.q.conservativeResize(Eigen::NoChange, used);
   return added;
 }
 
@@ -260,6 +265,13 @@ Choice Search::choice_at(const Space& space, std::size_t f, double nonlinear) co
 }
 
 Choice Search::refined_choice(const Space& space, std::size_t f, double nonlinear) const {
+  std::map<double, Choice>& kept = answers_in(view_of(space, f), f).refined;
+  const auto [at, is_new] = kept.try_emplace(nonlinear);
+  if (is_new) at->second = sought_nearby(space, f, nonlinear);
+  return at->second;
+}
+
+Choice Search::sought_nearby(const Space& space, std::size_t f, double nonlinear) const {
   const Family& family = families_[f];
   const EffectDefinition& definition = family.effect.definition();
   const bool places = has_places(f);
@@ -342,9 +354,11 @@ MatrixXd Search::left_beside(const Space& space, MatrixXd columns) const {
   return left_beside_basis(space.q.rightCols(space.q.cols() - base_.q.cols()), std::move(columns));
 }
 
-void Search::absorb_choice(Space& space, const Choice& choice) const {
+Index Search::absorb_choice(Space& space, Index used, const Choice& choice) const {
   const BesideBase& of = beside_base(choice.family, choice.nonlinear);
-  absorb_left(space, left_beside(space, of.columns(Eigen::all, choice.columns)), of.squares(choice.columns));
+  const auto more = space.q.middleCols(base_.q.cols(), used - base_.q.cols());
+  return absorb_left(space, used, left_beside_basis(more, of.columns(Eigen::all, choice.columns)),
+                     of.squares(choice.columns));
 }
 
 Solution Search::solution(const std::vector<Choice>& chosen, const std::vector<Choice>& own) const {
@@ -352,25 +366,34 @@ Solution Search::solution(const std::vector<Choice>& chosen, const std::vector<C
   solution.chosen = chosen;
   solution.own = own;
   const bool is_known = !own.empty() && same_values(own, alone_.own);
-  solution.space = is_known ? alone_.space : base_;
+  const Space& start = is_known ? alone_.space : base_;
+  Space& space = solution.space;
+  Index used = start.q.cols(), most = used;
+  for (const std::vector<Choice>* choices : {&chosen, &own})
+    for (const Choice& choice : *choices) most += static_cast<Index>(choice.columns.size());
+  space.q.resize(start.y.size(), most);
+  space.q.leftCols(used) = start.q;
+  space.y = start.y;
   if (!is_known)
-    for (const Choice& choice : own) absorb_choice(solution.space, choice);
+    for (const Choice& choice : own) used = absorb_choice(space, used, choice);
   solution.chi2_before = own.empty() ? base_.chi2() : alone_.space.chi2();
   for (Choice& choice : solution.chosen) {
-    const double before = solution.space.chi2();
-    const Index had = solution.space.q.cols();
-    if (families_[choice.family].effect.traits().fixed_size)
-      solution.space.y -= left_beside(solution.space, beside_base(choice.family, choice.nonlinear).columns).col(0);
-    else
-      absorb_choice(solution.space, choice);
-    choice.gain = before - solution.space.chi2();
+    const double before = space.chi2();
+    const Index had = used;
+    if (families_[choice.family].effect.traits().fixed_size) {
+      const auto more = space.q.middleCols(base_.q.cols(), used - base_.q.cols());
+      space.y -= left_beside_basis(more, beside_base(choice.family, choice.nonlinear).columns).col(0);
+    } else {
+      used = absorb_choice(space, used, choice);
+    }
+    choice.gain = before - space.chi2();
     if (families_[choice.family].effect.traits().is_curve) {  // functions that another curve has too are paid for once
-      const std::size_t fresh = static_cast<std::size_t>(solution.space.q.cols() - had);
-      choice.cost = price_of(families_[choice.family], choice.nonlinear).of(fresh);
-      choice.parameters = fresh;
+      choice.parameters = static_cast<std::size_t>(used - had);
+      choice.cost = price_of(families_[choice.family], choice.nonlinear).of(choice.parameters);
     }
     solution.cost += choice.cost;
   }
+  space.q.conservativeResize(Eigen::NoChange, used);
   return solution;
 }
 
@@ -392,6 +415,13 @@ bool Search::in_ranges(const std::vector<Choice>& chosen) const {
 }
 
 Choice Search::best_own(const Space& space, std::size_t f, bool far) const {
+  if (const auto& kept = answers_in(view_of(space, f), f).own[far ? 1 : 0]) return *kept;
+  Choice own = sought_own(space, f, far);
+  answers_in(view_of(space, f), f).own[far ? 1 : 0] = own;
+  return own;
+}
+
+Choice Search::sought_own(const Space& space, std::size_t f, bool far) const {
   const Family& family = families_[f];
   const bool only_near = !far && family.far;
   std::vector<Choice> peaks = peaks_of(space, f, kAllPeaks);
@@ -465,12 +495,14 @@ Solution Search::refined(const std::vector<Choice>& chosen, const std::vector<Ch
     const double before = best.score();
     for (std::size_t i = 0; i < own.size(); ++i) {
       const Solution rest = solution(best.chosen, without_one(best.own, i));
-      take(solution(best.chosen, with_one(best.own, i, best_own(rest.space, best.own[i].family, far))));
+      const Choice again = best_own(rest.space, best.own[i].family, far);
+      if (!same_value(again, best.own[i])) take(solution(best.chosen, with_one(best.own, i, again)));
     }
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       const Solution rest = solution(without_one(best.chosen, i), best.own);
       const Choice again = best_value(rest.space, best.chosen[i], round == 0 && i + 1 < chosen.size());
-      if (again.gain > 0.0) take(solution(with_one(best.chosen, i, again), best.own));
+      if (again.gain > 0.0 && !same_value(again, best.chosen[i]))
+        take(solution(with_one(best.chosen, i, again), best.own));
     }
     if (best.score() - before < 0.5) break;
   }

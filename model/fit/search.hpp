@@ -3,11 +3,13 @@
 // Does not live here: which effects there are (model/regression/candidates.hpp), the verdict (model/diagnosis).
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <map>
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -203,10 +205,17 @@ class Search {
     std::vector<std::vector<Eigen::Index>> variants;  ///< sets of columns that may be used
     std::size_t first = 0, last = 0;                  ///< its items
   };
-  /// A space as the nodes of a family see it: enough for products with any shape over them.
+  /// A space as the nodes of a family see it: enough for products with any shape over them, and so for every answer.
   struct View {
-    Eigen::MatrixXd q;
+    Eigen::MatrixXd q;  ///< absorbed beyond the base; columns that are zero there left out
     Eigen::VectorXd y;
+    std::pair<std::size_t, std::size_t> hash{};  ///< of both
+  };
+  /// What was found for a family in a view. An effect of another line does not change what a family sees.
+  struct Answers {
+    std::optional<std::vector<Choice>> peaks;    ///< the best of a scan
+    std::map<double, Choice> refined;            ///< by the value where the refinement starts
+    std::array<std::optional<Choice>, 2> own{};  ///< of a term of the model, without and with values far from likely
   };
   void heed_cancel() const {
     if (cancelled_ != nullptr && *cancelled_) throw SearchStopped{};
@@ -231,6 +240,8 @@ class Search {
   /// Of the space that was looked at last; until another one is.
   [[nodiscard]] const View& latest_view(std::size_t family) const;
   [[nodiscard]] const View& view_of(const Space& space, std::size_t family) const;
+  /// @return valid until it is asked for again
+  [[nodiscard]] Answers& answers_in(const View& view, std::size_t family) const;
   [[nodiscard]] Choice choice_in(const View& view, std::size_t family, double nonlinear) const;
   /// Raises the best score of every blank (column of z: products with this item) by what this item scores there.
   void raise_by(const Item& item, const Eigen::Ref<const Eigen::MatrixXf>& z, double dearer,
@@ -250,6 +261,9 @@ class Search {
   /// An own term at the best of all its values beside what `space` absorbs, with all its columns.
   /// @param far  values far from likely as well
   [[nodiscard]] Choice best_own(const Space& space, std::size_t family, bool far) const;
+  /// best_own() and refined_choice() where the answer is not known yet.
+  [[nodiscard]] Choice sought_own(const Space& space, std::size_t family, bool far) const;
+  [[nodiscard]] Choice sought_nearby(const Space& space, std::size_t family, double nonlinear) const;
   [[nodiscard]] Solution best_alone() const;
   /// The best of all values for each own term in turn, then of all together.
   [[nodiscard]] Solution alone_with(bool far) const;
@@ -262,7 +276,9 @@ class Search {
   [[nodiscard]] const BesideBase& beside_base(std::size_t family, double nonlinear) const;
   /// Columns of beside_base() less what `space` has absorbed since.
   [[nodiscard]] Eigen::MatrixXd left_beside(const Space& space, Eigen::MatrixXd beside_base) const;
-  void absorb_choice(Space& space, const Choice& choice) const;
+  /// @param used  columns of `space.q` that are in use; there is room for those of the choice. Returns how many are
+  /// then.
+  [[nodiscard]] Eigen::Index absorb_choice(Space& space, Eigen::Index used, const Choice& choice) const;
   /// What a space has absorbed beyond the base, and what is left there, is then seen for products with motions.
   void look_at(const Space& space) const;
 
@@ -280,6 +296,7 @@ class Search {
   mutable std::map<std::pair<std::size_t, double>, BesideBase> beside_base_;
   mutable Space seen_, seen_at_motions_;       ///< looked at last: beyond the base, and for motions
   mutable std::map<std::size_t, View> views_;  ///< of it, by the first family of the same nodes
+  mutable std::map<std::tuple<std::size_t, std::size_t, std::size_t>, Answers> answers_;  ///< by family and view
 };
 
 /// Sets of columns of an effect that may be used, cheapest first; curves: see the implementation.

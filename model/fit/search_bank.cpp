@@ -3,6 +3,8 @@
 // Does not live here: what the products gain, screening (search_screen.cpp), refining (search.cpp).
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <string_view>
 
 #include "base/linear/decompositions.hpp"
 #include "model/effects/definition.hpp"
@@ -25,6 +27,13 @@ constexpr Index kMostNodes = 300;
 constexpr Index kDearPlaces = 16;
 /// Columns handled at once, so that a piece stays in the cache.
 constexpr Index kPiece = 256;
+/// Families in their views of which answers are kept, about a kilobyte each.
+constexpr std::size_t kMostAnswers = 10'000;
+
+std::size_t hash_of(const MatrixXd& values) {
+  const auto bytes = static_cast<std::size_t>(values.size()) * sizeof(double);
+  return std::hash<std::string_view>{}({reinterpret_cast<const char*>(values.data()), bytes});
+}
 
 /// The first `count` columns of an effect that depends on the position of its axis alone.
 MatrixXd place_columns(const EffectDefinition& definition, const std::vector<double>& place_mm, double searched,
@@ -249,10 +258,20 @@ void Search::build_bank() {
 
 const Search::View& Search::latest_view(std::size_t f) const {
   const auto [at, is_new] = views_.try_emplace(banks_[f].like);
-  const MatrixXd& base_q = banks_[banks_[f].like].base_q;
-  if (is_new) at->second = {gathered(f, seen_at_motions_.q), gathered(f, seen_at_motions_.y)};
-  if (is_new && base_q.size() > 0) at->second.q = beside(base_q, at->second.q);
-  return at->second;
+  View& view = at->second;
+  if (!is_new) return view;
+  view = {gathered(f, seen_at_motions_.q), gathered(f, seen_at_motions_.y), {}};
+  Index seen = 0;
+  for (Index j = 0; j < view.q.cols(); ++j)
+    if (!view.q.col(j).isZero(0.0)) view.q.col(seen++) = view.q.col(j);
+  view.q.conservativeResize(Eigen::NoChange, seen);
+  view.hash = {hash_of(view.q), hash_of(view.y)};
+  return view;
+}
+
+Search::Answers& Search::answers_in(const View& view, std::size_t f) const {
+  if (answers_.size() >= kMostAnswers) answers_.clear();
+  return answers_[{f, view.hash.first, view.hash.second}];
 }
 
 const Search::View& Search::view_of(const Space& space, std::size_t f) const {
@@ -271,8 +290,10 @@ Choice Search::choice_in(const View& view, std::size_t f, double nonlinear) cons
   const MatrixXd by_weight = by_places ? weighted(weight, columns) : gathered(f, at_motions(white_of(f, columns)));
   MatrixXd gram = columns.transpose() * by_weight;
   const VectorXd original = gram.diagonal();
-  const MatrixXd absorbed = view.q.transpose() * columns;
-  gram.noalias() -= absorbed.transpose() * absorbed;
+  for (const MatrixXd* q : {&banks_[bank.like].base_q, &view.q}) {
+    const MatrixXd absorbed = q->transpose() * columns;
+    gram.noalias() -= absorbed.transpose() * absorbed;
+  }
   const Gain best = best_gain(family, bank.variants, gram, columns.transpose() * view.y, original, kExact,
                               price_of(family, nonlinear));
   return completed(choice_of(best, bank.variants), f, nonlinear);

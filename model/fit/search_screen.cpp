@@ -189,7 +189,7 @@ std::vector<Choice> Search::scores_of(std::size_t f, const View& seen, std::size
   const MatrixXf& columns = bank.shapes->columns;
   const VectorXd z = (columns.transpose() * seen.y.cast<float>()).cast<double>();
   MatrixXd lost;
-  if (seen_.q.cols() > 0) lost = (seen.q.rightCols(seen_.q.cols()).cast<float>().transpose() * columns).cast<double>();
+  if (seen.q.cols() > 0) lost = (seen.q.cast<float>().transpose() * columns).cast<double>();
   struct Scored {
     Gain gain;
     std::size_t item = 0;
@@ -296,7 +296,10 @@ std::vector<Choice> Search::expand(const Space& space, std::size_t exact) const 
   std::vector<Choice> list;
   for (std::size_t f = 0; f < candidates_; ++f) {
     heed_cancel();
-    peaks[f] = scores_of(f, latest_view(f), kMostPeaks);
+    const View& view = latest_view(f);
+    std::optional<std::vector<Choice>>& kept = answers_in(view, f).peaks;
+    if (!kept) kept = scores_of(f, view, kMostPeaks);
+    peaks[f] = *kept;
     if (!peaks[f].empty()) list.push_back(peaks[f].front());
   }
   sort_greatest_first(list, score_of);
