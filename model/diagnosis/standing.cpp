@@ -257,6 +257,10 @@ bool is_nearly_all_of_few(const ReportInput& in, std::size_t g) {
          !bends_to_structure(in.found, g, in.regressors.data());
 }
 
+/// Whether another cause that repeats explains nearly as much: one of both is there. A wander is noise, and repeats
+/// nothing.
+bool is_beside_other_cause(const Group& group) { return group.alias != Alias::none && group.alias != Alias::wander; }
+
 /// How sure each effect found is. What leaves noise, or explains half of what is above it, is proved by readings that
 /// it was not fitted to, or likely where these do not suffice; where no split shows it, noise replicates decide, and
 /// prove it where the noise is known. Where more is left, noise replicates decide nothing: likely is what those
@@ -275,7 +279,7 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
         (group.e_value ? *group.e_value >= kProved : replicates_prove))
       proved.push_back(g);
     else if (!(found.step && is_like_wander(found.families[group.member.family].effect)) &&
-             (explained || group.alias != Alias::none || group.e_value.value_or(0.0) >= kSpeaksFor ||
+             (explained || is_beside_other_cause(group) || group.e_value.value_or(0.0) >= kSpeaksFor ||
               is_nearly_all_of_few(in, g)) &&
              found.false_naming(group.member.score()) <= kLikelyChance)
       likely.push_back(g);

@@ -117,3 +117,17 @@ TEST_CASE("no sentence on the next measurement or on compensation contradicts it
     check_what_if(answer("what-if", one));
   }
 }
+
+TEST_CASE("beside readings that wander no effect is likely for which held-out readings do not speak") {
+  const Folder folder;
+  for (const auto& [noise, seed] : {std::pair{"slow", 13836}, std::pair{"random-walk", 13834}}) {
+    CAPTURE(noise);
+    const std::filesystem::path one = folder / noise;
+    const std::string hide =
+        fmt::format("{} hide --seed {} --kind blank --noise {} -o {} >/dev/null", kEmulator, seed, noise, one.string());
+    REQUIRE(std::system(hide.c_str()) == 0);
+    const Answer diagnosis = answer("diagnose", one);
+    CHECK(diagnosis["verdict"] == "unexplained_structure");
+    for (const Answer& candidate : diagnosis["candidates"]) CHECK(candidate["standing"] == "possible");
+  }
+}
