@@ -329,6 +329,8 @@ bool keep_foretold(OpenGroup& group, const WithProposals& all, NextMeasurement& 
 /// Without the runs after which the condition that a rival follows would still take too few levels, all tied to runs.
 std::vector<MeasurementProposal> without_ties(std::vector<MeasurementProposal> options, const Observations& data,
                                               const std::vector<EffectInstance>& rivals) {
+  if (std::ranges::none_of(rivals, [](const EffectInstance& rival) { return may_be_tied_to_runs(rival.definition()); }))
+    return options;
   const WithProposals all = with_proposals(data, options);
   std::vector<MeasurementProposal> kept;
   for (std::size_t i = 0; i < options.size(); ++i) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "base/linear/decompositions.hpp"
 #include "model/data/motions.hpp"
@@ -219,11 +220,12 @@ void append(MatrixXd& to, const MatrixXd& columns) {
   to.rightCols(columns.cols()) = columns;
 }
 
-/// Nonlinear values and noise from a fit to the present readings.
-Result<std::pair<Assembly, CoreFit>> fitted_to(const Model& model, const Regressors& present) {
+/// Nonlinear values and noise from a fit to the present readings. @param beside  of which the noise is taken, or null
+Result<std::pair<Assembly, CoreFit>> fitted_to(const Model& model, const Regressors& present, const CoreFit* beside) {
   ECS_TRY(assembly, Assembly::of(model, present));
   CoreOptions options;
   options.all_curve_functions = true;
+  options.beside = beside;
   CoreFit core = fitted(assembly, present, options);
   return std::pair{std::move(assembly), std::move(core)};
 }
@@ -372,16 +374,14 @@ Result<Belief> belief_of(const Model& model, const std::vector<EffectInstance>& 
   Model more = with;
   more.effects.insert(more.effects.end(), likely.begin(), likely.end());
   const Regressors now(present);
-  ECS_TRY(found, fitted_to(with, now));
+  std::optional<CoreFit> beside;
+  if (!likely.empty())
+    if (auto found = fitted_to(more, now, nullptr)) beside = std::move(found->second);
+  ECS_TRY(found, fitted_to(with, now, beside ? &*beside : nullptr));
   auto& [assembly, core] = found;
   Belief belief;
   belief.noise = core.noise;
   belief.left_out = core.left_out;
-  if (!likely.empty())
-    if (auto better = fitted_to(more, now)) {
-      belief.noise = better->second.noise;
-      belief.left_out = better->second.left_out;
-    }
   belief.target = Eigen::Map<const VectorXd>(present.reading.data(), static_cast<Index>(present.size())) -
                   assembly.fixed(present.size());
   ECS_TRY(wide, Assembly::of(with, all));

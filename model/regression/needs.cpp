@@ -141,9 +141,12 @@ std::string needed_columns(const EffectInstance& effect) {
   return columns;
 }
 
+bool may_be_tied_to_runs(const EffectDefinition& definition) {
+  return std::ranges::any_of(definition.turns_into, [](const Becomes& b) { return b.limit == Limit::tied_to_runs; });
+}
+
 bool is_tied_to_runs(const Observations& data, const EffectInstance& effect) {
-  const auto& turns = effect.definition().turns_into;
-  if (std::ranges::none_of(turns, [](const Becomes& b) { return b.limit == Limit::tied_to_runs; })) return false;
+  if (!may_be_tied_to_runs(effect.definition())) return false;
   const auto& needed = effect.definition().needs;
   return std::ranges::none_of(needed, [&](Need need) {
     std::map<int, std::pair<double, double>> runs;  // least and greatest value

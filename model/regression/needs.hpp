@@ -27,6 +27,8 @@ namespace ecs::model {
 /// Whether the condition that the effect follows takes two or three levels that coincide with runs, where the effect
 /// may not (`turns_into`, tied_to_runs): it is then the offset of a run.
 [[nodiscard]] bool is_tied_to_runs(const Observations& data, const EffectInstance& effect);
+/// Whether it can be of any data.
+[[nodiscard]] bool may_be_tied_to_runs(const EffectDefinition& definition);
 
 /// Effects left out because the data lack what they need, in words.
 [[nodiscard]] std::vector<std::string> untried_effects(const Observations& data);
