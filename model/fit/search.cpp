@@ -265,6 +265,10 @@ Choice Search::choice_at(const Space& space, std::size_t f, double nonlinear) co
 }
 
 Choice Search::refined_choice(const Space& space, std::size_t f, double nonlinear) const {
+  const EffectDefinition& definition = families_[f].effect.definition();
+  if (definition.searched_parameter().empty() || families_[f].grid.size() + families_[f].facts.size() <= 1 ||
+      !definition.search.has_slope)
+    return choice_at(space, f, nonlinear);
   std::map<double, Choice>& kept = answers_in(view_of(space, f), f).refined;
   const auto [at, is_new] = kept.try_emplace(nonlinear);
   if (is_new) at->second = sought_nearby(space, f, nonlinear);
@@ -278,9 +282,6 @@ Choice Search::sought_nearby(const Space& space, std::size_t f, double nonlinear
   const View* view = places ? &view_of(space, f) : nullptr;
   const auto exactly = [&](double v) { return places ? choice_in(*view, f, v) : choice_at(space, f, v); };
   Choice best = exactly(nonlinear);
-  if (definition.searched_parameter().empty() || family.grid.size() + family.facts.size() <= 1 ||
-      !definition.search.has_slope)
-    return best;
   // periods are searched in frequency
   const bool inverse = family.effect.traits().periodic;
   const auto to = [&](double v) { return inverse ? 1.0 / v : v; };
@@ -501,8 +502,9 @@ Solution Search::refined(const std::vector<Choice>& chosen, const std::vector<Ch
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       const Solution rest = solution(without_one(best.chosen, i), best.own);
       const Choice again = best_value(rest.space, best.chosen[i], round == 0 && i + 1 < chosen.size());
-      if (again.gain > 0.0 && !same_value(again, best.chosen[i]))
-        take(solution(with_one(best.chosen, i, again), best.own));
+      // beside other values fewer of its columns may be free, for a lower price
+      const bool is_same = same_value(again, best.chosen[i]) && again.cost == best.chosen[i].cost;
+      if (again.gain > 0.0 && !is_same) take(solution(with_one(best.chosen, i, again), best.own));
     }
     if (best.score() - before < 0.5) break;
   }

@@ -464,22 +464,16 @@ MatrixXd Separations::squares(const MatrixXd& rows, bool own_zero, bool between)
   base.q.resize(rows.rows(), 0);
   absorb(base, rows.leftCols(base_));
   if (own_zero) absorb(base, rows.rightCols(1));
-  // beside the belief, once for all; what that leaves of a column that it spans is rounding
-  const Index width = white_.cols() - base_;
-  MatrixXd rest = without(base.q, without(base.q, MatrixXd(rows.middleCols(base_, width))));
-  for (Index j = 0; j < width; ++j)
-    if (rest.col(j).squaredNorm() <= kAbsorbed * rows.col(base_ + j).squaredNorm()) rest.col(j).setZero();
   MatrixXd result = MatrixXd::Zero(count, count + 1), left(rows.rows(), count);
   for (Index j = between ? 0 : count; j <= count; ++j) {
+    Space space = base;
     const bool alone = j == count;
-    const Index first = alone ? 0 : first_[static_cast<std::size_t>(j)] - base_;
-    const Index columns = alone ? 0 : count_[static_cast<std::size_t>(j)];
-    Space space{MatrixXd(rows.rows(), 0), VectorXd::Zero(rows.rows())};
-    absorb(space, rest.middleCols(first, columns));
+    if (!alone)
+      absorb(space, rows.middleCols(first_[static_cast<std::size_t>(j)], count_[static_cast<std::size_t>(j)]));
     for (Index i = 0; i < count; ++i) {
       const auto ii = static_cast<std::size_t>(i);
-      left.col(i) = rest.col(first_[ii] - base_ + count_[ii] + 1);
-      if (!alone) left.col(i) -= rest.col(first + columns);
+      left.col(i) = rows.col(first_[ii] + count_[ii] + 1);
+      if (!alone) left.col(i) -= rows.col(first_[static_cast<std::size_t>(j)] + count_[static_cast<std::size_t>(j)]);
     }
     result.col(j) = without(space.q, left).colwise().squaredNorm().transpose();
     if (!alone) result(j, j) = 0.0;
