@@ -220,6 +220,24 @@ TEST_CASE("an effect pays for the choice of which of its sizes it uses") {
   CHECK(cube.cost == Approx(std::log(246.0) + 2.0 * std::log(3.0)));  // one of: square, cube, both
 }
 
+TEST_CASE("beside a square a formula of square and cube pays for its cube alone") {
+  EffectInstance square = effect(effects::user, Axis::X, Sense::EX);
+  square.name = "square";
+  square.formulas = {{Sense::EX, "k*(x_mm/1000)^2"}};
+  square.user = {{"k", "um", {}, {}, {}, {}}};
+  EffectInstance both = square;
+  both.name = "both";
+  both.formulas = {{Sense::EX, "a*(x_mm/1000)^2+b*(x_mm/1000)^3"}};
+  both.user = {{"a", "um", {}, {}, {}, {}}, {"b", "um", {}, {}, {}, {}}};
+  const Searching of(measured_line([](const Reading& r) { return 40.0 * std::pow(p(r) / 1000.0, 3); }), kSigma_um,
+                     {square, both, candidate("step:X:EX")});
+  const Search& search = of.search;
+  std::vector<Choice> chosen;
+  for (std::size_t f = 0; f < 3; ++f) chosen.push_back(search.choice_at(search.base(), f, f < 2 ? 0.0 : 500.0));
+  REQUIRE(chosen[1].cost == Approx(2.0 * std::log(246.0)));
+  CHECK(search.refined(chosen).chosen[1].cost == Approx(std::log(246.0)));
+}
+
 TEST_CASE("a wave started at twice its period, as a second harmonic, is refined to its own period") {
   const Searching of(measured_line(wave), kSigma_um, candidates_named({"cyclic:X:EX"}));
   Choice twice = of.search.choice_at(of.search.base(), 0, 2.0 * 87.3);
