@@ -239,7 +239,7 @@ std::string set_text(const std::vector<model::SetMember>& set, int digits = 3) {
 Json set_json(const std::vector<model::SetMember>& set) {
   Json list = Json::array();
   for (const model::SetMember& member : set)
-    list.push_back(object_of("name"_is(member.name), "probability"_is(member.probability)));
+    list.push_back(object_of("name"_is(member.name), "probability"_is(member.probability), "place"_is(member.place)));
   return list;
 }
 

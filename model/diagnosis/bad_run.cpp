@@ -120,7 +120,6 @@ std::optional<RunOffset> best_run_offset(const Observations& data, const Whitene
   }
   std::optional<RunOffset> best;
   Channel channel_of_best = 0;
-  Eigen::Index count_of_best = 1;
   const double coefficient = std::log(static_cast<double>(data.size()));
   for (const auto& [channel, runs] : runs_of) {
     if (runs.size() < fewest || runs.size() > kMostRunsCompared) continue;
@@ -131,14 +130,13 @@ std::optional<RunOffset> best_run_offset(const Observations& data, const Whitene
         const double gain = gain_of(space, whitener(Eigen::MatrixXd(columns.leftCols(count))));
         const double score = gain - choice - static_cast<double>(count) * coefficient;
         if (best && score <= best->score) continue;
-        best = RunOffset{run, sense_of.at(channel), gain, score};
+        best = RunOffset{run, sense_of.at(channel), gain, score, count == 2};
         channel_of_best = channel;
-        count_of_best = count;
       }
     }
   }
   if (best && best->score > 0.0 && runs_of.at(channel_of_best).size() > 2 &&
-      !is_apart(data, whitener, space, channel_of_best, runs_of.at(channel_of_best), best->run, count_of_best,
+      !is_apart(data, whitener, space, channel_of_best, runs_of.at(channel_of_best), best->run, best->has_slope ? 2 : 1,
                 best->gain))
     return std::nullopt;
   return best;
@@ -611,36 +609,48 @@ std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::Ve
 }
 
 std::optional<double> drift_of_last_run(const Observations& data, const Eigen::VectorXd& residual, int run) {
-  constexpr double kOfLine = 2.0;  // level and drift
-  double count = 0.0, time = 0.0, mean = 0.0, others = 0.0, mean_of_others = 0.0;
+  constexpr double kOfLine = 2.0;                                                 // level and drift
+  std::map<std::tuple<Channel, Axis, int>, std::pair<double, double>> of_others;  // sum and count of each approach
+  for (std::size_t k = 0; k < data.time_s.size(); ++k) {
+    if (data.run[k] == run) continue;
+    auto& [sum, number] = of_others[{data.channel(k), data.axis[k], data.approach[k]}];
+    sum += residual(static_cast<Eigen::Index>(k));
+    ++number;
+  }
+  // what the other runs share, a reversal within each run too, is no event in this one
+  const auto off_others = [&](std::size_t k) {
+    const auto found = of_others.find({data.channel(k), data.axis[k], data.approach[k]});
+    const double shared = found == of_others.end() ? 0.0 : found->second.first / found->second.second;
+    return residual(static_cast<Eigen::Index>(k)) - shared;
+  };
+  double count = 0.0, time = 0.0, off_um = 0.0;
   double first_s = kBeyondAll, last_s = -kBeyondAll, last_of_others_s = -kBeyondAll;
   for (std::size_t k = 0; k < data.time_s.size(); ++k) {
-    const double r = residual(static_cast<Eigen::Index>(k)), t = data.time_s[k];
+    const double t = data.time_s[k];
     if (std::isnan(t)) return std::nullopt;
     if (data.run[k] != run) {
-      ++others;
-      mean_of_others += r;
       last_of_others_s = std::max(last_of_others_s, t);
       continue;
     }
     ++count;
     time += t;
-    mean += r;
+    off_um += off_others(k);
     first_s = std::min(first_s, t);
     last_s = std::max(last_s, t);
   }
-  if (count < kFewestInRun || others == 0.0 || first_s <= last_of_others_s || last_s <= first_s) return std::nullopt;
+  if (count < kFewestInRun || of_others.empty() || first_s <= last_of_others_s || last_s <= first_s)
+    return std::nullopt;
   time /= count;
-  mean /= count;
+  off_um /= count;
   double of_time = 0.0, product = 0.0, squares = 0.0;
   for (std::size_t k = 0; k < data.size(); ++k) {
     if (data.run[k] != run) continue;
-    const double t = data.time_s[k] - time, r = residual(static_cast<Eigen::Index>(k)) - mean;
+    const double t = data.time_s[k] - time, r = off_others(k) - off_um;
     of_time += t * t;
     product += t * r;
     squares += r * r;
   }
-  const double drift_um = product / of_time * (last_s - first_s), off_um = mean - mean_of_others / others;
+  const double drift_um = product / of_time * (last_s - first_s);
   const double explained = product * product / of_time, freedom = count - kOfLine;
   const double F = explained / std::max((squares - explained) / freedom, kLeastDivisor);
   if (ln_f_tail(F, 1.0, freedom) > std::log(kOddChance) || drift_um * off_um < off_um * off_um) return std::nullopt;

@@ -19,7 +19,8 @@ struct RunOffset {
   int run = 0;
   Sense sense = Sense::EX;  ///< of readings along a path that of its first axis
   double gain = 0.0;        ///< fall of χ²
-  double score = 0.0;       ///< gain less the price of one coefficient and of the choice among runs
+  double score = 0.0;       ///< gain less the price of its coefficients and of the choice among runs
+  bool has_slope = false;   ///< beside the offset
 };
 
 /// The best offset of one run in one sense, or offset and slope along the axis, beyond what `space` absorbs; nothing
@@ -111,9 +112,10 @@ struct StepOfRuns {
 [[nodiscard]] std::optional<StepOfRuns> step_of_runs(const Observations& data, const Eigen::VectorXd& residual,
                                                      const std::vector<bool>& left_out);
 
-/// How far the last run drifts from its first reading to its last, um or um/m, by a straight line over the time, where
-/// that is at least as much as it lies off the other runs: a drift that begins late in the day does so, a run with
-/// another zero does not. Nothing of any other run, by chance, or without times.
+/// How far the last run drifts from its first reading to its last, um or um/m, by a straight line over the time and
+/// beyond what the other runs share in each approach, where that is at least as much as it lies off the other runs: a
+/// drift that begins late in the day does so, a run with another zero does not. Nothing of any other run, by chance, or
+/// without times.
 [[nodiscard]] std::optional<double> drift_of_last_run(const Observations& data, const Eigen::VectorXd& residual,
                                                       int run);
 

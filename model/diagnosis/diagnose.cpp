@@ -4,6 +4,7 @@
 #include "model/diagnosis/diagnose.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -59,6 +60,39 @@ double off_the_others(const Observations& data, const VectorXd& residual, int ru
   return sum[1] / count[1] - sum[0] / count[0];
 }
 
+/// By how much the residual of a run changes from one end of its line to the other, less what that of the others does.
+double tilt_of(const Observations& data, const VectorXd& residual, const RunOffset& of) {
+  std::array<std::vector<std::size_t>, 2> rows;  // of the others, of the run
+  for (std::size_t k = 0; k < data.size(); ++k)
+    if (data.sense[k] == of.sense) rows[data.run[k] == of.run ? 1 : 0].push_back(k);
+  const auto along = [&](const std::vector<std::size_t>& some) {
+    VectorXd p(static_cast<Index>(some.size()));
+    for (std::size_t i = 0; i < some.size(); ++i) p(static_cast<Index>(i)) = data.along_of(some[i]);
+    return p;
+  };
+  const auto slope = [&](const std::vector<std::size_t>& some) {
+    MatrixXd columns(static_cast<Index>(some.size()), 2);
+    columns << VectorXd::Ones(columns.rows()), along(some);
+    return least_squares(columns, residual(some))(1);
+  };
+  const VectorXd p = along(rows[1]);
+  return (slope(rows[1]) - slope(rows[0])) * (p.maxCoeff() - p.minCoeff());
+}
+
+/// "run 3 lies +4.0 um from the other runs on average: an offset of this run explains …"
+std::string words_for(const RunOffset& of, const Observations& data, const VectorXd& residual, std::string_view unit) {
+  const std::string others = std::set(data.run.begin(), data.run.end()).size() > 2 ? "the other runs" : "the other run";
+  const double off = off_the_others(data, residual, of.run);
+  if (!of.has_slope)
+    return fmt::format(
+        "run {} lies {:+.3g} {} from {} on average: an offset of this run explains as much as any effect does", of.run,
+        off, unit, others);
+  return fmt::format(
+      "run {} changes by {:+.3g} {} along its line compared with {}, and lies {:+.3g} {} from them on average: an "
+      "offset and a slope of this run explain as much as any effect does",
+      of.run, tilt_of(data, residual, of), unit, others, off, unit);
+}
+
 /// Whether the zero of the bad run is worth the first sentence: where it explains less than a tenth of what the effects
 /// do together, it stands for small ones among them only.
 bool explains_much(const Found& found) {
@@ -111,11 +145,7 @@ std::optional<DifferentRun> different_run(const Found& found, const std::optiona
     return of_run(found.odd_pass->run, fmt::format("run {} differs from the other runs by {:.3g} {} in one approach",
                                                    found.odd_pass->run, found.odd_pass->off_um, diagnosis.noise.unit));
   if (found.bad_run && explains_much(found))
-    return of_run(found.bad_run->run,
-                  fmt::format("run {} lies {:+.3g} {} from the other run{} on average: an offset or a slope of this "
-                              "run explains as much as any effect does",
-                              found.bad_run->run, off_the_others(data, residual, found.bad_run->run),
-                              diagnosis.noise.unit, std::set(data.run.begin(), data.run.end()).size() > 2 ? "s" : ""));
+    return of_run(found.bad_run->run, words_for(*found.bad_run, data, residual, diagnosis.noise.unit));
   if (diagnosis.verdict != Verdict::unexplained_structure || diagnosis.where.empty() ||
       diagnosis.where.front().variable != "run")
     return std::nullopt;
@@ -675,7 +705,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.headline =
       headline_for(diagnosis, data, diagnosis.different_run ? diagnosis.different_run->text : run_note(in.found),
                    passes.has_value());
-  if (why_in_headline) diagnosis.headline += fmt::format(" No effect is named, because {}.", in.found.objection);
+  if (why_in_headline) diagnosis.headline += fmt::format(" No effect is named, because {}.", why_not_named(in));
   diagnosis.headline += beside_formulas(in.model, diagnosis);
   if (std::ranges::any_of(in.model.effects, [](const auto& effect) { return !effect.tied_with.empty(); }) ||
       std::ranges::find(in.base.core.undetermined, true) != in.base.core.undetermined.end())

@@ -274,7 +274,8 @@ std::optional<double> e_value_of(const Evidence& on, const MatrixXd& columns, co
     const Whitener whitener(data, on.noise, on.left_out);
     const Search search(on.regressors, whitener, columns, target, {effect});
     for (const Choice& best : search.expand(search.base(), 1)) {
-      if (search.solution({best}).space.chi2() > kMostBesideEffect * search.base().chi2()) continue;
+      if (is_like_wander(effect) && search.solution({best}).space.chi2() > kMostBesideEffect * search.base().chi2())
+        continue;
       const Columns own = search.columns_of(best);
       add_likely(beside(columns, own.of), own.fixed.size() > 0 ? VectorXd(target - own.fixed) : target);
     }

@@ -230,6 +230,20 @@ bool bends_to_structure(const Found& found, std::size_t g, const Observations& d
   return (is_curve(group.member) || std::ranges::any_of(group.rivals, is_curve)) && leaves_shape(found, g, data);
 }
 
+/// Whether this is a shape over the travel beside such a curve, in the same sense: a part of what is no smooth one.
+bool is_beside_bend(const Found& found, std::size_t g, const Observations& data) {
+  const auto effect_of = [&](std::size_t i) -> const EffectInstance& {
+    return found.families[found.groups[i].member.family].effect;
+  };
+  const EffectInstance& shape = effect_of(g);
+  if (!shape.traits().periodic && !shape.traits().shape_of_position) return false;
+  for (std::size_t i = 0; i < found.groups.size(); ++i)
+    if (i != g && effect_of(i).traits().is_curve && effect_of(i).axis == shape.axis &&
+        effect_of(i).sense == shape.sense && bends_to_structure(found, i, data))
+      return true;
+  return false;
+}
+
 /// Whether this is an effect along a rotary axis whose scale error leaves a shape: such a ramp is a part of that shape,
 /// as a wave is, and what was found beside it, too.
 bool is_beside_ramp(const Found& found, std::size_t g, const Observations& data) {
@@ -288,7 +302,8 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
     const std::vector<std::size_t> all = proved;
     std::erase_if(proved, [&](std::size_t g) { return !predicts_at_targets(in, all, g); });
     std::erase_if(proved, [&](std::size_t g) {
-      return bends_to_structure(found, g, in.regressors.data()) || !is_in_own_set(found, g);
+      return bends_to_structure(found, g, in.regressors.data()) || is_beside_bend(found, g, in.regressors.data()) ||
+             !is_in_own_set(found, g);
     });
     if (!may_be_part(found, proved)) proved.clear();
   }
@@ -539,6 +554,25 @@ std::string why_not_explained(const Found& found) {
       found.structure_p_after < kLeastStated ? "below 1e-60" : fmt::format("{:.2g}", found.structure_p_after));
 }
 
+std::string why_not_named(const ReportInput& in) {
+  const std::vector<Group>& groups = in.found.groups;
+  const auto most = std::ranges::max_element(
+      groups, [](const Group& one, const Group& other) { return one.member.gain < other.member.gain; });
+  if (most == groups.end() || most->denied) return in.found.objection;
+  const auto g = static_cast<std::size_t>(most - groups.begin());
+  const std::string name = to_text(in.found.families[most->member.family].effect);
+  if (most->e_value && *most->e_value < kProved)
+    return fmt::format(
+        "held-out readings do not decide {} (e-value {:.2g}; {:g} is proof): measure the same lines again", name,
+        *most->e_value, kProved);
+  if (!predicts_at_targets(in, {g}, g))
+    return fmt::format(
+        "{} does not predict the residual at targets that it is not fitted to: measure at targets "
+        "between the present ones",
+        name);
+  return in.found.objection;
+}
+
 Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise) {
   const std::string again = "Measure the same lines again in both directions";
   if (ranked.alias == Alias::wander && is_like_wander(ranked.effect))
@@ -554,10 +588,10 @@ Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise)
             "Measure the same lines again with further reversals in the middle of the travel"};
   if (ranked.alias == Alias::wander)
     return {"no line was measured twice, and a slow drift of the readings explains it equally well", again};
-  if (!noise) return {why_not_explained(found), "Measure the same lines again on targets between the present ones"};
-  if (ranked.e_value)
+  if (ranked.e_value && (noise || *ranked.e_value < kProved))
     return {fmt::format("held-out readings do not decide it (e-value {:.2g}; {:g} is proof)", *ranked.e_value, kProved),
             again};
+  if (!noise) return {why_not_explained(found), "Measure the same lines again on targets between the present ones"};
   return {"neither half of the readings shows it on its own", again};
 }
 

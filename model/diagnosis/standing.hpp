@@ -59,6 +59,9 @@ struct Answer {
 
 /// Why the best effects of the library do not count as an explanation.
 [[nodiscard]] std::string why_not_explained(const Found& found);
+/// Why no effect is named although something speaks against those found: of the one that explains the most, else the
+/// objection.
+[[nodiscard]] std::string why_not_named(const ReportInput& in);
 
 /// What is not excluded of an effect that is likely, and the measurement that would decide.
 struct Doubt {

@@ -248,6 +248,7 @@ std::vector<bool> isolated_outliers(const Observations& data, const Eigen::Vecto
     std::ranges::sort(found, std::greater<>());
     for (std::size_t i = 0; i < isolated(found, rows.size() / kReadingsAnOutlier); ++i) out[found[i].second] = true;
   }
+  if (std::ranges::find(out, true) == out.end()) return out;
   keep_streaks(data, oddness, out);
   keep_repeated(data, out);
   keep_beginnings(data, out);

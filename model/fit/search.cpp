@@ -249,7 +249,7 @@ Choice Search::choice_at(const Space& space, std::size_t f, double nonlinear) co
   if (has_places(f)) return choice_in(view_of(space, f), f, nonlinear);
   const Family& family = families_[f];
   const BesideBase& of = beside_base(f, nonlinear);
-  const MatrixXd left = left_beside(space, of.columns);
+  const MatrixXd left = left_beside(space, space.q.cols(), of.columns);
   Choice choice;
   if (family.effect.traits().fixed_size) {
     const double square = left.squaredNorm();
@@ -351,14 +351,13 @@ const Search::BesideBase& Search::beside_base(std::size_t f, double nonlinear) c
   return at->second;
 }
 
-MatrixXd Search::left_beside(const Space& space, MatrixXd columns) const {
-  return left_beside_basis(space.q.rightCols(space.q.cols() - base_.q.cols()), std::move(columns));
+MatrixXd Search::left_beside(const Space& space, Index used, MatrixXd columns) const {
+  return left_beside_basis(space.q.middleCols(base_.q.cols(), used - base_.q.cols()), std::move(columns));
 }
 
 Index Search::absorb_choice(Space& space, Index used, const Choice& choice) const {
   const BesideBase& of = beside_base(choice.family, choice.nonlinear);
-  const auto more = space.q.middleCols(base_.q.cols(), used - base_.q.cols());
-  return absorb_left(space, used, left_beside_basis(more, of.columns(Eigen::all, choice.columns)),
+  return absorb_left(space, used, left_beside(space, used, of.columns(Eigen::all, choice.columns)),
                      of.squares(choice.columns));
 }
 
@@ -382,8 +381,7 @@ Solution Search::solution(const std::vector<Choice>& chosen, const std::vector<C
     const double before = space.chi2();
     const Index had = used;
     if (families_[choice.family].effect.traits().fixed_size) {
-      const auto more = space.q.middleCols(base_.q.cols(), used - base_.q.cols());
-      space.y -= left_beside_basis(more, beside_base(choice.family, choice.nonlinear).columns).col(0);
+      space.y -= left_beside(space, used, beside_base(choice.family, choice.nonlinear).columns).col(0);
     } else {
       used = absorb_choice(space, used, choice);
     }
@@ -401,7 +399,8 @@ Solution Search::solution(const std::vector<Choice>& chosen, const std::vector<C
 double Search::hidden_by_sensor(const Space& space, const Choice& choice) const {
   const VectorXd unknown = regressors_.unknown(families_[choice.family].effect, choice.nonlinear);
   if (unknown.isZero(0.0)) return 0.0;
-  const double known = left_beside(space, beside_base(choice.family, choice.nonlinear).columns).squaredNorm();
+  const double known =
+      left_beside(space, space.q.cols(), beside_base(choice.family, choice.nonlinear).columns).squaredNorm();
   return known > 0.0 ? choice.gain * whitener_(unknown).squaredNorm() / known : 0.0;
 }
 

@@ -274,10 +274,9 @@ class Search {
   };
   /// The latest are kept: every space is an extension of the base, and most effects are looked at beside many of them.
   [[nodiscard]] const BesideBase& beside_base(std::size_t family, double nonlinear) const;
-  /// Columns of beside_base() less what `space` has absorbed since.
-  [[nodiscard]] Eigen::MatrixXd left_beside(const Space& space, Eigen::MatrixXd beside_base) const;
-  /// @param used  columns of `space.q` that are in use; there is room for those of the choice. Returns how many are
-  /// then.
+  /// Columns of beside_base() less what `space` has absorbed since. @param used  columns of `space.q` that are in use
+  [[nodiscard]] Eigen::MatrixXd left_beside(const Space& space, Eigen::Index used, Eigen::MatrixXd beside_base) const;
+  /// @param used  as above; there is room for the columns of the choice. Returns how many are in use then.
   [[nodiscard]] Eigen::Index absorb_choice(Space& space, Eigen::Index used, const Choice& choice) const;
   /// What a space has absorbed beyond the base, and what is left there, is then seen for products with motions.
   void look_at(const Space& space) const;

@@ -258,7 +258,7 @@ bool Search::too_steep(const Space& space, const Choice& choice) const {
   const EffectInstance& effect = families_[choice.family].effect;
   if (effect.sense && is_rotation(*effect.sense)) return false;
   const MatrixXd wave = beside_base(choice.family, choice.nonlinear).columns(Eigen::all, choice.columns);
-  const double amplitude_um = least_squares(left_beside(space, wave), space.y).norm();
+  const double amplitude_um = least_squares(left_beside(space, space.q.cols(), wave), space.y).norm();
   return 2.0 * std::numbers::pi * 1e-3 * amplitude_um > choice.nonlinear;
 }
 

@@ -65,6 +65,27 @@ TEST_CASE("a run that drifts along the axis gains offset and slope together") {
   CHECK(found.run == 2);
   const double left = of.search.base().chi2() - found.gain;
   CHECK(left == Approx(328.0 - 4.0).epsilon(0.2));  // noise of 328 readings, √(2/328) = 8 %
+  CHECK(found.has_slope);
+}
+
+TEST_CASE("an answer states the slope of a run that has one") {
+  const auto set = measured(line_of_runs(3, 21), kSigma_um,
+                            [](const Reading& r) { return r.run == 2 ? 6.0 * (p(r) - 250.0) / 500.0 : 0.0; });
+  const Model model = straight();
+  const std::string text = must(must(diagnose(model, observations_of(set, model, mill()))).different_run).text;
+  CHECK_MESSAGE(contains(text, "Run 2 changes by +6"), text);
+}
+
+TEST_CASE("a reversal that all runs share is no drift of the last run, a drift in it is one") {
+  const auto drift_in = [](const Truth& truth) {
+    const Scatter made{.data = observations_of(measured(line_of_runs(4), kSigma_um, truth), straight(), mill())};
+    return drift_of_last_run(
+        made.data, Eigen::Map<const VectorXd>(made.data.reading.data(), static_cast<Index>(made.data.size())), 4);
+  };
+  CHECK_FALSE(drift_in([](const Reading& r) { return 3.0 * d(r); }));
+  const double before_s = 3.0 * (820.0 + 200.0);  // three runs of 82 readings, one each 10 s
+  CHECK(must(drift_in([=](const Reading& r) { return 3.0 * d(r) + 0.005 * std::max(0.0, *r.time_s - before_s); })) ==
+        Approx(0.005 * 810.0).epsilon(0.1));
 }
 
 TEST_CASE("whichever run is off, up or down, is the one that is found") {

@@ -222,6 +222,31 @@ TEST_CASE("against a zero that moves slowly the mean of e is at most one, though
   }
 }
 
+TEST_CASE("a lost motion has evidence beside zeros of the runs of half its size, not if each pass has such a zero") {
+  const auto e_of = [](bool by_pass, unsigned seed) {
+    const Eigen::MatrixXd zeros_um = 0.4 * ecs::test::normal_matrix(7, 2, seed);
+    const Weighed of(measured(
+        of_targets(13, 6), kSigma_um,
+        [&](const Reading& r) {
+          const double zero_um = zeros_um(r.run, by_pass && d(r) > 0.0 ? 1 : 0);
+          return zero_um + (by_pass ? 0.0 : 0.45 * d(r));
+        },
+        seed));
+    NoiseModel noise = of.noise;
+    noise.has_time = true;
+    noise.pure.noise_um = kSigma_um;
+    return e_value_of({of.regressors, noise, of.left_out}, of.columns, of.target, candidate("backlash:X:EX"),
+                      NullHypothesis::noise_or_wander)
+        .value_or(0.0);
+  };
+  double mean = 0.0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    CHECK(e_of(false, seed) > 1.0);
+    mean += e_of(true, seed) / 20.0;
+  }
+  CHECK(mean < 1.5);
+}
+
 TEST_CASE("a straight drift keeps its evidence against a wander") {
   const Weighed of(measured(of_targets(41, 3), kSigma_um, [](const Reading& r) { return 0.002 * *r.time_s; }));
   NoiseModel noise = of.noise;

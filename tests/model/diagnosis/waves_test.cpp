@@ -1,5 +1,6 @@
 #include "model/diagnosis/waves.hpp"
 
+#include <array>
 #include <map>
 #include <numbers>
 
@@ -463,5 +464,27 @@ TEST_CASE("a wave along the axis that grows from run to run is no cause although
     CAPTURE(found.headline);
     CHECK(found.verdict == Verdict::unexplained_structure);
     CHECK(std::ranges::none_of(found.candidates, &Candidate::in_answer));
+  }
+}
+
+TEST_CASE("beside a lost motion that jumps from place to place no wave is proved") {
+  constexpr std::array kPlaces_mm{14.2,  32.3,  44.6,  65.6,  78.7,  91.3,  111.6, 122.6, 138.3, 150.1,
+                                  170.0, 187.2, 201.6, 214.2, 233.1, 240.5, 262.2, 274.4, 289.9, 300.9,
+                                  320.1, 333.1, 348.1, 363.8, 376.6, 394.5, 412.5, 424.9, 443.7, 452.3,
+                                  468.9, 486.8, 502.2, 515.2, 527.3, 544.2, 566.2, 580.4};
+  params::Machine machine = mill();
+  machine.axes[index_of(Axis::X)]->screw_pitch_mm = 8.0;
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    auto set = measured({.step_mm = 15.0, .targets = 38, .runs = 4}, 2.5, nothing, seed);
+    for (Reading& r : set.readings) {
+      const auto place = static_cast<std::size_t>(std::lround(p(r) / 15.0));
+      r.position_mm[0] = kPlaces_mm.at(place);
+      r.error = std::round(r.error + (place > 9 && place <= 19 ? -47.0 * d(r) : 0.0));
+    }
+    Model model = straight();
+    model.effects.push_back(effect(effects::backlash, Axis::X, Sense::EX));
+    const Diagnosis found = must(diagnose(model, observations_of(set, model, machine)));
+    for (const Candidate& one : found.candidates)
+      CHECK_FALSE_MESSAGE((one.named && one.effect.traits().periodic), found.headline);
   }
 }
