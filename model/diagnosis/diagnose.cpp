@@ -4,7 +4,6 @@
 #include "model/diagnosis/diagnose.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -62,21 +61,19 @@ double off_the_others(const Observations& data, const VectorXd& residual, int ru
 
 /// By how much the residual of a run changes from one end of its line to the other, less what that of the others does.
 double tilt_of(const Observations& data, const VectorXd& residual, const RunOffset& of) {
-  std::array<std::vector<std::size_t>, 2> rows;  // of the others, of the run
+  std::vector<std::size_t> rows;
   for (std::size_t k = 0; k < data.size(); ++k)
-    if (data.sense[k] == of.sense) rows[data.run[k] == of.run ? 1 : 0].push_back(k);
-  const auto along = [&](const std::vector<std::size_t>& some) {
-    VectorXd p(static_cast<Index>(some.size()));
-    for (std::size_t i = 0; i < some.size(); ++i) p(static_cast<Index>(i)) = data.along_of(some[i]);
-    return p;
-  };
-  const auto slope = [&](const std::vector<std::size_t>& some) {
-    MatrixXd columns(static_cast<Index>(some.size()), 2);
-    columns << VectorXd::Ones(columns.rows()), along(some);
-    return least_squares(columns, residual(some))(1);
-  };
-  const VectorXd p = along(rows[1]);
-  return (slope(rows[1]) - slope(rows[0])) * (p.maxCoeff() - p.minCoeff());
+    if (data.sense[k] == of.sense) rows.push_back(k);
+  MatrixXd columns(static_cast<Index>(rows.size()), 4);  // a line for all, and what the run has beside it
+  double least = kBeyondAll, greatest = -kBeyondAll;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double along = data.along_of(rows[i]), own = data.run[rows[i]] == of.run ? 1.0 : 0.0;
+    columns.row(static_cast<Index>(i)) << 1.0, along, own, own * along;
+    if (own == 0.0) continue;
+    least = std::min(least, along);
+    greatest = std::max(greatest, along);
+  }
+  return least_squares(columns, residual(rows))(3) * (greatest - least);
 }
 
 /// "run 3 lies +4.0 um from the other runs on average: an offset of this run explains …"
