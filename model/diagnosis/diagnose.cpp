@@ -49,45 +49,38 @@ std::string trend_text(const StepOfRuns& step, std::string_view unit) {
                      step.trend_um > 0.0 ? "rising" : "falling", std::abs(step.trend_um), unit);
 }
 
-/// Mean residual of a run less that of all other runs.
-double off_the_others(const Observations& data, const VectorXd& residual, int run) {
-  double sum[2]{}, count[2]{};
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    sum[data.run[k] == run] += residual(static_cast<Index>(k));
-    ++count[data.run[k] == run];
-  }
-  return sum[1] / count[1] - sum[0] / count[0];
-}
-
-/// By how much the residual of a run changes from one end of its line to the other, less what that of the others does.
-double tilt_of(const Observations& data, const VectorXd& residual, const RunOffset& of) {
+/// "run 3 lies +4.0 um from the other runs on average: an offset of this run explains …": by lines through the readings
+/// of its sense, those of the others and its own; a slope that these do not show well is no number to be stated.
+std::string words_for(const RunOffset& of, const Observations& data, const VectorXd& residual,
+                      const std::vector<bool>& left_out, std::string_view unit) {
+  constexpr double kFreedom = 4.0, kShown = 3.0;  // standard deviations
   std::vector<std::size_t> rows;
-  for (std::size_t k = 0; k < data.size(); ++k)
-    if (data.sense[k] == of.sense) rows.push_back(k);
-  MatrixXd columns(static_cast<Index>(rows.size()), 4);  // a line for all, and what the run has beside it
-  double least = kBeyondAll, greatest = -kBeyondAll;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const double along = data.along_of(rows[i]), own = data.run[rows[i]] == of.run ? 1.0 : 0.0;
-    columns.row(static_cast<Index>(i)) << 1.0, along, own, own * along;
-    if (own == 0.0) continue;
-    least = std::min(least, along);
-    greatest = std::max(greatest, along);
+  std::vector<double> own_mm;
+  for (std::size_t k = 0; k < data.size(); ++k) {
+    if (data.sense[k] != of.sense || left_out[k]) continue;
+    rows.push_back(k);
+    if (data.run[k] == of.run) own_mm.push_back(data.along_of(k));
   }
-  return least_squares(columns, residual(rows))(3) * (greatest - least);
-}
-
-/// "run 3 lies +4.0 um from the other runs on average: an offset of this run explains …"
-std::string words_for(const RunOffset& of, const Observations& data, const VectorXd& residual, std::string_view unit) {
-  const std::string others = std::set(data.run.begin(), data.run.end()).size() > 2 ? "the other runs" : "the other run";
-  const double off = off_the_others(data, residual, of.run);
-  if (!of.has_slope)
-    return fmt::format(
-        "run {} lies {:+.3g} {} from {} on average: an offset of this run explains as much as any effect does", of.run,
-        off, unit, others);
-  return fmt::format(
-      "run {} changes by {:+.3g} {} along its line compared with {}, and lies {:+.3g} {} from them on average: an "
-      "offset and a slope of this run explain as much as any effect does",
-      of.run, tilt_of(data, residual, of), unit, others, off, unit);
+  const Eigen::Map<const VectorXd> places(own_mm.data(), static_cast<Index>(own_mm.size()));
+  MatrixXd columns(static_cast<Index>(rows.size()), 4);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double along = data.along_of(rows[i]) - places.mean(), own = data.run[rows[i]] == of.run ? 1.0 : 0.0;
+    columns.row(static_cast<Index>(i)) << 1.0, along, own, own * along;
+  }
+  const VectorXd y = residual(rows), sizes = least_squares(columns, y), slope = columns.col(3);
+  const MatrixXd others = columns.leftCols(3);
+  const double variance =
+      (y - columns * sizes).squaredNorm() / std::max(1.0, static_cast<double>(rows.size()) - kFreedom);
+  const double seen = (slope - others * least_squares(others, slope)).squaredNorm();
+  const std::string_view name =
+      std::set(data.run.begin(), data.run.end()).size() > 2 ? "the other runs" : "the other run";
+  const std::string changes = of.has_slope && sizes(3) * sizes(3) * seen > kShown * kShown * variance
+                                  ? fmt::format("changes by {:+.3g} {} along its line compared with {}, and ",
+                                                sizes(3) * (places.maxCoeff() - places.minCoeff()), unit, name)
+                                  : "";
+  return fmt::format("run {} {}lies {:+.3g} {} from {} on average: {} of this run {} as much as any effect does",
+                     of.run, changes, sizes(2), unit, changes.empty() ? name : "them",
+                     of.has_slope ? "an offset and a slope" : "an offset", of.has_slope ? "explain" : "explains");
 }
 
 /// Whether the zero of the bad run is worth the first sentence: where it explains less than a tenth of what the effects
@@ -142,7 +135,7 @@ std::optional<DifferentRun> different_run(const Found& found, const std::optiona
     return of_run(found.odd_pass->run, fmt::format("run {} differs from the other runs by {:.3g} {} in one approach",
                                                    found.odd_pass->run, found.odd_pass->off_um, diagnosis.noise.unit));
   if (found.bad_run && explains_much(found))
-    return of_run(found.bad_run->run, words_for(*found.bad_run, data, residual, diagnosis.noise.unit));
+    return of_run(found.bad_run->run, words_for(*found.bad_run, data, residual, found.left_out, diagnosis.noise.unit));
   if (diagnosis.verdict != Verdict::unexplained_structure || diagnosis.where.empty() ||
       diagnosis.where.front().variable != "run")
     return std::nullopt;

@@ -230,17 +230,24 @@ bool bends_to_structure(const Found& found, std::size_t g, const Observations& d
   return (is_curve(group.member) || std::ranges::any_of(group.rivals, is_curve)) && leaves_shape(found, g, data);
 }
 
-/// Whether this is a shape over the travel beside such a curve, in the same sense: a part of what is no smooth one.
+/// Whether this is a wave along a linear axis beside such a curve, in the same sense: a part of what is no smooth one.
+/// A pitch of the machine and its fractions are causes of their own, and a curve of the lost motion leaves nothing that
+/// is the same in both directions.
 bool is_beside_bend(const Found& found, std::size_t g, const Observations& data) {
   const auto effect_of = [&](std::size_t i) -> const EffectInstance& {
     return found.families[found.groups[i].member.family].effect;
   };
-  const EffectInstance& shape = effect_of(g);
-  if (!shape.traits().periodic && !shape.traits().shape_of_position) return false;
-  for (std::size_t i = 0; i < found.groups.size(); ++i)
-    if (i != g && effect_of(i).traits().is_curve && effect_of(i).axis == shape.axis &&
-        effect_of(i).sense == shape.sense && bends_to_structure(found, i, data))
+  const EffectInstance& wave = effect_of(g);
+  if (!wave.traits().periodic || wave.rotary) return false;
+  if (const auto pitch = pitch_matching(model::effect_of(wave, found.groups[g].member), std::nullopt, data);
+      pitch && pitch->times <= 2)
+    return false;
+  for (std::size_t i = 0; i < found.groups.size(); ++i) {
+    const EffectInstance& curve = effect_of(i);
+    if (curve.traits().is_curve && curve.axis == wave.axis && curve.sense == wave.sense &&
+        (!curve.traits().of_approach || wave.approach != ApproachMode::both) && bends_to_structure(found, i, data))
       return true;
+  }
   return false;
 }
 
@@ -558,7 +565,7 @@ std::string why_not_named(const ReportInput& in) {
   const std::vector<Group>& groups = in.found.groups;
   const auto most = std::ranges::max_element(
       groups, [](const Group& one, const Group& other) { return one.member.gain < other.member.gain; });
-  if (most == groups.end() || most->denied) return in.found.objection;
+  if (most == groups.end() || most->denied || in.found.bad_run) return in.found.objection;
   const auto g = static_cast<std::size_t>(most - groups.begin());
   const std::string name = to_text(in.found.families[most->member.family].effect);
   if (most->e_value && *most->e_value < kProved)
@@ -588,7 +595,7 @@ Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise)
             "Measure the same lines again with further reversals in the middle of the travel"};
   if (ranked.alias == Alias::wander)
     return {"no line was measured twice, and a slow drift of the readings explains it equally well", again};
-  if (ranked.e_value && (noise || *ranked.e_value < kProved))
+  if (ranked.e_value && (noise || (*ranked.e_value < kProved && !found.bad_run)))
     return {fmt::format("held-out readings do not decide it (e-value {:.2g}; {:g} is proof)", *ranked.e_value, kProved),
             again};
   if (!noise) return {why_not_explained(found), "Measure the same lines again on targets between the present ones"};

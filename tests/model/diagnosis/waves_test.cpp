@@ -488,3 +488,22 @@ TEST_CASE("beside a lost motion that jumps from place to place no wave is proved
       CHECK_FALSE_MESSAGE((one.named && one.effect.traits().periodic), found.headline);
   }
 }
+
+TEST_CASE("the pitch wave of a screw is proved although bumps are left beside a curve") {
+  unsigned proved = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const auto set = measured(
+        {.step_mm = 24.0, .targets = 42, .runs = 4}, 0.3,
+        [](const Reading& r) {
+          const double bump = std::exp(-std::pow((p(r) - 430.0) / 20.0, 2));
+          return 3.0 * d(r) * std::sin(p(r) / 200.0) + 2.3 * std::sin(2.0 * std::numbers::pi * p(r) / 10.0) +
+                 1.5 * bump;
+        },
+        seed);
+    Model model = straight();
+    model.effects.push_back(effect(effects::backlash, Axis::X, Sense::EX));
+    for (const Candidate& one : must(diagnose(model, observations_of(set, model, mill()))).candidates)
+      if (one.named && one.effect.traits().periodic) ++proved;
+  }
+  CHECK(proved == 6);
+}
