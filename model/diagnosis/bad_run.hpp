@@ -23,6 +23,12 @@ struct RunOffset {
   bool has_slope = false;   ///< beside the offset
 };
 
+/// "run 3 lies +4.0 um from the other runs on average: an offset of this run explains …": by lines through the readings
+/// of its sense, those of the others and its own; a slope that these do not show well is not stated.
+/// @param residual  of the model as given, um or um/m, as `unit` says  @param left_out  outliers
+[[nodiscard]] std::string words_for(const RunOffset& of, const Observations& data, const Eigen::VectorXd& residual,
+                                    const std::vector<bool>& left_out, std::string_view unit);
+
 /// The best offset of one run in one sense, or offset and slope along the axis, beyond what `space` absorbs; nothing
 /// where the other runs disagree among themselves by as much.
 /// @param fewest  nothing with fewer runs: with two, one effect is as likely as a run

@@ -49,40 +49,6 @@ std::string trend_text(const StepOfRuns& step, std::string_view unit) {
                      step.trend_um > 0.0 ? "rising" : "falling", std::abs(step.trend_um), unit);
 }
 
-/// "run 3 lies +4.0 um from the other runs on average: an offset of this run explains …": by lines through the readings
-/// of its sense, those of the others and its own; a slope that these do not show well is no number to be stated.
-std::string words_for(const RunOffset& of, const Observations& data, const VectorXd& residual,
-                      const std::vector<bool>& left_out, std::string_view unit) {
-  constexpr double kFreedom = 4.0, kShown = 3.0;  // standard deviations
-  std::vector<std::size_t> rows;
-  std::vector<double> own_mm;
-  for (std::size_t k = 0; k < data.size(); ++k) {
-    if (data.sense[k] != of.sense || left_out[k]) continue;
-    rows.push_back(k);
-    if (data.run[k] == of.run) own_mm.push_back(data.along_of(k));
-  }
-  const Eigen::Map<const VectorXd> places(own_mm.data(), static_cast<Index>(own_mm.size()));
-  MatrixXd columns(static_cast<Index>(rows.size()), 4);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const double along = data.along_of(rows[i]) - places.mean(), own = data.run[rows[i]] == of.run ? 1.0 : 0.0;
-    columns.row(static_cast<Index>(i)) << 1.0, along, own, own * along;
-  }
-  const VectorXd y = residual(rows), sizes = least_squares(columns, y), slope = columns.col(3);
-  const MatrixXd others = columns.leftCols(3);
-  const double variance =
-      (y - columns * sizes).squaredNorm() / std::max(1.0, static_cast<double>(rows.size()) - kFreedom);
-  const double seen = (slope - others * least_squares(others, slope)).squaredNorm();
-  const std::string_view name =
-      std::set(data.run.begin(), data.run.end()).size() > 2 ? "the other runs" : "the other run";
-  const std::string changes = of.has_slope && sizes(3) * sizes(3) * seen > kShown * kShown * variance
-                                  ? fmt::format("changes by {:+.3g} {} along its line compared with {}, and ",
-                                                sizes(3) * (places.maxCoeff() - places.minCoeff()), unit, name)
-                                  : "";
-  return fmt::format("run {} {}lies {:+.3g} {} from {} on average: {} of this run {} as much as any effect does",
-                     of.run, changes, sizes(2), unit, changes.empty() ? name : "them",
-                     of.has_slope ? "an offset and a slope" : "an offset", of.has_slope ? "explain" : "explains");
-}
-
 /// Whether the zero of the bad run is worth the first sentence: where it explains less than a tenth of what the effects
 /// do together, it stands for small ones among them only.
 bool explains_much(const Found& found) {

@@ -16,6 +16,7 @@
 #include "model/diagnosis/structure.hpp"
 #include "model/diagnosis/visits.hpp"
 #include "model/diagnosis/waves.hpp"
+#include "model/diagnosis/weighing.hpp"
 #include "model/diagnosis/words.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/core.hpp"
@@ -35,8 +36,6 @@ constexpr double kNearlyAll = 0.95;
 /// Least share of what an effect explains that it predicts at left-out targets where more is left than noise: as where
 /// nothing but the effect speaks against noise (investigation.hpp).
 constexpr double kLeastPredicted = kLeastCrossValidatedAlone;
-/// Readings that an effect was not fitted to speak for it from this e-value on.
-constexpr double kSpeaksFor = 1.0;
 /// Without repeats what a model leaves is no noise where readings left out are missed by more than this many times the
 /// rms of those fitted: two, for four times the squares are no chance.
 constexpr double kMostHeldOut = 2.0;
@@ -231,8 +230,8 @@ bool bends_to_structure(const Found& found, std::size_t g, const Observations& d
 }
 
 /// Whether this is a wave along a linear axis beside such a curve, in the same sense: a part of what is no smooth one.
-/// A pitch of the machine and its fractions are causes of their own, and a curve of the lost motion leaves nothing that
-/// is the same in both directions.
+/// A pitch of the machine, its fractions and its double (whose second harmonic it is) are causes of their own, and a
+/// curve of the lost motion leaves nothing that is the same in both directions.
 bool is_beside_bend(const Found& found, std::size_t g, const Observations& data) {
   const auto effect_of = [&](std::size_t i) -> const EffectInstance& {
     return found.families[found.groups[i].member.family].effect;
@@ -282,6 +281,14 @@ bool is_nearly_all_of_few(const ReportInput& in, std::size_t g) {
 /// nothing.
 bool is_beside_other_cause(const Group& group) { return group.alias != Alias::none && group.alias != Alias::wander; }
 
+/// Whether readings that it was not fitted to speak for an effect. That one of approach coincides with passes was
+/// planned: where these wander, it is not the one of all candidates that happens to look like them.
+bool is_spoken_for(const Found& found, const Group& group) {
+  const bool planned = found.wander_is_evident && found.families[group.member.family].effect.traits().of_approach;
+  const double enough = planned ? kPositive / static_cast<double>(found.candidates_tried) : kSpeaksFor;
+  return group.e_value.value_or(0.0) >= enough;
+}
+
 /// How sure each effect found is. What leaves noise, or explains half of what is above it, is proved by readings that
 /// it was not fitted to, or likely where these do not suffice; where no split shows it, noise replicates decide, and
 /// prove it where the noise is known. Where more is left, noise replicates decide nothing: likely is what those
@@ -300,7 +307,7 @@ std::vector<Standing> standings_of(const ReportInput& in, bool noise) {
         (group.e_value ? *group.e_value >= kProved : replicates_prove))
       proved.push_back(g);
     else if (!(found.step && is_like_wander(found.families[group.member.family].effect)) &&
-             (explained || is_beside_other_cause(group) || group.e_value.value_or(0.0) >= kSpeaksFor ||
+             (explained || is_beside_other_cause(group) || is_spoken_for(found, group) ||
               is_nearly_all_of_few(in, g)) &&
              found.false_naming(group.member.score()) <= kLikelyChance)
       likely.push_back(g);
@@ -577,6 +584,9 @@ std::string why_not_named(const ReportInput& in) {
         "{} does not predict the residual at targets that it is not fitted to: measure at targets "
         "between the present ones",
         name);
+  if (bends_to_structure(in.found, g, in.regressors.data()))
+    return fmt::format("{} leaves a shape that no smooth curve follows: measure at targets between the present ones",
+                       name);
   return in.found.objection;
 }
 

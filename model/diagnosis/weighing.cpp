@@ -161,12 +161,22 @@ void weigh(const Regressors& regressors, const Base& base, const Search& search,
     if (best.score() > found.solution.score()) found.solution = std::move(best);
   }
   if (found.groups.empty()) return;
-  const LinearProblem all = joined(base, search, found.solution);
-  found.wander_is_evident = is_wandering(regressors.data(), found.noise, found.left_out, all.columns, all.target);
+  const auto beside_wander = [&](std::size_t i) {
+    return may_be_wander(found.noise, found.families[found.groups[i].member.family].effect);
+  };
+  std::vector<Choice> shown;  // without effects that a wander replaces: what these explain may be one
   for (std::size_t i = 0; i < found.groups.size(); ++i) {
     std::optional<double>& e_value = found.groups[i].e_value;
-    if (found.wander_is_evident || may_be_wander(found.noise, found.families[found.groups[i].member.family].effect))
-      e_value = e_value_of_group(i, NullHypothesis::noise_or_wander);
+    if (beside_wander(i)) e_value = e_value_of_group(i, NullHypothesis::noise_or_wander);
+    if (!is_like_wander(found.families[found.groups[i].member.family].effect) ||
+        e_value.value_or(kSpeaksFor) >= kSpeaksFor)
+      shown.push_back(found.solution.chosen[i]);
+  }
+  const LinearProblem rest = joined(base, search, search.solution(shown, found.solution.own));
+  found.wander_is_evident = is_wandering(regressors.data(), found.noise, found.left_out, rest.columns, rest.target);
+  for (std::size_t i = 0; i < found.groups.size(); ++i) {
+    std::optional<double>& e_value = found.groups[i].e_value;
+    if (found.wander_is_evident && !beside_wander(i)) e_value = e_value_of_group(i, NullHypothesis::noise_or_wander);
     if (e_value) *e_value /= static_cast<double>(found.candidates_tried);
   }
 }

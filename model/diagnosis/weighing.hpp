@@ -12,6 +12,8 @@ namespace ecs::model {
 inline constexpr double kPositive = 3.0;
 /// Below this e-value readings that an effect was not fitted to speak against it.
 inline constexpr double kSpeaksAgainst = 1.0 / kPositive;
+/// Readings that an effect was not fitted to speak for it from this e-value on.
+inline constexpr double kSpeaksFor = 1.0;
 
 /// The model with the effects of a solution.
 [[nodiscard]] LinearProblem joined(const Base& base, const Search& search, const Solution& solution);

@@ -3,6 +3,7 @@
 
 #include "model/data/curve_basis.hpp"
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/normal_matrix.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;
@@ -475,4 +476,15 @@ TEST_CASE(
     for (const Candidate& one : found.candidates)
       CHECK_FALSE_MESSAGE((one.in_answer() && one.effect.traits().periodic), found.headline);
   }
+}
+
+TEST_CASE("a lost motion is likely, not proved, if drifts beside it are no better than a zero of each pass") {
+  const Eigen::MatrixXd zeros_um = ecs::test::normal_matrix(3, 2, 1);
+  const auto set = measured({.targets = 29, .runs = 2}, kNoise_um,
+                            [&](const Reading& r) { return 1.2 * d(r) + zeros_um(r.run, d(r) > 0.0 ? 1 : 0); });
+  const Diagnosis found = diagnosed(straight(), set);
+  CHECK(found.verdict == Verdict::likely_effect);
+  REQUIRE_FALSE(found.candidates.empty());
+  CHECK(to_text(found.candidates.front().effect) == "backlash:X:EX");
+  CHECK_MESSAGE(found.candidates.front().standing == Standing::likely, found.headline);
 }
