@@ -8,6 +8,7 @@
 #include "model/diagnosis/e_value.hpp"
 #include "model/diagnosis/structure.hpp"
 #include "model/diagnosis/trial.hpp"
+#include "model/diagnosis/weighing.hpp"
 #include "model/effects/definition.hpp"
 #include "model/fit/held_out.hpp"
 #include "model/fit/noise.hpp"
@@ -93,13 +94,22 @@ Result<void> check_e_values(const Model& model, const Observations& data, const 
                       candidates_beside(model, own, all_candidates(model, regressors)), own);
   check_number(check, "candidates_tried", static_cast<double>(claim.candidates_tried),
                static_cast<double>(search.candidates()));
-  const bool wanders = is_wandering(data, noise, left_out, all.columns, all.target);
+  const auto e_value_beside = [&](const Member& member, NullHypothesis null) {
+    const LinearProblem others = problem_with(alone, members, regressors, &member);
+    return e_value_of({regressors, noise, left_out}, others.columns, others.target, member.effect, null);
+  };
+  std::vector<Member> shown;
+  for (const Member& member : members)
+    if (!is_like_wander(member.effect) ||
+        !is_replaced_by_wander(member.effect, e_value_beside(member, NullHypothesis::noise_or_wander)))
+      shown.push_back(member);
+  std::optional<LinearProblem> not_replaced;
+  if (shown.size() < members.size()) not_replaced = problem_with(alone, shown, regressors, nullptr);
+  const bool wanders = wanders_beside(data, noise, left_out, all, not_replaced);
   for (const Member& member : members) {
     if (!member.claimed.in_answer()) continue;
     const bool beside_wander = wanders || may_be_wander(noise, member.effect);
-    const LinearProblem others = problem_with(alone, members, regressors, &member);
-    auto e_value = e_value_of({regressors, noise, left_out}, others.columns, others.target, member.effect,
-                              beside_wander ? NullHypothesis::noise_or_wander : NullHypothesis::noise);
+    auto e_value = e_value_beside(member, beside_wander ? NullHypothesis::noise_or_wander : NullHypothesis::noise);
     if (e_value) *e_value /= static_cast<double>(std::max<std::size_t>(search.candidates(), 1));
     check_e_value(check, to_text(member.effect) + " e_value", member.claimed.e_value, e_value);
   }

@@ -263,7 +263,10 @@ std::optional<double> e_value_of(const Evidence& on, const MatrixXd& columns, co
   const Observations& data = on.regressors.data();
   if (data.size() > kMostWeighed) return weighed_in_part(on, columns, target, effect, null);
   std::vector<Wander> laws;
-  if (null == NullHypothesis::noise_or_wander || acts_on_few(on.regressors, effect)) laws.push_back({on.noise, 0.0});
+  const bool is_correlated =
+      std::ranges::any_of(on.noise.groups, [](const NoiseGroup& g) { return g.correlated > 0.0; });
+  if (null == NullHypothesis::noise_or_wander || is_correlated || acts_on_few(on.regressors, effect))
+    laws.push_back({on.noise, 0.0});
   if (null == NullHypothesis::noise_or_wander) {
     const auto add_likely = [&](const MatrixXd& with, const VectorXd& rest) {
       std::vector<LikelyWander> likely = likely_wanders(data, on.noise, on.left_out, with, rest);

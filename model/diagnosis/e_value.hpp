@@ -30,7 +30,7 @@ enum class NullHypothesis { noise, noise_or_wander };
 /// fitted to than the best the model can do when fitted to these very readings, each with its own size of the noise.
 /// At most 1/α of data sets without the effect exceed α on average over them (Markov). Nothing where no split shows the
 /// effect on both sides.
-/// Beside a wander the readings that the effect was fitted to are given, for the others depend on them.
+/// Beside a wander or turbulence the readings that the effect was fitted to are given, for the others depend on them.
 /// @param columns,target  of the model without the effect  @param effect  its searched parameter is searched again
 [[nodiscard]] std::optional<double> e_value_of(const Evidence& on, const Eigen::MatrixXd& columns,
                                                const Eigen::VectorXd& target, const EffectInstance& effect,

@@ -85,7 +85,7 @@ struct Found {
   std::optional<OddPass> odd_pass;   ///< where nothing is found: stands off the others
   std::optional<StepOfRuns> step;    ///< explains more than any one run does: no run is bad then
   bool wanders = false;              ///< what was taken for noise does
-  bool wander_is_evident = false;    ///< in what the effects found leave: is_wandering()
+  bool wander_is_evident = false;    ///< beside the effects found: wanders_beside()
   std::optional<FreeWave> wave;      ///< in what is left, with another phase in every pass
   std::string run_note;              ///< a run that explains nearly as much as an effect found, "" for none
   std::string objection;             ///< why the effects found are no causes although they explain, "" for none

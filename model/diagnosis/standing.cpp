@@ -284,7 +284,8 @@ bool is_beside_other_cause(const Group& group) { return group.alias != Alias::no
 /// Whether readings that it was not fitted to speak for an effect. That one of approach coincides with passes was
 /// planned: where these wander, it is not the one of all candidates that happens to look like them.
 bool is_spoken_for(const Found& found, const Group& group) {
-  const bool planned = found.wander_is_evident && found.families[group.member.family].effect.traits().of_approach;
+  const bool planned = found.wander_is_evident && !found.bad_run && !found.step &&
+                       found.families[group.member.family].effect.traits().of_approach;
   const double enough = planned ? kPositive / static_cast<double>(found.candidates_tried) : kSpeaksFor;
   return group.e_value.value_or(0.0) >= enough;
 }
@@ -608,7 +609,9 @@ Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise)
   if (ranked.e_value && (noise || (*ranked.e_value < kProved && !found.bad_run)))
     return {fmt::format("held-out readings do not decide it (e-value {:.2g}; {:g} is proof)", *ranked.e_value, kProved),
             again};
-  if (!noise) return {why_not_explained(found), "Measure the same lines again on targets between the present ones"};
+  if (!noise)
+    return {why_not_explained(found),
+            found.bad_run ? again : "Measure the same lines again on targets between the present ones"};
   return {"neither half of the readings shows it on its own", again};
 }
 

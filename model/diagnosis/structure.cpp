@@ -295,6 +295,15 @@ bool is_wandering(const Observations& data, const NoiseModel& noise, const std::
              kMemories, [&](double memory) { return deviance({wandering(noise, kShare, memory * session)}) < most; });
 }
 
+bool wanders_by_pass(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                     const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) {
+  constexpr double kOfPasses = 0.1;  // of the session, as a pass is of five runs both ways
+  if (!is_wandering(data, noise, left_out, columns, target)) return false;
+  const Wander likeliest = likely_wanders(data, noise, left_out, columns, target).front().law;
+  const double memory = likeliest.noise.groups.front().time;
+  return likeliest.level_um == 0.0 && (memory == kForever || memory <= kOfPasses * session_of(data, noise));
+}
+
 bool is_like_wander(const EffectInstance& effect) {
   const EffectDefinition& definition = effect.definition();
   return effect.traits().is_drift || effect.traits().of_condition || definition.has_need(Need::time) ||

@@ -124,6 +124,11 @@ struct WanderingNoise {
 [[nodiscard]] bool is_wandering(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
                                 const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
 
+/// Whether it does, and the likeliest wander is another in every pass, as a lost motion is: a zero of its own in each,
+/// or one that lasts no longer than a pass.
+[[nodiscard]] bool wanders_by_pass(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                                   const Eigen::MatrixXd& columns, const Eigen::VectorXd& target);
+
 /// Whether an effect changes in time or with a condition, as a wander does.
 [[nodiscard]] bool is_like_wander(const EffectInstance& effect);
 

@@ -134,6 +134,16 @@ void drop_lags_not_shown(const Regressors& regressors, const Base& base, const S
 
 }  // namespace
 
+bool is_replaced_by_wander(const EffectInstance& effect, std::optional<double> e_value) {
+  return is_like_wander(effect) && e_value.value_or(kSpeaksFor) < kSpeaksFor;
+}
+
+bool wanders_beside(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                    const LinearProblem& all, const std::optional<LinearProblem>& not_replaced) {
+  return is_wandering(data, noise, left_out, all.columns, all.target) ||
+         (not_replaced && wanders_by_pass(data, noise, left_out, not_replaced->columns, not_replaced->target));
+}
+
 void weigh(const Regressors& regressors, const Base& base, const Search& search, StepwiseOptions stepwise,
            Found& found) {
   const auto e_value_of_group = [&](std::size_t i, NullHypothesis null) {
@@ -161,22 +171,24 @@ void weigh(const Regressors& regressors, const Base& base, const Search& search,
     if (best.score() > found.solution.score()) found.solution = std::move(best);
   }
   if (found.groups.empty()) return;
-  const auto beside_wander = [&](std::size_t i) {
-    return may_be_wander(found.noise, found.families[found.groups[i].member.family].effect);
+  const auto effect_of = [&](std::size_t i) -> const EffectInstance& {
+    return found.families[found.groups[i].member.family].effect;
   };
-  std::vector<Choice> shown;  // without effects that a wander replaces: what these explain may be one
+  std::vector<Choice> shown;
   for (std::size_t i = 0; i < found.groups.size(); ++i) {
     std::optional<double>& e_value = found.groups[i].e_value;
-    if (beside_wander(i)) e_value = e_value_of_group(i, NullHypothesis::noise_or_wander);
-    if (!is_like_wander(found.families[found.groups[i].member.family].effect) ||
-        e_value.value_or(kSpeaksFor) >= kSpeaksFor)
-      shown.push_back(found.solution.chosen[i]);
+    if (may_be_wander(found.noise, effect_of(i))) e_value = e_value_of_group(i, NullHypothesis::noise_or_wander);
+    if (!is_replaced_by_wander(effect_of(i), e_value)) shown.push_back(found.solution.chosen[i]);
   }
-  const LinearProblem rest = joined(base, search, search.solution(shown, found.solution.own));
-  found.wander_is_evident = is_wandering(regressors.data(), found.noise, found.left_out, rest.columns, rest.target);
+  std::optional<LinearProblem> not_replaced;
+  if (shown.size() < found.groups.size())
+    not_replaced = joined(base, search, search.solution(shown, found.solution.own));
+  found.wander_is_evident = wanders_beside(regressors.data(), found.noise, found.left_out,
+                                           joined(base, search, found.solution), not_replaced);
   for (std::size_t i = 0; i < found.groups.size(); ++i) {
     std::optional<double>& e_value = found.groups[i].e_value;
-    if (found.wander_is_evident && !beside_wander(i)) e_value = e_value_of_group(i, NullHypothesis::noise_or_wander);
+    if (found.wander_is_evident && !may_be_wander(found.noise, effect_of(i)))
+      e_value = e_value_of_group(i, NullHypothesis::noise_or_wander);
     if (e_value) *e_value /= static_cast<double>(found.candidates_tried);
   }
 }

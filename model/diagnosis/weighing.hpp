@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "model/diagnosis/investigation.hpp"
@@ -17,6 +18,12 @@ inline constexpr double kSpeaksFor = 1.0;
 
 /// The model with the effects of a solution.
 [[nodiscard]] LinearProblem joined(const Base& base, const Search& search, const Solution& solution);
+/// Whether a wander explains as much as an effect that changes like one. @param e_value  beside a wander, not yet
+/// divided by the number of candidates
+[[nodiscard]] bool is_replaced_by_wander(const EffectInstance& effect, std::optional<double> e_value);
+/// Whether the readings wander beside all effects found, or from pass to pass beside those that no wander replaces.
+[[nodiscard]] bool wanders_beside(const Observations& data, const NoiseModel& noise, const std::vector<bool>& left_out,
+                                  const LinearProblem& all, const std::optional<LinearProblem>& not_replaced);
 /// All but the i-th.
 [[nodiscard]] std::vector<Choice> others(std::vector<Choice> chosen, std::size_t i);
 /// Readings that count, less what is absorbed.

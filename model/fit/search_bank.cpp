@@ -47,7 +47,8 @@ MatrixXd place_columns(const EffectDefinition& definition, const std::vector<dou
   return columns;
 }
 
-/// In single precision; 0 where a product with it might be subnormal, for which processors take a hundred times as long.
+/// In single precision; 0 where a product with it might be subnormal, for which processors take a hundred times as
+/// long.
 MatrixXf in_single_precision(const MatrixXd& values) {
   constexpr double kNearlySubnormal = 1e-30;
   return (values.array().abs() < kNearlySubnormal).select(0.0, values).cast<float>();

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "tests/model/support/measured_lines.hpp"
+#include "tests/support/normal_matrix.hpp"
 #include "tests/support/test.hpp"
 
 using namespace ecs;
@@ -55,6 +56,14 @@ TEST_CASE("a diagnosis holds on its own data, whether it names one cause, two or
   CHECK(differing(two.checked_as(two.claim)) == none);
   const Diagnosed noise(nothing);
   CHECK(differing(noise.checked_as(noise.claim)) == none);
+}
+
+TEST_CASE("a lost motion beside drifts that a zero of each pass replaces is weighed in the check as in the diagnosis") {
+  const Eigen::MatrixXd zeros_um = ecs::test::normal_matrix(3, 2, 1);
+  const Diagnosed found([&](const Reading& r) { return 1.2 * d(r) + zeros_um(r.run, d(r) > 0.0 ? 1 : 0); }, straight(),
+                        {.targets = 29, .runs = 2});
+  REQUIRE(found.verdict == Verdict::likely_effect);
+  CHECK(differing(found.checked_as(found.claim)).empty());
 }
 
 TEST_CASE("a diagnosis of a model with a free wave holds at the place that the wave has beside the cause") {

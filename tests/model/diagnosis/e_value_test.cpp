@@ -222,6 +222,37 @@ TEST_CASE("against a zero that moves slowly the mean of e is at most one, though
   }
 }
 
+TEST_CASE("beside turbulence of a minute the mean of e is at most one, though both halves of the targets share it") {
+  constexpr double kTime_s = 60.0, kShare = 0.9;
+  const Weighed of(measured(of_targets(21, 3), kSigma_um, nothing));
+  NoiseModel noise = of.noise;
+  noise.has_time = true;
+  for (NoiseGroup& group : noise.groups) {
+    group.white = std::sqrt(1.0 - kShare) * kSigma_um;
+    group.correlated = std::sqrt(kShare) * kSigma_um;
+    group.time = kTime_s;
+  }
+  constexpr unsigned kSets = 200;
+  double mean = 0.0;
+  for (unsigned seed = 1; seed <= kSets; ++seed) {
+    const VectorXd steps = ecs::test::normal_matrix(of.target.size(), 1, seed).col(0);
+    VectorXd y =
+        std::sqrt(1.0 - kShare) * kSigma_um * ecs::test::normal_matrix(of.target.size(), 1, 1000 + seed).col(0);
+    double air = 0.0, before_s = -1e9;
+    for (Index k = 0; k < y.size(); ++k) {
+      const double now_s = of.data.time_s[static_cast<std::size_t>(k)], memory = std::exp((before_s - now_s) / kTime_s);
+      air = memory * air + std::sqrt(1.0 - memory * memory) * steps(k);
+      y(k) += std::sqrt(kShare) * kSigma_um * air;
+      before_s = now_s;
+    }
+    mean += e_value_of({of.regressors, noise, of.left_out}, of.columns, y, candidate("backlash:X:EX"),
+                       NullHypothesis::noise)
+                .value_or(1.0) /
+            kSets;
+  }
+  CHECK(mean < 1.5);
+}
+
 TEST_CASE("a lost motion has evidence beside zeros of the runs of half its size, not if each pass has such a zero") {
   const auto e_of = [](bool by_pass, unsigned seed) {
     const Eigen::MatrixXd zeros_um = 0.4 * ecs::test::normal_matrix(7, 2, seed);
