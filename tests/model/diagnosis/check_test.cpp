@@ -95,9 +95,9 @@ TEST_CASE("a diagnosis that names a fault of the map holds, and one that names a
   Model mapped = straight();
   mapped.map.emplace();
   laser::MapTable table{Component::EXX, Approach::unknown, {}, {}};
-  for (double x = 0.0; x <= 1000.0; x += 50.0) {
-    table.position_mm.push_back(x);
-    table.compensation.push_back(4.0 * std::sin(x / 90.0));
+  for (int i = 0; i <= 20; ++i) {
+    table.position_mm.push_back(50.0 * i);
+    table.compensation.push_back(4.0 * std::sin(table.position_mm.back() / 90.0));
   }
   mapped.map->tables.push_back(table);
   const Diagnosed fault([&](const Reading& r) { return -2.0 * laser::compensation_at(table, p(r)); }, mapped);
