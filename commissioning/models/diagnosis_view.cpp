@@ -310,7 +310,7 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& d) {
                               parameters_text(c.parameters) +
                                   (is_one_of_several ? " (values fitted together with the other effects)" : ""))),
       "sigma"_is(sigmas),
-      "undetermined"_is(std::ranges::any_of(c.parameters, &model::ParameterEstimate::undetermined), ""),
+      "undetermined"_is(model::is_undetermined(c.effect, c.parameters), ""),
       "named"_is(c.named), "standing"_is(name_of(c.standing)),
       "but"_is(text_or_null(c.but), details(!c.but.empty(), "but: " + c.but)),
       "decide"_is(text_or_null(c.decide), details(!c.decide.empty(), "to decide: " + c.decide)),

@@ -261,11 +261,9 @@ bool is_beside_ramp(const Found& found, std::size_t g, const Observations& data)
   return false;
 }
 
-/// Whether what these readings cannot tell from a shape holds the shape itself: beside others that are no causes
+/// Whether what these readings cannot tell from an effect holds the effect itself: beside others that are no causes
 /// another one may follow them far better.
 bool is_in_own_set(const Found& found, std::size_t g) {
-  const EffectTraits& traits = found.families[found.groups[g].member.family].effect.traits();
-  if (!traits.is_smooth && !traits.shape_of_position) return true;
   return probabilities_of(alternatives_of(found.groups[g]), found.families).front() >= 1.0 - kCredible;
 }
 

@@ -459,6 +459,17 @@ std::string smaller_wave_text(const NamedWave& wave, const Observations& data) {
 
 }  // namespace
 
+bool is_undetermined(const EffectInstance& effect, const std::vector<ParameterEstimate>& parameters) {
+  if (std::ranges::any_of(parameters, &ParameterEstimate::undetermined)) return true;
+  const auto is_known_size = [&](const ParameterEstimate& one) {
+    const auto& all = effect.definition().parameters;
+    const auto found = std::ranges::find(all, one.name, &ParameterDefinition::name);
+    const bool is_size = found == all.end() || (found->coding != Coding::searched && found->coding != Coding::phase);
+    return is_size && !is_guess(one);
+  };
+  return !parameters.empty() && std::ranges::none_of(parameters, is_known_size);
+}
+
 bool follows_other_sensor(const EffectInstance& a, const EffectInstance& b) {
   return same_place(a, b) && a.approach == b.approach && !same_sensors(a, b);
 }

@@ -31,6 +31,10 @@ inline constexpr double kPercent = 100.0;
 [[nodiscard]] std::string finding_text(const EffectInstance& effect, const std::vector<ParameterEstimate>& parameters,
                                        const Observations& data);
 
+/// Whether `parameters` hold one of many possible values: another term of the model does the same on these readings, or
+/// they do not show so much as the sign of any size.
+[[nodiscard]] bool is_undetermined(const EffectInstance& effect, const std::vector<ParameterEstimate>& parameters);
+
 /// "X positions", "Y deviations along X", "Angles EA along X", "C positions", "Deviations EX over C": what readings of
 /// a sense say where an axis moves. @param rotary  the axis is A, B or C
 [[nodiscard]] std::string readings_word(Sense sense, std::optional<Axis> axis, bool rotary = false);

@@ -102,6 +102,26 @@ TEST_CASE("a size that the data do not determine is not told as a number") {
             .starts_with("a periodic error of an undetermined amount in X positioning, period 10.00 mm"));
 }
 
+TEST_CASE("an effect is undetermined where its sentence states no size") {
+  ParameterEstimate size = estimate_of("c_um", "um", -5.3), length = estimate_of("u0_mm", "mm", 16.8);
+  const EffectInstance spike = effect(effects::reversal_spike, Axis::Y, Sense::EY);
+  length.sigma = 4.8;
+  size.sigma = 2.1;
+  CHECK_FALSE(is_undetermined(spike, {length, size}));
+  size.sigma = 21.5;
+  CHECK(is_undetermined(spike, {length, size}));
+  size.sigma.reset();
+  CHECK_FALSE(is_undetermined(spike, {length, size}));
+  size.undetermined = true;
+  CHECK(is_undetermined(spike, {length, size}));
+  ParameterEstimate amplitude = estimate_of("amplitude_um", "um", 0.4), phase = estimate_of("phase_rad", "rad", 3.0);
+  amplitude.sigma = 0.5;
+  phase.sigma = 1.2;
+  CHECK(is_undetermined(screw_wave(10.0), {estimate_of("period_mm", "mm", 10.0), amplitude, phase}));
+  amplitude.sigma = 0.1;
+  CHECK_FALSE(is_undetermined(screw_wave(10.0), {estimate_of("period_mm", "mm", 10.0), amplitude, phase}));
+}
+
 TEST_CASE("sizes in readings of a rotation are in um/m, of curves too") {
   const auto bow = [](const laser::Reading& r) { return 12.0 * std::sin(3.14159265358979 * p(r) / 1000.0); };
   const Diagnosis found = diagnosed(straight(Axis::X, Sense::EA), measured({.sense = Sense::EA}, kNoise_um, bow));
