@@ -95,6 +95,7 @@ Candidate candidate_in(const Json& object, AnswerReader& reader) {
   candidate.tried_at.value = reader.number(tried_at, "value");
   for (const Json& one : reader.list(tried_at, "coefficients"))
     candidate.tried_at.coefficients.push_back(reader.count(Json{{"coefficients", one}}, "coefficients"));
+  if (object.contains("apart")) candidate.apart = reader.word(object, "apart");
   const Json parameters = reader.object(object, "parameters");
   for (const auto& [name, value] : parameters.items())
     if (value.is_number())
@@ -112,6 +113,9 @@ Claim claim_in(const Json& object, AnswerReader& reader) {
   claim.plain = reader.flag(object, "plain");
   for (const Json& one : reader.list(object, "own_terms"))
     claim.own_terms.push_back({reader.count(one, "effect"), reader.number(one, "value")});
+  if (object.contains("apart"))
+    for (const Json& one : reader.list(object, "apart"))
+      claim.apart.push_back(reader.word(Json{{"apart", one}}, "apart"));
   for (const Json& one : reader.list(object, "candidates")) claim.candidates.push_back(candidate_in(one, reader));
   return claim;
 }

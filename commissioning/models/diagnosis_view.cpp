@@ -339,6 +339,7 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& d) {
           details(!c.next_measurement.empty() && (c.decide.empty() || !rivals.empty()),
                   (c.decide.empty() ? "next: " : "then, to separate the rivals: ") + c.next_measurement)));
   if (!c.effect.curve.empty()) fields.push_back("curve"_is(curve_json(c.effect.curve)));
+  if (!c.apart.empty()) fields.push_back("apart"_is(c.apart));
   return {
       object_of(fields),
       laid_out("{place} {rms_after_um:>9} {explained:>12} {held_out_rms_before_um:>8} {held_out_rms_um:>8}\n", fields) +
@@ -639,6 +640,7 @@ Cell diagnosis_cell(const Diagnosis& d) {
       "outliers"_is(d.outliers, outliers_text(d)), "notes"_is(d.notes, notes_text(notes)),
       "candidates_tried"_is(d.candidates_tried), "own_terms"_is(own_terms_json(d.own_terms)),
       "blanks"_is(d.noise_replicates, d.noise_replicates > 0 ? tried : ""));
+  if (!d.apart.empty()) answer.json["apart"] = d.apart;
   add_by_unit(answer.json, d.noise.unit,
               {{"rms", d.rms_by_unit}, {"rms_after", d.rms_after_by_unit}, {"noise", d.noise.by_unit}});
   return answer;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "model/diagnosis/apart.hpp"
 #include "model/diagnosis/e_value.hpp"
 #include "model/diagnosis/structure.hpp"
 #include "model/diagnosis/trial.hpp"
@@ -55,6 +56,12 @@ std::vector<Member> members_of(const Claim& claim, const Model& model, const Reg
   const std::vector<EffectInstance> all = all_candidates(model, regressors);
   for (const Candidate& candidate : claim.candidates) {
     if (!candidate.in_answer() && !candidate.found) continue;
+    if (!candidate.apart.empty() && std::ranges::find(claim.apart, candidate.apart) == claim.apart.end()) {
+      check.objections.push_back(
+          fmt::format("{} is judged on {}, which is not among the lines judged apart", to_text(candidate.effect),
+                      candidate.apart));
+      continue;
+    }
     const auto found =
         std::ranges::find_if(all, [&](const EffectInstance& one) { return same_candidate(one, candidate.effect); });
     if (found == all.end()) {
@@ -77,12 +84,17 @@ LinearProblem problem_with(LinearProblem problem, const std::vector<Member>& mem
   return problem;
 }
 
-/// On the readings that were searched, with noise and outliers settled beside all members.
+/// On the readings that were searched together, with noise and outliers settled beside all members.
+/// @param members  that are judged on these readings
 Result<void> check_e_values(const Model& model, const Observations& data, const Claim& claim,
                             const std::vector<Member>& members, Check& check) {
   const Regressors regressors(data);
   ECS_TRY(base, base_of(model, regressors, claim.plain));
-  const LinearProblem alone = problem_with_own(model, base, regressors, claim.own_terms);
+  std::vector<OwnTerm> own_terms = claim.own_terms;
+  std::erase_if(own_terms, [&](const OwnTerm& one) {
+    return std::ranges::find(base.own, one.effect) == base.own.end();
+  });
+  const LinearProblem alone = problem_with_own(model, base, regressors, own_terms);
   const LinearProblem all = problem_with(alone, members, regressors, nullptr);
   std::vector<bool> left_out = base.core.left_out;
   NoiseModel noise = base.noise;
@@ -92,8 +104,9 @@ Result<void> check_e_values(const Model& model, const Observations& data, const 
   for (const std::size_t i : base.own) own.push_back(model.effects[i]);
   const Search search(regressors, Whitener(data, noise, left_out), base.columns, base.target,
                       candidates_beside(model, own, all_candidates(model, regressors)), own);
-  check_number(check, "candidates_tried", static_cast<double>(claim.candidates_tried),
-               static_cast<double>(search.candidates()));
+  if (claim.apart.empty())
+    check_number(check, "candidates_tried", static_cast<double>(claim.candidates_tried),
+                 static_cast<double>(search.candidates()));
   const auto e_value_beside = [&](const Member& member, NullHypothesis null) {
     const LinearProblem others = problem_with(alone, members, regressors, &member);
     return e_value_of({regressors, noise, left_out}, others.columns, others.target, member.effect, null);
@@ -203,8 +216,15 @@ Result<Check> checked(const Model& model, const Observations& all, const Claim& 
   }
   if (named.empty()) return check;
   const std::size_t largest = DiagnoseOptions{}.largest_search;
-  const bool part = data.size() > largest;
-  ECS_DO(check_e_values(model, part ? searched_part(data, largest) : data, claim, members, check));
+  const std::vector<std::vector<std::size_t>> parts = parts_of_lines(data, claim.apart);
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    std::vector<Member> here;
+    for (const Member& member : members)
+      if (member.claimed.apart == (p == 0 ? "" : claim.apart[p - 1])) here.push_back(member);
+    if (std::ranges::none_of(here, [](const Member& member) { return member.claimed.in_answer(); })) continue;
+    const Observations part = claim.apart.empty() ? data : subset(data, parts[p]);
+    ECS_DO(check_e_values(model, part.size() > largest ? searched_part(part, largest) : part, claim, here, check));
+  }
   return check;
 }
 

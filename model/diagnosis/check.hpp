@@ -18,6 +18,7 @@ struct Claim {
   std::size_t candidates_tried = 0;
   bool plain = false;  ///< no outliers (DiagnoseOptions)
   std::vector<OwnTerm> own_terms;
+  std::vector<std::string> apart;  ///< as Diagnosis
   /// Named ones, and the others of the best set found. Of `effect` the place, approach and sensors are read.
   std::vector<Candidate> candidates;
 };

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "base/file_kind.hpp"
+#include "model/diagnosis/apart.hpp"
 #include "model/diagnosis/bad_run.hpp"
 #include "model/diagnosis/investigation.hpp"
 #include "model/diagnosis/ladder.hpp"
@@ -174,11 +175,11 @@ std::vector<ParameterEstimate> quick_parameters(const RankedCandidate& ranked, c
 }
 
 /// @param wander  what noise that wanders looks like; empty where that does not matter
-double false_naming_of(const Found& found, const WanderScores& wander, const Choice& choice) {
-  const double least = 1.0 / (static_cast<double>(found.replicate_scores.size()) + 1.0);  // they show no less
-  const double of_noise = found.false_naming(choice.score());
-  if (wander.scores.empty()) return std::max(least, of_noise);
-  return std::max(least, std::lerp(of_noise, tail_probability(wander.scores, choice.score()), wander.probability));
+double false_naming_of(const Found& found, const WanderScores& wander, const RankedCandidate& one) {
+  if (wander.scores.empty()) return one.false_naming;
+  const double least = 1.0 / (static_cast<double>(found.replicate_scores.size()) + 1.0);
+  return std::max(least, std::lerp(found.false_naming(one.choice.score()),
+                                   tail_probability(wander.scores, one.choice.score()), wander.probability));
 }
 
 Candidate candidate_of(const ReportInput& in, const RankedCandidate& ranked, const VectorXd& before,
@@ -295,6 +296,17 @@ std::vector<Dependence> dependences(const Observations& data, const VectorXd& re
   }
   sort_greatest_first(list, [](const Dependence& one) { return one.strength; });
   return list;
+}
+
+/// "No effects of the library explain EZ along Z: this line is judged apart from the others."
+std::string words_for_lines_apart(const std::vector<std::string>& apart) {
+  std::vector<std::string> lines;
+  for (const std::string& line : apart) {
+    const auto end = line.find(':');
+    lines.push_back(fmt::format("{} along {}", line.substr(end + 1), line.substr(0, end)));
+  }
+  return fmt::format("No effects of the library explain {}: {} judged apart from the others.", fmt::join(lines, " and "),
+                     lines.size() > 1 ? "each of these lines is" : "this line is");
 }
 
 /// A sentence on the measured lines on which no effect of the model acts, not even an offset; "" where there is none.
@@ -424,22 +436,15 @@ std::optional<JointProof> joint_proof(const ReportInput& in, const std::vector<R
                     held_out_rms(in.regressors.data(), with.noise, with.left_out, parts, all.columns, all.target)};
 }
 
-Result<NamedCauses> names_alone(const ReportInput& in) {
-  const Answer answer = answer_of(in);
+Result<NamedCauses> names_alone(const ReportInput&, const Answer& answer) {
   NamedCauses names{answer.verdict, {}, 1.0};
   for (const RankedCandidate& ranked : answer.order) {
     if (ranked.standing == Standing::possible) continue;
-    NamedCause cause{to_text(ranked.effect),
-                     ranked.probability,
-                     ranked.e_value,
-                     false_naming_of(in.found, {}, ranked.choice),
-                     ranked.p_value,
-                     ranked.standing,
-                     {}};
+    NamedCause cause{to_text(ranked.effect), ranked.probability, ranked.e_value, ranked.false_naming,
+                     ranked.p_value,         ranked.standing,    {}};
     for (const auto& rival : ranked.rivals) cause.rivals.push_back(place_text(rival));
     double alone = ranked.p_value_alone;
-    if (ranked.standing == Standing::likely &&
-        !noise_left(in.found, in.options))  // against noise alone it says nothing
+    if (ranked.standing == Standing::likely && !answer.explained)  // against noise alone it says nothing
       alone = cause.p_value = 1.0 / std::max(1.0, ranked.e_value.value_or(1.0));
     names.causes.push_back(std::move(cause));
     names.p_value = std::min(names.p_value, alone);
@@ -519,7 +524,7 @@ std::string note_of(const RivalOfPart& rival) {
                      separating_measurement(rival.part, {rival.other}));
 }
 
-Result<Diagnosis> reported(const ReportInput& in) {
+Result<Diagnosis> reported(const ReportInput& in, const Answer& answer) {
   const Observations& data = in.regressors.data();
   const VectorXd before = told_residual(in.model, data, in.options.plain, in.base.residual);
   Diagnosis diagnosis;
@@ -528,9 +533,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
   diagnosis.candidates_tried = in.found.candidates_tried;
   diagnosis.noise_replicates = in.found.replicate_scores.size();
   diagnosis.replicates_wanted = in.options.noise_replicates;
-  const Answer answer = answer_of(in);
-  const auto& [verdict, order, cannot_tell, other_unit] = answer;
+  const auto& [verdict, order, cannot_tell, other_unit, explained, apart] = answer;
   diagnosis.verdict = verdict;
+  diagnosis.apart = apart;
   diagnosis.own_terms = in.own;
   std::vector<FoundEffect> in_answer;
   for (const RankedCandidate& ranked : order)
@@ -566,8 +571,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
       order.empty() ? 0.0 : held_out_rms(data, noise, left_out, parts, in.problem.columns, in.problem.target);
   for (std::size_t i = 0; i < order.size(); ++i) {
     Candidate candidate = candidate_of(in, order[i], before, whitener, parts, with, held_out_before, i < kMostProved);
-    candidate.false_naming = false_naming_of(in.found, wander, order[i].choice);
-    candidate.found = i < in.found.groups.size();
+    candidate.false_naming = false_naming_of(in.found, wander, order[i]);
+    candidate.found = order[i].found;
+    candidate.apart = order[i].apart;
     if (order[i].in_answer()) {  // these are first
       take_parameters(candidate, after.effects[in.model.effects.size() + i]);
       state_sets(candidate, in, order, i, whitener, after);
@@ -581,10 +587,9 @@ Result<Diagnosis> reported(const ReportInput& in) {
                                                           axis_letter(candidate.effect))
                                             : separating_measurement(candidate.effect, open);
     if (candidate.standing == Standing::likely) {
-      const Doubt doubt = doubt_about(order[i], in.found, noise_left(in.found, in.options));
-      candidate.but = doubt.but;
-      candidate.decide = doubt.decide;
-      if (open.empty()) candidate.next_measurement = doubt.decide + ".";
+      candidate.but = order[i].doubt.but;
+      candidate.decide = order[i].doubt.decide;
+      if (open.empty()) candidate.next_measurement = candidate.decide + ".";
     }
     diagnosis.candidates.push_back(std::move(candidate));
   }
@@ -662,6 +667,7 @@ Result<Diagnosis> reported(const ReportInput& in) {
       headline_for(diagnosis, data, diagnosis.different_run ? diagnosis.different_run->text : run_note(in.found),
                    passes.has_value());
   if (why_in_headline) diagnosis.headline += fmt::format(" No effect is named, because {}.", why_not_named(in));
+  if (!apart.empty()) diagnosis.headline += " " + words_for_lines_apart(apart);
   diagnosis.headline += beside_formulas(in.model, diagnosis);
   if (std::ranges::any_of(in.model.effects, [](const auto& effect) { return !effect.tied_with.empty(); }) ||
       std::ranges::find(in.base.core.undetermined, true) != in.base.core.undetermined.end())
@@ -682,27 +688,20 @@ Result<Diagnosis> reported(const ReportInput& in) {
 /// start, slopes and lost motion, is there among what is sought, and all readings show the errors of several axes.
 constexpr std::size_t kMostOfSeveralAxes = 6;
 
-/// Number of axes along which readings were taken.
-std::size_t axes_moved(const Observations& data) { return std::set<Axis>(data.axis.begin(), data.axis.end()).size(); }
-
-/// Searches the readings, of large sets an even choice.
-/// @param answer  from a ReportInput about all readings
+/// Searches the readings, and answers.
+/// @param answered  from a ReportInput about all readings, and what it says of each candidate
 template <class Answered>
-Result<Answered> searched_and(Result<Answered> (*answer)(const ReportInput&), const Model& model,
+Result<Answered> searched_and(Result<Answered> (*answered)(const ReportInput&, const Answer&), const Model& model,
                               const Regressors& regressors, const Base& base, const DiagnoseOptions& options) {
-  const Observations& data = regressors.data();
-  const auto from = [&](const Found& found) {
-    std::vector<OwnTerm> own;
-    for (const Choice& term : found.solution.own)
-      own.push_back({base.own[term.family - found.candidates_tried], term.nonlinear});
-    return answer({model, regressors, base, own, problem_with_own(model, base, regressors, own), found, options});
+  ECS_TRY(found, found_in(model, regressors, base, options));
+  const auto from = [&](const std::vector<OwnTerm>& own) {
+    return ReportInput{model, regressors, base, own, problem_with_own(model, base, regressors, own), found, options};
   };
-  if (data.size() <= options.largest_search)
-    return from(searched(model, regressors, base, all_candidates(model, regressors), options));
-  const Observations part = searched_part(data, options.largest_search);
-  const Regressors part_regressors(part);
-  ECS_TRY(part_base, base_of(model, part_regressors, options.plain));
-  return from(searched(model, part_regressors, part_base, all_candidates(model, part_regressors), options));
+  const std::vector<OwnTerm> own = own_terms_of(found, base);
+  const ReportInput in = from(own);
+  const Answer answer = answer_of(in);
+  ECS_TRY(apart, judged_apart(in, answer));
+  return apart ? answered(from(apart->own), apart->answer) : answered(in, answer);
 }
 
 bool names_any(const Diagnosis& diagnosis) { return std::ranges::any_of(diagnosis.candidates, &Candidate::in_answer); }
@@ -710,7 +709,7 @@ bool names_any(const NamedCauses& causes) { return !causes.causes.empty(); }
 
 /// @param few  what is said where there are too few readings to say anything
 template <class Answered, class Few>
-Result<Answered> diagnosed(Result<Answered> (*answer)(const ReportInput&), const Few& few, const Model& model,
+Result<Answered> diagnosed(Result<Answered> (*answer)(const ReportInput&, const Answer&), const Few& few, const Model& model,
                            const Observations& data, DiagnoseOptions options) {
   if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to diagnose");
   options.most_effects *= axes_moved(data);

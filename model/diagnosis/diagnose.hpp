@@ -105,6 +105,7 @@ struct Candidate : TrialNumbers {
   std::map<std::string, std::vector<double>> parameters_set;
   bool found = false;  ///< of the best set found: e-values of its other members are weighed beside this one
   TriedAt tried_at;
+  std::string apart{};                              ///< the line of Diagnosis::apart on which alone it was judged; else ""
   std::size_t skipped = 0;                          ///< readings without a cell that it needs
   std::vector<std::string> indistinguishable_from;  ///< "effect:axis:sense-or-code"
   std::vector<EffectInstance> rivals;               ///< the same, with approach and sensors
@@ -176,6 +177,8 @@ struct Diagnosis {
   std::vector<std::string> notes;     ///< skipped rows, what could not be tried and why, what was assumed
   std::size_t candidates_tried = 0;
   std::vector<OwnTerm> own_terms;
+  /// Lines that no effects explain, "Z:EZ": each is judged alone, and the others together without them.
+  std::vector<std::string> apart{};
   std::size_t noise_replicates = 0;   ///< that were searched
   bool noise_wanders = false;         ///< false_naming is that of noise which wanders as the readings do
   std::size_t replicates_wanted = 0;  ///< searched unless the first ones already show that noise explains the readings

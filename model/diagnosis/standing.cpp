@@ -104,6 +104,7 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, const std::ve
                         group.alias,
                         group.p_value,
                         group.p_value_alone};
+    one.found = true;
     for (const Choice& rival : group.rivals) one.rivals.push_back(instance(rival));
     for (const Choice& weaker : group.weaker)  // which sensor it follows is open, too
       if (const EffectInstance other = instance(weaker);
@@ -141,10 +142,12 @@ std::vector<RankedCandidate> ranked_candidates(const Found& found, const std::ve
     for (std::size_t i = 0; i < found.closest.size(); ++i)
       list.push_back({instance(found.closest[i]), found.closest[i], Standing::possible, {}, shares[i], {}});
   }
+  const double least = 1.0 / (static_cast<double>(found.replicate_scores.size()) + 1.0);  // they show no less
+  for (RankedCandidate& one : list) one.false_naming = std::max(least, found.false_naming(one.choice.score()));
   return list;
 }
 
-/// Share of what is above noise that some of the effects found explain together, each reading in units of its noise.
+/// Share of what is above noise that some of the effects found explain together.
 /// @param chosen  which, by their number
 double share_of_found(const ReportInput& in, const std::vector<std::size_t>& chosen) {
   LinearProblem all = in.problem;
@@ -152,13 +155,7 @@ double share_of_found(const ReportInput& in, const std::vector<std::size_t>& cho
     const Choice& choice = in.found.groups[g].member;
     all = joined_with(all, columns_on(in.regressors, in.found.families[choice.family].effect, choice));
   }
-  const Whitener whitener(in.regressors.data(), in.base.core.noise, in.base.core.left_out);
-  const std::vector<double> sigma = in.found.noise.sigma_by_row(in.regressors.data().size());
-  const auto rms = [&](Eigen::VectorXd residual) {
-    for (std::size_t k = 0; k < sigma.size(); ++k) residual(static_cast<Eigen::Index>(k)) /= sigma[k];
-    return rms_without(residual, in.base.core.left_out);
-  };
-  return explainable_share(rms(in.base.residual), rms(residual_of(all, whitener)), 1.0);
+  return share_explained(in, all);
 }
 
 /// Whether an effect predicts, beside the others that are proved, at targets that it was not fitted to at least half of
@@ -589,6 +586,18 @@ std::string why_not_named(const ReportInput& in) {
   return in.found.objection;
 }
 
+double share_explained(const ReportInput& in, const LinearProblem& with) {
+  const Whitener whitener(in.regressors.data(), in.base.core.noise, in.base.core.left_out);
+  const std::vector<double> sigma = in.found.noise.sigma_by_row(in.regressors.data().size());
+  const auto rms = [&](Eigen::VectorXd residual) {
+    for (std::size_t k = 0; k < sigma.size(); ++k) residual(static_cast<Eigen::Index>(k)) /= sigma[k];
+    return rms_without(residual, in.base.core.left_out);
+  };
+  return explainable_share(rms(in.base.residual), rms(residual_of(with, whitener)), 1.0);
+}
+
+namespace {
+
 Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise) {
   const std::string again = "Measure the same lines again in both directions";
   if (ranked.alias == Alias::wander && is_like_wander(ranked.effect))
@@ -613,11 +622,15 @@ Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise)
   return {"neither half of the readings shows it on its own", again};
 }
 
+}  // namespace
+
 Answer answer_of(const ReportInput& in) {
   const bool noise = noise_left(in.found, in.options);
   std::vector<Standing> standings = standings_of(in, noise);
   const bool of_points = deny_errors_of_points(in, standings);
-  Answer answer{verdict_of(in, standings, noise), {}, "", ""};
+  Answer answer;
+  answer.verdict = verdict_of(in, standings, noise);
+  answer.explained = noise && in.found.objection.empty();
   if (answer.verdict != Verdict::adequate)
     if (const auto scaled = scaled_line(in.regressors.data());
         scaled && !(noise && found_any(standings) && in.found.objection.empty() && !in.found.bad_run &&
@@ -627,6 +640,8 @@ Answer answer_of(const ReportInput& in) {
       std::ranges::fill(standings, Standing::possible);
     }
   answer.order = ranked_candidates(in.found, standings);
+  for (RankedCandidate& one : answer.order)
+    if (one.standing == Standing::likely) one.doubt = doubt_about(one, in.found, noise);
   if (of_points && !found_any(standings)) {
     answer.verdict = Verdict::cannot_tell;
     answer.cannot_tell = fmt::format(

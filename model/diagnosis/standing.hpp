@@ -32,6 +32,11 @@ struct ReportInput {
   const DiagnoseOptions& options;
 };
 
+/// What is not excluded of an effect that is likely, and the measurement that would decide.
+struct Doubt {
+  std::string but, decide;
+};
+
 /// The candidates in the order in which they are ranked, each with its part in the answer.
 struct RankedCandidate {
   EffectInstance effect;
@@ -45,6 +50,10 @@ struct RankedCandidate {
   Alias alias = Alias::none;
   double p_value = 1.0, p_value_alone = 1.0;
   std::vector<RivalOfPart> in_part{};
+  double false_naming = 1.0;  ///< as of Candidate, by noise that does not wander
+  bool found = false;         ///< as of Candidate
+  Doubt doubt{};              ///< of what is likely
+  std::string apart{};        ///< as of Candidate
   [[nodiscard]] bool in_answer() const { return standing != Standing::possible; }
 };
 
@@ -54,6 +63,8 @@ struct Answer {
   std::vector<RankedCandidate> order;
   std::string cannot_tell;  ///< why the verdict is that; else ""
   std::string other_unit;   ///< a line in another unit than others, which effects do not explain, as sentences; else ""
+  bool explained = false;   ///< what was found leaves noise, and nothing objects to it
+  std::vector<std::string> apart;  ///< lines judged alone, the others together without them: "Z:EZ" (apart.hpp)
 };
 [[nodiscard]] Answer answer_of(const ReportInput& in);
 
@@ -63,10 +74,7 @@ struct Answer {
 /// objection.
 [[nodiscard]] std::string why_not_named(const ReportInput& in);
 
-/// What is not excluded of an effect that is likely, and the measurement that would decide.
-struct Doubt {
-  std::string but, decide;
-};
-[[nodiscard]] Doubt doubt_about(const RankedCandidate& ranked, const Found& found, bool noise);
+/// Share of what is above noise that more columns than those of the model explain, each reading in units of its noise.
+[[nodiscard]] double share_explained(const ReportInput& in, const LinearProblem& with);
 
 }  // namespace ecs::model
