@@ -309,10 +309,8 @@ Cell candidate_cell(const Candidate& c, const Diagnosis& d) {
                       details(!c.parameters.empty(),
                               parameters_text(c.parameters) +
                                   (is_one_of_several ? " (values fitted together with the other effects)" : ""))),
-      "sigma"_is(sigmas),
-      "undetermined"_is(model::is_undetermined(c.effect, c.parameters), ""),
-      "named"_is(c.named), "standing"_is(name_of(c.standing)),
-      "but"_is(text_or_null(c.but), details(!c.but.empty(), "but: " + c.but)),
+      "sigma"_is(sigmas), "undetermined"_is(model::is_undetermined(c.effect, c.parameters), ""), "named"_is(c.named),
+      "standing"_is(name_of(c.standing)), "but"_is(text_or_null(c.but), details(!c.but.empty(), "but: " + c.but)),
       "decide"_is(text_or_null(c.decide), details(!c.decide.empty(), "to decide: " + c.decide)),
       "rms_after_um"_is(c.rms_after_um, fmt::format("{:.3f}", shown_rms_um)),
       "explained"_is(c.explained, percent(c.shown_explained())), "explainable_share"_is(c.explainable_share),

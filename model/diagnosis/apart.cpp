@@ -64,7 +64,8 @@ Result<std::map<std::string, Part>> lines_not_explained(const ReportInput& whole
   return not_explained;
 }
 
-/// Where each own term of the model acts, by number of the part; nothing where one acts on several, for it has one value.
+/// Where each own term of the model acts, by number of the part; nothing where one acts on several, for it has one
+/// value.
 std::optional<std::vector<std::size_t>> parts_of_own(const ReportInput& whole, const std::vector<Rows>& parts) {
   std::vector<std::size_t> of_own;
   for (const OwnTerm& term : whole.own) {
@@ -98,17 +99,15 @@ std::vector<RankedCandidate> joined_order(const std::vector<const Part*>& parts,
   return order;
 }
 
-/// As answer_of(): proved causes explain all in part where they explain half of what is above noise.
+/// As answer_of(): causes explain all in part where they explain half of what is above noise.
 Verdict verdict_of_parts(const ReportInput& whole, const std::vector<RankedCandidate>& order) {
+  const bool any_proved = std::ranges::find(order, Standing::proved, &RankedCandidate::standing) != order.end();
+  const Standing standing = any_proved ? Standing::proved : Standing::likely;
   LinearProblem all = whole.problem;
-  bool any_proved = false;
-  for (const RankedCandidate& one : order) {
-    if (one.standing != Standing::proved) continue;
-    any_proved = true;
-    all = joined_with(all, columns_on(whole.regressors, one.effect, one.choice));
-  }
-  return any_proved && share_explained(whole, all) >= kPartExplained ? Verdict::partly_explained
-                                                                     : Verdict::unexplained_structure;
+  for (const RankedCandidate& one : order)
+    if (one.standing == standing) all = joined_with(all, columns_on(whole.regressors, one.effect, one.choice));
+  if (share_explained(whole, all) < kPartExplained) return Verdict::unexplained_structure;
+  return any_proved ? Verdict::partly_explained : Verdict::likely_effect;
 }
 
 }  // namespace
@@ -155,10 +154,10 @@ Result<std::optional<JudgedApart>> judged_apart(const ReportInput& whole, const 
   if (!of_own) return std::nullopt;
   ECS_TRY(others, judged_alone(whole, rows.front(), ""));
   if (!others || !others->answer.explained) return std::nullopt;
+  if (std::ranges::none_of(others->answer.order, &RankedCandidate::in_answer)) return std::nullopt;
   std::vector<const Part*> parts{&*others};
   for (const auto& [name, part] : not_explained) parts.push_back(&part);
   judged.answer.order = joined_order(parts, answer.order);
-  if (std::ranges::none_of(judged.answer.order, &RankedCandidate::in_answer)) return std::nullopt;
   judged.answer.verdict = verdict_of_parts(whole, judged.answer.order);
   for (std::size_t i = 0; i < of_own->size(); ++i) {
     const std::vector<OwnTerm>& own = parts[(*of_own)[i]]->own;

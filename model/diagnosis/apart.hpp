@@ -30,8 +30,8 @@ struct JudgedApart {
   std::vector<OwnTerm> own;  ///< each from the part on which it acts
 };
 /// Where effects do not explain all readings, but all those of some lines: the answer about these lines together, and
-/// about each other line alone. A line is an axis and a sense, wherever it lies. Nothing where no effect is named then,
-/// where all lines or none are explained alone, and for paths, balls and points in space.
+/// about each other line alone. A line is an axis and a sense, wherever it lies. Nothing where these lines show no
+/// cause, where all lines or none are explained alone, and for paths, balls and points in space.
 [[nodiscard]] Result<std::optional<JudgedApart>> judged_apart(const ReportInput& whole, const Answer& answer);
 
 }  // namespace ecs::model

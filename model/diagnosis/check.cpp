@@ -57,9 +57,8 @@ std::vector<Member> members_of(const Claim& claim, const Model& model, const Reg
   for (const Candidate& candidate : claim.candidates) {
     if (!candidate.in_answer() && !candidate.found) continue;
     if (!candidate.apart.empty() && std::ranges::find(claim.apart, candidate.apart) == claim.apart.end()) {
-      check.objections.push_back(
-          fmt::format("{} is judged on {}, which is not among the lines judged apart", to_text(candidate.effect),
-                      candidate.apart));
+      check.objections.push_back(fmt::format("{} is judged on {}, which is not among the lines judged apart",
+                                             to_text(candidate.effect), candidate.apart));
       continue;
     }
     const auto found =
@@ -91,9 +90,8 @@ Result<void> check_e_values(const Model& model, const Observations& data, const 
   const Regressors regressors(data);
   ECS_TRY(base, base_of(model, regressors, claim.plain));
   std::vector<OwnTerm> own_terms = claim.own_terms;
-  std::erase_if(own_terms, [&](const OwnTerm& one) {
-    return std::ranges::find(base.own, one.effect) == base.own.end();
-  });
+  std::erase_if(own_terms,
+                [&](const OwnTerm& one) { return std::ranges::find(base.own, one.effect) == base.own.end(); });
   const LinearProblem alone = problem_with_own(model, base, regressors, own_terms);
   const LinearProblem all = problem_with(alone, members, regressors, nullptr);
   std::vector<bool> left_out = base.core.left_out;

@@ -305,8 +305,8 @@ std::string words_for_lines_apart(const std::vector<std::string>& apart) {
     const auto end = line.find(':');
     lines.push_back(fmt::format("{} along {}", line.substr(end + 1), line.substr(0, end)));
   }
-  return fmt::format("No effects of the library explain {}: {} judged apart from the others.", fmt::join(lines, " and "),
-                     lines.size() > 1 ? "each of these lines is" : "this line is");
+  return fmt::format("No effects of the library explain {}: {} judged apart from the others.",
+                     fmt::join(lines, " and "), lines.size() > 1 ? "each of these lines is" : "this line is");
 }
 
 /// A sentence on the measured lines on which no effect of the model acts, not even an offset; "" where there is none.
@@ -440,8 +440,13 @@ Result<NamedCauses> names_alone(const ReportInput&, const Answer& answer) {
   NamedCauses names{answer.verdict, {}, 1.0};
   for (const RankedCandidate& ranked : answer.order) {
     if (ranked.standing == Standing::possible) continue;
-    NamedCause cause{to_text(ranked.effect), ranked.probability, ranked.e_value, ranked.false_naming,
-                     ranked.p_value,         ranked.standing,    {}};
+    NamedCause cause{to_text(ranked.effect),
+                     ranked.probability,
+                     ranked.e_value,
+                     ranked.false_naming,
+                     ranked.p_value,
+                     ranked.standing,
+                     {}};
     for (const auto& rival : ranked.rivals) cause.rivals.push_back(place_text(rival));
     double alone = ranked.p_value_alone;
     if (ranked.standing == Standing::likely && !answer.explained)  // against noise alone it says nothing
@@ -709,8 +714,8 @@ bool names_any(const NamedCauses& causes) { return !causes.causes.empty(); }
 
 /// @param few  what is said where there are too few readings to say anything
 template <class Answered, class Few>
-Result<Answered> diagnosed(Result<Answered> (*answer)(const ReportInput&, const Answer&), const Few& few, const Model& model,
-                           const Observations& data, DiagnoseOptions options) {
+Result<Answered> diagnosed(Result<Answered> (*answer)(const ReportInput&, const Answer&), const Few& few,
+                           const Model& model, const Observations& data, DiagnoseOptions options) {
   if (data.size() == 0) return problem(ProblemKind::bad_input, "no readings to diagnose");
   options.most_effects *= axes_moved(data);
   if (!data.paths.empty() || !data.through_chain.empty())

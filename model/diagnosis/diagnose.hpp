@@ -105,8 +105,8 @@ struct Candidate : TrialNumbers {
   std::map<std::string, std::vector<double>> parameters_set;
   bool found = false;  ///< of the best set found: e-values of its other members are weighed beside this one
   TriedAt tried_at;
-  std::string apart{};                              ///< the line of Diagnosis::apart on which alone it was judged; else ""
-  std::size_t skipped = 0;                          ///< readings without a cell that it needs
+  std::string apart{};      ///< the line of Diagnosis::apart on which alone it was judged; else ""
+  std::size_t skipped = 0;  ///< readings without a cell that it needs
   std::vector<std::string> indistinguishable_from;  ///< "effect:axis:sense-or-code"
   std::vector<EffectInstance> rivals;               ///< the same, with approach and sensors
   std::vector<RivalOfPart> in_part;                 ///< none of them rivals of the whole

@@ -259,8 +259,10 @@ bool is_beside_ramp(const Found& found, std::size_t g, const Observations& data)
 }
 
 /// Whether what these readings cannot tell from an effect holds the effect itself: beside others that are no causes
-/// another one may follow them far better.
+/// another one may follow the same shape far better. A lost motion is known by its sign, not by a shape.
 bool is_in_own_set(const Found& found, std::size_t g) {
+  const EffectTraits& traits = found.families[found.groups[g].member.family].effect.traits();
+  if (traits.of_approach && !traits.shape_of_position) return true;
   return probabilities_of(alternatives_of(found.groups[g]), found.families).front() >= 1.0 - kCredible;
 }
 

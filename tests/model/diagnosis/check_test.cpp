@@ -23,7 +23,7 @@ struct Diagnosed {
   explicit Diagnosed(const Truth& truth, Model of = straight(), const Plan& line = {})
       : model(std::move(of)), data(observations_of(measured(line, kNoise_um, truth), model, mill())) {
     const Diagnosis found = diagnose(model, data, {.noise_replicates = 100}).value();
-    claim = {found.observations, found.rms_um,    found.rms_after_um, found.candidates_tried, false,
+    claim = {found.observations, found.rms_um, found.rms_after_um, found.candidates_tried, false,
              found.own_terms,    found.apart,  found.candidates};
     verdict = found.verdict;
   }
