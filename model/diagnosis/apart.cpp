@@ -80,7 +80,6 @@ std::optional<std::vector<std::size_t>> parts_of_own(const ReportInput& whole, c
 /// Causes of all parts, proved ones first; then what else was found in one of them; then what was listed before.
 std::vector<RankedCandidate> joined_order(const std::vector<const Part*>& parts,
                                           const std::vector<RankedCandidate>& before) {
-  constexpr std::size_t kMostListed = 12;
   std::vector<RankedCandidate> order;
   const auto add = [&](const RankedCandidate& one, const std::string& line) {
     if (std::ranges::any_of(order, [&](const auto& known) { return same_candidate(known.effect, one.effect); })) return;
@@ -143,7 +142,8 @@ std::vector<Rows> parts_of_lines(const Observations& data, const std::vector<std
 
 Result<std::optional<JudgedApart>> judged_apart(const ReportInput& whole, const Answer& answer) {
   const Observations& data = whole.regressors.data();
-  if (answer.explained || !data.paths.empty() || !data.through_chain.empty() || are_scattered_points(data))
+  if (answer.explained || !answer.other_unit.empty() || !data.paths.empty() || !data.through_chain.empty() ||
+      are_scattered_points(data))
     return std::nullopt;
   ECS_TRY(not_explained, lines_not_explained(whole));
   if (not_explained.empty()) return std::nullopt;

@@ -31,7 +31,8 @@ struct JudgedApart {
 };
 /// Where effects do not explain all readings, but all those of some lines: the answer about these lines together, and
 /// about each other line alone. A line is an axis and a sense, wherever it lies. Nothing where these lines show no
-/// cause, where all lines or none are explained alone, and for paths, balls and points in space.
+/// cause, where all lines or none are explained alone, where a line is in another unit, and for paths, balls and points
+/// in space.
 [[nodiscard]] Result<std::optional<JudgedApart>> judged_apart(const ReportInput& whole, const Answer& answer);
 
 }  // namespace ecs::model

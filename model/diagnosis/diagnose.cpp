@@ -298,14 +298,14 @@ std::vector<Dependence> dependences(const Observations& data, const VectorXd& re
   return list;
 }
 
-/// "No effects of the library explain EZ along Z: this line is judged apart from the others."
+/// "No effects of the library explain all readings of EZ along Z: this line is judged apart from the others."
 std::string words_for_lines_apart(const std::vector<std::string>& apart) {
   std::vector<std::string> lines;
   for (const std::string& line : apart) {
     const auto end = line.find(':');
     lines.push_back(fmt::format("{} along {}", line.substr(end + 1), line.substr(0, end)));
   }
-  return fmt::format("No effects of the library explain {}: {} judged apart from the others.",
+  return fmt::format("No effects of the library explain all readings of {}: {} judged apart from the others.",
                      fmt::join(lines, " and "), lines.size() > 1 ? "each of these lines is" : "this line is");
 }
 

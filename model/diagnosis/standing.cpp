@@ -26,8 +26,6 @@
 namespace ecs::model {
 namespace {
 
-/// Candidates listed: what a person reads.
-constexpr std::size_t kMostListed = 12;
 /// A credible set holds the cause with this probability.
 constexpr double kCredible = 0.99;
 /// A wave alone explains nearly all of what is above noise from this share on: one whose size changes by no more than

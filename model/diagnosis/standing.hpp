@@ -14,6 +14,8 @@
 
 namespace ecs::model {
 
+/// Candidates listed: what a person reads.
+inline constexpr std::size_t kMostListed = 12;
 /// A dependence that noise alone shows more often is not telling.
 inline constexpr double kTellingChance = 1e-3;
 /// Probabilities are given down to 1e-300: below, a double ends.
