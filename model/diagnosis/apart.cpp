@@ -49,11 +49,15 @@ Result<std::optional<Part>> judged_alone(const ReportInput& whole, const Rows& r
                             own, line});
 }
 
-/// Lines whose readings effects do not explain, each judged alone, by name; nothing of lines with too few readings.
-Result<std::map<std::string, Part>> lines_not_explained(const ReportInput& whole) {
-  const Observations& data = whole.regressors.data();
+std::map<std::string, Rows> lines_of(const Observations& data) {
   std::map<std::string, Rows> lines;
   for (std::size_t k = 0; k < data.size(); ++k) lines[line_of_reading(data, k)].push_back(k);
+  return lines;
+}
+
+/// Lines whose readings effects do not explain, each judged alone, by name; nothing of lines with too few readings.
+Result<std::map<std::string, Part>> lines_not_explained(const ReportInput& whole) {
+  const std::map<std::string, Rows> lines = lines_of(whole.regressors.data());
   std::map<std::string, Part> not_explained;
   if (lines.size() < 2) return not_explained;
   for (const auto& [name, rows] : lines) {
@@ -64,12 +68,31 @@ Result<std::map<std::string, Part>> lines_not_explained(const ReportInput& whole
   return not_explained;
 }
 
-/// Where each own term of the model acts, by number of the part; nothing where one acts on several, for it has one
-/// value.
+/// Readings of the lines on which a term of the model changes: where it is constant, a zero of the line absorbs it.
+Rows changed_by(const ReportInput& whole, const OwnTerm& term) {
+  constexpr double kConstant = 1e-9;  // of its largest value
+  const Eigen::MatrixXd columns = whole.regressors.columns(whole.model.effects[term.effect], term.value).of;
+  const double largest = columns.size() == 0 ? 0.0 : columns.cwiseAbs().maxCoeff();
+  Rows changed;
+  for (const auto& [name, rows] : lines_of(whole.regressors.data())) {
+    const auto changes = [&](std::size_t k) {
+      const Eigen::RowVectorXd step =
+          columns.row(static_cast<Eigen::Index>(k)) - columns.row(static_cast<Eigen::Index>(rows.front()));
+      return step.cwiseAbs().maxCoeff() > kConstant * largest;
+    };
+    if (columns.cols() > 0 && std::ranges::any_of(rows, changes))
+      changed.insert(changed.end(), rows.begin(), rows.end());
+  }
+  std::ranges::sort(changed);
+  return changed;
+}
+
+/// The part on which each own term of the model changes, by its number; nothing where one does on several, for it has
+/// one value.
 std::optional<std::vector<std::size_t>> parts_of_own(const ReportInput& whole, const std::vector<Rows>& parts) {
   std::vector<std::size_t> of_own;
   for (const OwnTerm& term : whole.own) {
-    const Rows rows = whole.regressors.acting(whole.model.effects[term.effect]).rows;
+    const Rows rows = changed_by(whole, term);
     const auto part = std::ranges::find_if(parts, [&](const Rows& one) { return includes(one, rows); });
     if (part == parts.end()) return std::nullopt;
     of_own.push_back(static_cast<std::size_t>(part - parts.begin()));

@@ -353,15 +353,26 @@ bool leaves_more_than_noise(const Search& search, const Solution& solution, cons
          1.0 + kMoreThanNoise * std::sqrt(2.0 / freedom + 2.0 / options.noise_freedom);
 }
 
+/// Whether two effects are each of one line only, and of different lines: no pair stands for both of them that two
+/// steps, one a line, do not find.
+bool are_of_different_lines(const EffectInstance& one, const EffectInstance& other) {
+  return one.axis && one.sense && other.axis && other.sense && (one.axis != other.axis || one.sense != other.sense);
+}
+
 /// Steps that replace one effect may pass by two. Where more than noise is left, pairs are tried beside all effects
-/// found but one, and beside all but two.
+/// found but one, and beside all but two of the same line.
 Solution exchanged_in_pairs(const Search& search, Solution best, const StepwiseOptions& options) {
   if (best.chosen.size() < 2 || !leaves_more_than_noise(search, best, options)) return best;
+  const auto effect_of = [&](const Choice& one) -> const EffectInstance& {
+    return search.families()[one.family].effect;
+  };
   std::vector<std::vector<Choice>> kept;
   for (std::size_t i = 0; i < best.chosen.size(); ++i) {
     const std::vector<Choice> but_one = without_member(best.chosen, i);
     if (but_one.size() + 2 <= options.most_effects) kept.push_back(but_one);
-    for (std::size_t j = 0; j < i && but_one.size() > 1; ++j) kept.push_back(without_member(but_one, j));
+    for (std::size_t j = 0; j < i && but_one.size() > 1; ++j)
+      if (!are_of_different_lines(effect_of(best.chosen[i]), effect_of(best.chosen[j])))
+        kept.push_back(without_member(but_one, j));
   }
   const std::vector<Choice> own = best.own;
   for (const std::vector<Choice>& others : kept)
