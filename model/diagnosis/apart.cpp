@@ -44,9 +44,13 @@ Result<std::optional<Part>> judged_alone(const ReportInput& whole, const Rows& r
   options.most_effects = options.most_effects / axes_moved(all) * axes_moved(data);
   ECS_TRY(found, found_in(whole.model, regressors, base, options));
   const std::vector<OwnTerm> own = own_terms_of(found, base);
-  return std::optional(Part{answer_of({whole.model, regressors, base, own,
-                                       problem_with_own(whole.model, base, regressors, own), found, options}),
-                            own, line});
+  Part part{answer_of({whole.model, regressors, base, own, problem_with_own(whole.model, base, regressors, own), found,
+                       options}),
+            own, line};
+  // a wander of all lines can look like a drift on one of them
+  for (RankedCandidate& one : part.answer.order)
+    if (one.standing == Standing::likely && is_like_wander(one.effect)) one.standing = Standing::possible;
+  return std::optional(std::move(part));
 }
 
 std::map<std::string, Rows> lines_of(const Observations& data) {
@@ -74,7 +78,8 @@ Rows changed_by(const ReportInput& whole, const OwnTerm& term) {
   const Eigen::MatrixXd columns = whole.regressors.columns(whole.model.effects[term.effect], term.value).of;
   const double largest = columns.size() == 0 ? 0.0 : columns.cwiseAbs().maxCoeff();
   Rows changed;
-  for (const auto& [name, rows] : lines_of(whole.regressors.data())) {
+  for (const auto& line : lines_of(whole.regressors.data())) {
+    const Rows& rows = line.second;
     const auto changes = [&](std::size_t k) {
       const Eigen::RowVectorXd step =
           columns.row(static_cast<Eigen::Index>(k)) - columns.row(static_cast<Eigen::Index>(rows.front()));
