@@ -47,9 +47,10 @@ Result<std::optional<Part>> judged_alone(const ReportInput& whole, const Rows& r
   Part part{answer_of({whole.model, regressors, base, own, problem_with_own(whole.model, base, regressors, own), found,
                        options}),
             own, line};
-  // a wander of all lines can look like a drift on one of them
+  // a wander of all lines can look like an effect on one of them
   for (RankedCandidate& one : part.answer.order)
-    if (one.standing == Standing::likely && is_like_wander(one.effect)) one.standing = Standing::possible;
+    if (one.standing == Standing::likely && (is_like_wander(one.effect) || one.alias == Alias::wander))
+      one.standing = Standing::possible;
   return std::optional(std::move(part));
 }
 
