@@ -9,6 +9,7 @@
 
 #include "model/diagnosis/trial.hpp"
 #include "model/diagnosis/visits.hpp"
+#include "model/diagnosis/weighing.hpp"
 #include "model/effects/definition.hpp"
 
 namespace ecs::model {
@@ -49,7 +50,8 @@ Result<std::optional<Part>> judged_alone(const ReportInput& whole, const Rows& r
             own, line};
   // a wander of all lines can look like an effect on one of them
   for (RankedCandidate& one : part.answer.order)
-    if (one.standing == Standing::likely && (is_like_wander(one.effect) || one.alias == Alias::wander))
+    if (one.standing == Standing::likely &&
+        (is_like_wander(one.effect) || one.alias == Alias::wander || one.e_value.value_or(kSpeaksFor) < kSpeaksFor))
       one.standing = Standing::possible;
   return std::optional(std::move(part));
 }
