@@ -48,9 +48,9 @@ TEST_CASE("a shape of one line that is in no library hides no cause on another l
        [](const Reading& r) { return 0.3 * std::sin(2.0 * std::numbers::pi * p(r) / 90.0) + 0.25 * d(r); }},
       {"step", [](const Reading& r) { return p(r) > 430.0 ? 1.2 : 0.0; }},
       {"curve", [](const Reading& r) { return 0.8 * std::sin(std::numbers::pi * p(r) / 700.0); }}};
-  for (const auto& [what, truth] : causes) {
-    CAPTURE(what);
-    const TwoLines lines(truth);
+  for (const auto& one : causes) {
+    CAPTURE(one.first);
+    const TwoLines lines(one.second);
     const Diagnosis alone = diagnosed(straight(Axis::X, Sense::EZ), lines.alone);
     const Diagnosis together = diagnosed(lines.model, lines.together);
     CAPTURE(alone.headline);
